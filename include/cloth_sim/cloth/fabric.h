@@ -1,0 +1,30 @@
+#pragma once
+/// \file What a cloth is made of, in SI units that do not depend on the mesh.
+
+#include <string>
+#include <vector>
+
+namespace cloth_sim {
+
+/// A woven or knitted fabric as a linear orthotropic membrane with bending and Kelvin-Voigt
+/// damping. Defaults are those of the preset "cotton".
+struct Fabric {
+  std::string name = "custom";
+  double arealDensity = 0.15;       ///< mass per area [kg/m^2], > 0
+  double tensileWarp = 1200.0;      ///< uniaxial membrane stiffness along u [N/m], > 0
+  double tensileWeft = 1200.0;      ///< uniaxial membrane stiffness along v [N/m], > 0
+  double shear = 40.0;              ///< in-plane shear stiffness [N/m], >= 0
+  double bending = 1e-5;            ///< bending rigidity [N m], >= 0
+  double damping = 1e-3;            ///< retardation time: dashpot over stiffness [s], >= 0
+  double friction = 0.3;            ///< Coulomb coefficient where an obstacle names none, >= 0
+  double thickness = 1e-3;          ///< [m]; particles rest half of it above a surface, >= 0
+  std::string source;               ///< where the values come from
+};
+
+/// Names of the built-in fabrics, sorted.
+std::vector<std::string> fabricPresetNames();
+
+/// \throws std::invalid_argument naming the known presets if `name` is none of them.
+Fabric fabricPreset(const std::string& name);
+
+}  // namespace cloth_sim

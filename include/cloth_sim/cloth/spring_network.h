@@ -1,0 +1,121 @@
+#pragma once
+/// \file Springs derived from a mesh: which there are, and how stiff each is.
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "cloth_sim/cloth/fabric.h"
+#include "cloth_sim/mesh/mesh_changes.h"
+#include "cloth_sim/mesh/triangle_mesh.h"
+
+namespace cloth_sim {
+
+enum class SpringKind : std::uint8_t { kStructural, kShear, kBend };
+constexpr int kSpringKinds = 3;
+/// "structural", "shear" or "bend".
+const char* toString(SpringKind kind);
+
+/// Direction of a spring in the weave.
+enum class ThreadDirection : std::uint8_t { kWarp, kWeft, kBias };
+
+struct Spring {
+  VertexId a = kNone;
+  VertexId b = kNone;
+  SpringKind kind = SpringKind::kStructural;
+  ThreadDirection direction = ThreadDirection::kWarp;
+  /// The vertices whose faces the spring stands on: its own ends if it is a mesh edge, the ends of
+  /// the edge that it crosses, or (bend) the vertex that it bridges and kNone.
+  std::array<VertexId, 2> support{kNone, kNone};
+  double restLength = 0.0;  ///< [m]
+  double stiffness = 0.0;   ///< [N/m]
+  double damping = 0.0;     ///< dashpot along the spring [N s/m]
+
+  bool exists() const { return a != kNone; }
+};
+
+/// Which springs a scene asks for.
+struct SpringSelection {
+  bool shear = true;
+  bool bend = true;
+};
+
+/// Constants per spring instead of a fabric, for reproducing published mass-spring demos. Each
+/// holds for a whole spring of the undamaged mesh; where the surface opens, the parts share it.
+struct RawSprings {
+  /// Per kind: [N/m] if `perStretch` is false; else force per stretch ratio, f = c (l/l0 - 1) [N].
+  std::array<double, kSpringKinds> constant{0.0, 0.0, 0.0};
+  bool perStretch = false;
+  double dashpot = 0.0;  ///< along every spring [N s/m]
+};
+
+/// How springs changed when the network followed an edit of its mesh. Slots are stable.
+struct SpringChanges {
+  std::vector<std::int32_t> added;     ///< slots that came to be, ascending
+  std::vector<std::int32_t> modified;  ///< slots whose constants or ends changed, ascending
+  std::vector<std::int32_t> removed;   ///< slots that are empty now, ascending
+  std::vector<Spring> removedSprings;  ///< what was in `removed`, in the same order
+};
+
+/// Springs of a mesh: every edge, the other diagonal across every bias edge, and bend springs over
+/// vertices that a thread passes straight through. On a grid this is the classic stencil of
+/// 4 structural, 4 shear and 4 bend neighbours (Provot 1995).
+///
+/// Stiffness follows from the fabric and the rest area that a spring stands for (Van Gelder 1998),
+/// calibrated so that the uniaxial stiffness of a square grid is the fabric's in both thread
+/// directions, shear and bend springs included. See docs/model.md for the derivation.
+class SpringNetwork {
+ public:
+  SpringNetwork() = default;
+  SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric, const SpringSelection& selection);
+  SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw, const SpringSelection& selection);
+
+  /// All slots; some may be empty (`!exists()`) after edits.
+  const std::vector<Spring>& slots() const { return slots_; }
+  const Spring& operator[](std::int32_t slot) const { return slots_[slot]; }
+  /// Slots of the springs that stand on the faces around `v` (see Spring::support).
+  const std::vector<std::int32_t>& standingOn(VertexId v) const { return standing_[v]; }
+  std::int32_t count() const { return count_[0] + count_[1] + count_[2]; }
+  std::int32_t count(SpringKind kind) const { return count_[static_cast<int>(kind)]; }
+
+  /// Rebuilds the springs around the vertices that an edit touched.
+  SpringChanges follow(const TriangleMesh& mesh, const MeshChanges& changes);
+
+ private:
+  /// Membrane constants that the springs of a square grid need [N/m], and what bends need.
+  struct Calibration {
+    double structuralWarp = 0.0;
+    double structuralWeft = 0.0;
+    double shear = 0.0;
+    double bending = 0.0;         ///< [N m]
+    double bendStretchCap = 0.0;  ///< most that bend springs may add to the tensile stiffness [N/m]
+    double damping = 0.0;         ///< [s]
+  };
+  /// Each face's part of the raw constant of its edges and of the bend springs at its corners.
+  struct RawShares {
+    std::array<double, 3> edge;
+    std::array<double, 3> corner;
+  };
+
+  void build(const TriangleMesh& mesh);
+  void deriveAround(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
+  void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, std::vector<Spring>& out) const;
+  void deriveBends(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
+  void setConstants(const TriangleMesh& mesh, const std::vector<FaceId>& on, Spring& spring) const;
+  double fabricStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+                         const Spring& spring) const;
+  double rawStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+                      const Spring& spring) const;
+  std::int32_t insert(const Spring& spring);
+  void erase(std::int32_t slot);
+
+  SpringSelection selection_;
+  Calibration calibration_;
+  std::optional<RawSprings> raw_;
+  std::vector<RawShares> rawShares_;
+  std::vector<Spring> slots_;
+  std::vector<std::vector<std::int32_t>> standing_;
+  std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,86 @@
+#pragma once
+/// \file Obstacles: shapes that may move, and the detection of particles near them.
+
+#include <string>
+#include <variant>
+
+#include "cloth_sim/cloth/state.h"
+#include "cloth_sim/contact/contacts.h"
+
+namespace cloth_sim {
+
+/// Everything below a plane through the collider's position; its z axis is the outward normal.
+struct PlaneShape {};
+/// A solid ball around the collider's position.
+struct SphereShape {
+  double radius = 0.1;  ///< [m], > 0
+};
+/// A solid board (table top): a box around the collider's position.
+struct BoxShape {
+  Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
+};
+/// The outside of a box around the collider's position is solid: particles stay within.
+struct BoundsShape {
+  Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
+};
+using Shape = std::variant<PlaneShape, SphereShape, BoxShape, BoundsShape>;
+
+/// What a scene or a command says of an obstacle.
+struct Obstacle {
+  std::string name;
+  Shape shape;
+  Pose pose;
+  Vec3 velocity = Vec3::Zero();        ///< of the pose's origin [m/s]; obstacles do not turn by themselves
+  double friction = 0.3;               ///< Coulomb coefficient, >= 0
+  double tangentialDecay = 0.0;        ///< rate at which touching particles lose tangential speed [1/s]
+};
+
+/// An obstacle at work: knows where it is at any time of the current step.
+class Collider {
+ public:
+  /// \param margin  distance that particles keep from the surface [m] (half the cloth's thickness).
+  Collider(Obstacle obstacle, double margin);
+
+  const Obstacle& obstacle() const { return obstacle_; }
+  double margin() const { return margin_; }
+  /// Where it is at `time`, given where it was at `referenceTime` and its velocity.
+  Pose poseAt(double time) const;
+  /// Moves it: the pose holds at `time`, from where `velocity` goes on.
+  void place(const Pose& pose, const Vec3& velocity, double time);
+
+  /// Signed distance from `point` to the surface less the margin (negative inside) [m] at `time`.
+  double gap(const Vec3& point, double time) const;
+
+  /// Appends the vertices that can touch it before `state.t + dt`, moving at most `reach` plus
+  /// their own speed times dt.
+  void collect(const State& state, double dt, double reach, std::vector<VertexId>& out) const;
+
+  /// See Contacts::project.
+  void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
+               double h, Vec3& impulse) const;
+
+ private:
+  Obstacle obstacle_;
+  double margin_ = 0.0;
+  double referenceTime_ = 0.0;
+};
+
+/// All obstacles of a scene.
+class ColliderSet {
+ public:
+  void add(Obstacle obstacle, double margin);
+  std::vector<Collider>& all() { return colliders_; }
+  const std::vector<Collider>& all() const { return colliders_; }
+  /// nullptr if there is none of that name.
+  Collider* find(const std::string& name);
+
+  /// Candidates of the step from state.t to state.t + dt. Colliders that nothing can reach cost a
+  /// bounding-box test and appear in no loop.
+  /// \param reach  how far a particle may be pulled beyond its own speed times dt [m].
+  void detect(const State& state, double dt, double reach, Contacts& out) const;
+
+ private:
+  std::vector<Collider> colliders_;
+};
+
+}  // namespace cloth_sim

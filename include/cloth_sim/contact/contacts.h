@@ -1,0 +1,51 @@
+#pragma once
+/// \file What a solver knows of obstacles: which particles are near them, and how to be pushed out.
+
+#include <memory>
+
+#include "cloth_sim/types.h"
+
+namespace cloth_sim {
+
+class Collider;
+
+/// A solver's particles as structure of arrays: where they are, where they were at the start of
+/// the substep, and their masses. `slotOf` maps a vertex to its place in the arrays.
+struct ParticleView {
+  double* x = nullptr;
+  double* y = nullptr;
+  double* z = nullptr;
+  const double* startX = nullptr;
+  const double* startY = nullptr;
+  const double* startZ = nullptr;
+  /// [kg]; 0 marks a particle whose motion is prescribed: it is pushed out of obstacles, but feels
+  /// no friction and gives no impulse.
+  const double* mass = nullptr;
+  const std::int32_t* slotOf = nullptr;  ///< by vertex; nullptr: the identity
+};
+
+/// The particles that may touch one collider during one step.
+struct ContactCandidates {
+  const Collider* collider = nullptr;
+  std::vector<VertexId> vertices;  ///< ascending
+  /// Impulse that the cloth has given the collider since detection [N s].
+  Vec3 impulse = Vec3::Zero();
+};
+
+/// Contacts of one step: detected once, enforced at every substep (as in Jolt's soft bodies).
+class Contacts {
+ public:
+  std::vector<ContactCandidates> candidates;
+
+  bool empty() const { return candidates.empty(); }
+
+  /// Moves particles out of the colliders and applies friction, as displacements within one
+  /// substep that ends at `time` and lasted `h`. Non-penetration is inelastic; sliding is Coulomb's
+  /// cone on displacements: it stops the slip up to mu times the normal push, so what should stick
+  /// sticks exactly (Mueller et al. 2007; Macklin et al. 2014, eq. 24). The path from the start of
+  /// the substep is swept, so a particle cannot pass through a collider thinner than it is fast.
+  /// Velocities follow from the displacements: v = (x - start) / h.
+  void project(const ParticleView& particles, double time, double h);
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,76 @@
+#pragma once
+/// \file Oriented triangle mesh with material coordinates: connectivity only, no dynamics.
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "cloth_sim/types.h"
+
+namespace cloth_sim {
+
+using Face = std::array<VertexId, 3>;
+
+/// An oriented 2-manifold with boundary, as triangles plus a vertex -> faces incidence.
+///
+/// Only `MeshEditor` changes it after construction; every edit raises `revision()`. Edges are not
+/// stored: at a vertex degree of about six, looking through the faces around one end is as quick
+/// as a map and cannot go stale.
+class TriangleMesh {
+ public:
+  TriangleMesh() = default;
+
+  /// \param material  material coordinates (u, v) per vertex [m]; warp runs along u, weft along v.
+  /// \param faces     vertex triples, counter-clockwise in material coordinates.
+  /// \throws std::invalid_argument if the result is not a valid oriented manifold.
+  TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces);
+
+  std::int32_t vertexCount() const { return static_cast<std::int32_t>(material_.size()); }
+  std::int32_t faceCount() const { return static_cast<std::int32_t>(faces_.size()); }
+  std::uint64_t revision() const { return revision_; }
+
+  const std::vector<Face>& faces() const { return faces_; }
+  const Face& face(FaceId f) const { return faces_[f]; }
+  const std::vector<Vec2>& material() const { return material_; }
+  const Vec2& material(VertexId v) const { return material_[v]; }
+
+  /// Faces around `v`, ascending by id.
+  const std::vector<FaceId>& facesAround(VertexId v) const { return incident_[v]; }
+  /// The one or two faces with the edge {a, b} (kNone where there is none).
+  std::array<FaceId, 2> facesOnEdge(VertexId a, VertexId b) const;
+  /// The vertex of `f` that is neither `a` nor `b`.
+  VertexId oppositeVertex(FaceId f, VertexId a, VertexId b) const;
+  /// Vertices joined to `v` by an edge, ascending by id.
+  std::vector<VertexId> neighbours(VertexId v) const;
+  bool isBoundary(VertexId v) const;
+
+  /// Rest area of a face, in material coordinates [m^2].
+  double restArea(FaceId f) const;
+  double totalRestArea() const;
+
+ private:
+  friend class MeshEditor;
+
+  std::vector<Vec2> material_;
+  std::vector<Face> faces_;
+  std::vector<std::vector<FaceId>> incident_;
+  std::uint64_t revision_ = 0;
+};
+
+/// Faces around `v` grouped by connection across edges at `v`: one group per fan, ordered by the
+/// smallest face id in it. A manifold vertex has exactly one.
+std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v);
+
+/// Connected pieces by shared edges: a piece number per face, and how many there are.
+/// Pieces are numbered by their smallest face id.
+struct Pieces {
+  std::int32_t count = 0;
+  std::vector<std::int32_t> ofFace;
+};
+Pieces findPieces(const TriangleMesh& mesh);
+
+/// Empty if `mesh` is a valid oriented 2-manifold with boundary whose tables agree and whose faces
+/// have positive rest area; otherwise one sentence that names the first defect.
+std::string describeDefect(const TriangleMesh& mesh);
+
+}  // namespace cloth_sim

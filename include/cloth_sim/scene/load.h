@@ -1,0 +1,29 @@
+#pragma once
+/// \file Scene files.
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cloth_sim/scene/scene.h"
+
+namespace cloth_sim {
+
+/// What is wrong with a scene: one line that names the file, the key and what was expected,
+/// such as "tear.yaml: cloth.fabric.areal_density: expected a number > 0 (got -1)".
+class SceneError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Reads and validates a YAML scene. Unknown keys are errors, with the nearest known one suggested.
+/// \param overrides  "dotted.key=value" each, applied before validation; list items by number or,
+///                   where they have one, by name ("clamps.left.gap_open=0.1").
+/// \throws SceneError
+Scene loadScene(const std::string& path, const std::vector<std::string>& overrides = {});
+
+/// The same from text; `name` stands for the file in messages.
+Scene parseScene(const std::string& yaml, const std::string& name,
+                 const std::vector<std::string>& overrides = {});
+
+}  // namespace cloth_sim

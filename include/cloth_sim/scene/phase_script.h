@@ -1,0 +1,66 @@
+#pragma once
+/// \file Runs the phases of a scene: which one is on, and when it is over. It reads observations
+/// and returns what to do; it never touches the simulation.
+
+#include "cloth_sim/scene/scene.h"
+
+namespace cloth_sim {
+
+/// What the script may look at, after each step.
+struct PhaseObservation {
+  double time = 0.0;       ///< [s]
+  double meanSpeed = 0.0;  ///< [m/s]
+  bool inContact = false;  ///< some particle touched an obstacle in the last step
+  bool clampsAtTarget = false;
+  bool clampsClosed = false;
+  int pieces = 1;
+  int broken = 0;
+};
+
+/// One phase that ran or is running.
+struct PhaseRecord {
+  std::string name;
+  double start = 0.0;         ///< [s]
+  std::optional<double> end;  ///< [s]; absent while it runs
+  bool timedOut = false;
+};
+
+enum class ScriptStatus { kIdle, kRunning, kDone, kFailed };
+
+/// A cursor over the phases of a scene.
+class PhaseScript {
+ public:
+  explicit PhaseScript(std::vector<PhaseSpec> phases);
+
+  /// Starts the first phase, if there is one. \return the phase whose actions to carry out.
+  const PhaseSpec* start(double time);
+
+  /// Ends the current phase if its conditions hold or its time-out has passed.
+  /// \return the phase that begins now, whose actions to carry out; nullptr if none does.
+  const PhaseSpec* update(const PhaseObservation& now);
+
+  /// Ends the current phase and begins the named one; the script goes on from there.
+  /// \return nullptr, and nothing changed, if there is no phase of that name.
+  const PhaseSpec* jump(const std::string& name, double time);
+
+  ScriptStatus status() const { return status_; }
+  /// nullptr unless running.
+  const PhaseSpec* current() const;
+  const std::vector<PhaseRecord>& history() const { return history_; }
+  std::vector<std::string> names() const;
+
+ private:
+  const PhaseSpec* begin(std::size_t index, double time);
+  void finish(double time, bool timedOut);
+  bool conditionsHold(const PhaseConditions& until, const PhaseObservation& now);
+
+  std::vector<PhaseSpec> phases_;
+  std::size_t index_ = 0;
+  ScriptStatus status_ = ScriptStatus::kIdle;
+  std::vector<PhaseRecord> history_;
+  double phaseStart_ = 0.0;
+  std::optional<double> slowSince_;  ///< when the mean speed last went below the phase's limit
+  bool touched_ = false;
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,69 @@
+#pragma once
+/// \file Immutable copies of what a simulation shows to others.
+
+#include <memory>
+
+#include "cloth_sim/clamp/clamp.h"
+#include "cloth_sim/scene/phase_script.h"
+#include "cloth_sim/surgery/tearing.h"
+
+namespace cloth_sim {
+
+/// The surface at one revision; shared by all snapshots of that revision.
+struct Topology {
+  std::uint64_t revision = 0;
+  std::vector<Face> faces;
+  std::vector<Vec2> material;  ///< per vertex [m]
+  /// Structural and shear springs, as vertex pairs with rest lengths: what strain is drawn from.
+  struct Link {
+    VertexId a = kNone;
+    VertexId b = kNone;
+    double restLength = 0.0;  ///< [m]
+  };
+  std::vector<Link> links;
+  /// Boundary edges that were not boundary at the start: where it tore.
+  std::vector<std::array<VertexId, 2>> tornEdges;
+};
+
+struct ClampSnapshot {
+  std::string name;
+  Pose pose;
+  Vec2 plateSize = Vec2::Zero();  ///< [m]
+  double gap = 0.0;               ///< [m]
+  ClampState state = ClampState::kOpen;
+  int held = 0;  ///< particles
+  Wrench wrench;
+};
+
+/// Counts of failed springs. total = structural + shear + bend = torn + cut.
+struct BrokenCounts {
+  int total = 0;
+  std::array<int, kSpringKinds> byKind{0, 0, 0};
+  int torn = 0;
+  int cut = 0;
+};
+
+struct Snapshot {
+  double time = 0.0;               ///< [s]
+  std::uint64_t step = 0;          ///< steps since the start or the last reset
+  std::shared_ptr<const Topology> topology;
+  std::vector<Vec3> positions;     ///< per vertex [m]
+  std::vector<ClampSnapshot> clamps;
+  std::vector<Obstacle> obstacles; ///< with their pose now
+  std::string phase;               ///< "" without a script; the last one's name once it is done
+  ScriptStatus script = ScriptStatus::kIdle;
+  int particles = 0;
+  int faces = 0;
+  std::array<int, kSpringKinds> springs{0, 0, 0};  ///< active, by kind
+  BrokenCounts broken;
+  int pieces = 1;
+  double mass = 0.0;      ///< [kg]
+  double restArea = 0.0;  ///< [m^2]
+  Energies energies;
+  double meanSpeed = 0.0;   ///< [m/s]
+  double maxStretch = 1.0;  ///< length over rest length
+  bool failed = false;
+  std::string failure;      ///< why the simulation stopped; "" if it did not
+};
+
+}  // namespace cloth_sim

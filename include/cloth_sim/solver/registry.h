@@ -1,0 +1,45 @@
+#pragma once
+/// \file The methods there are. A new one is a file in src/solver and a row in registry.cpp.
+
+#include <functional>
+#include <map>
+
+#include "cloth_sim/solver/solver.h"
+
+namespace cloth_sim {
+
+/// One numeric option of a method.
+struct SolverParameter {
+  std::string name;
+  double defaultValue = 0.0;
+  double minimum = 0.0;
+  double maximum = 0.0;
+  bool integer = false;
+  std::string unit;         ///< "" for a pure number
+  std::string description;  ///< one line
+};
+
+/// Options by name. Complete (every parameter of the method) after `completeParameters`.
+using SolverParameters = std::map<std::string, double>;
+
+struct SolverInfo {
+  std::string name;         ///< as scenes write it: "xpbd"
+  std::string title;        ///< "Extended position-based dynamics with small steps"
+  std::string reference;    ///< paper
+  std::string limitations;  ///< one line
+  int order = 1;            ///< of convergence in the time step on smooth problems
+  std::vector<SolverParameter> parameters;
+  std::function<std::unique_ptr<Solver>(const Model&, const SolverParameters&)> create;
+};
+
+/// All methods, sorted by name.
+const std::vector<SolverInfo>& solverRegistry();
+
+/// \throws std::invalid_argument naming the known methods if there is none of that name.
+const SolverInfo& findSolver(const std::string& name);
+
+/// Fills in defaults.
+/// \throws std::invalid_argument naming the parameter, its range or the known names.
+SolverParameters completeParameters(const SolverInfo& info, const SolverParameters& given);
+
+}  // namespace cloth_sim

@@ -1,0 +1,65 @@
+#pragma once
+/// \file What every time-stepping method looks like from outside.
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cloth_sim/cloth/state.h"
+#include "cloth_sim/contact/contacts.h"
+
+namespace cloth_sim {
+
+/// A particle whose motion is prescribed during a step (by a clamp or a pin): it moves on a
+/// straight line from where the state has it to `position`.
+struct KinematicTarget {
+  VertexId vertex = kNone;
+  Vec3 position = Vec3::Zero();  ///< at the end of the step [m]
+  Vec3 velocity = Vec3::Zero();  ///< at the end of the step [m/s]
+};
+
+/// Air that moves past the cloth and presses on each face by its relative velocity r and unit
+/// normal n: f = 1/2 density dragCoefficient A |r.n| (r.n) n, a third to each corner.
+struct Wind {
+  Vec3 velocity = Vec3::Zero();  ///< of the air [m/s]
+  double density = 1.2;          ///< of the air [kg/m^3]
+  double dragCoefficient = 1.0;  ///< of a face normal to the flow [-]
+};
+
+/// Everything that acts on the cloth in a step except its own springs and contacts.
+struct Controls {
+  Vec3 gravity = Vec3(0.0, 0.0, -9.81);    ///< [m/s^2]
+  double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
+  std::optional<Wind> wind;                ///< absent: no face is visited
+  std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
+};
+
+enum class StepStatus { kOk, kNotFinite, kNotConverged };
+
+struct StepReport {
+  StepStatus status = StepStatus::kOk;
+  int substeps = 0;
+  int iterations = 0;      ///< over all substeps
+  double residual = 0.0;   ///< of the last substep, in the method's own measure (0 if it has none)
+  /// Mean force over the step that the cloth's springs, damping, weight, drag and inertia put on each
+  /// kinematic target, in the order of Controls::kinematic [N]: what its holder must bear.
+  std::vector<Vec3> reactions;
+};
+
+/// A method of advancing a cloth in time. It keeps what it derives from the model (packed arrays,
+/// colourings, factorisations) and refreshes it in `onModelChanged`.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+
+  /// Advances `state` by `dt`, in as many substeps as the method was configured with.
+  /// Allocates nothing once warm. If the result is not finite, says so in the status; the caller
+  /// restores the state.
+  virtual const StepReport& step(const Model& model, State& state, const Controls& controls,
+                                 Contacts& contacts, double dt) = 0;
+
+  /// To be called after every edit of the model, before the next step.
+  virtual void onModelChanged(const Model& model, const ModelChanges& changes) = 0;
+};
+
+}  // namespace cloth_sim
