@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Fails when the core includes ROS, or anything of the folders that may include ROS.
+#
+# The include path cannot say so on Debian 12, whose ROS headers are in /usr/include with everything
+# else; the linker says so for symbols (cloth_core is linked with --no-undefined), this says so for
+# headers. Run by every build; by hand: scripts/check_layering.sh [package folder]
+set -euo pipefail
+
+cd "${1:-"$(dirname "${BASH_SOURCE[0]}")/.."}"
+
+core_folders=(mesh cloth solver contact clamp surgery scene sim)
+# ros/..., any *_msgs/... and the ROS libraries; our own generated messages (cloth_sim/Frame.h) and
+# our own ROS-side folders.
+forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]((ros|[a-z0-9_]+_msgs|std_srvs|tf2?|tf2_[a-z_]+|rosbag|rviz|roslib|diagnostic_updater|dynamic_reconfigure|interactive_markers|actionlib|message_filters|pluginlib)/|cloth_sim/(ros|rviz|tools|node)/|cloth_sim/[A-Z])'
+
+paths=()
+for folder in "${core_folders[@]}"; do
+  for path in "include/cloth_sim/$folder" "src/$folder"; do
+    [[ -d $path ]] && paths+=("$path")
+  done
+done
+for path in include/cloth_sim/*.h; do
+  [[ -f $path ]] && paths+=("$path")
+done
+[[ ${#paths[@]} -gt 0 ]] || exit 0
+
+if grep -rnE --include='*.h' --include='*.cpp' "$forbidden" "${paths[@]}"; then
+  echo "error: the core (${core_folders[*]}) may not include ROS; that belongs in src/ros" >&2
+  exit 1
+fi
