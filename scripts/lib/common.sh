@@ -1,0 +1,245 @@
+# What scripts/*.sh share: packages, the catkin workspace in .ws, the environment. Sourced, not run.
+#
+# It works on Debian 12, whose own ROS 1 is in /usr, and on ROS Noetic in /opt/ros/noetic. It says
+# what it does, does only what is missing, and so is quick the second time.
+
+set -euo pipefail
+
+repo_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
+
+say() { printf '== %s\n' "$*"; }
+warn() { printf 'warning: %s\n' "$*" >&2; }
+die() {
+  printf 'error: %s\n' "$*" >&2
+  exit 1
+}
+
+# run_timed <what> <command>...: runs it, then says how long it took.
+run_timed() {
+  local what=$1 start=$SECONDS status=0
+  shift
+  "$@" || status=$?
+  say "$what: $((SECONDS - start)) s"
+  return "$status"
+}
+
+# ---- the system ----------------------------------------------------------------------------------
+
+# Sets ros_flavour to debian or noetic.
+detect_system() {
+  if [[ -f /opt/ros/noetic/setup.bash ]]; then
+    ros_flavour=noetic
+    return
+  fi
+  local id='' version_id='' pretty='an unknown system'
+  if [[ -r /etc/os-release ]]; then
+    id=$(. /etc/os-release && echo "${ID:-}")
+    version_id=$(. /etc/os-release && echo "${VERSION_ID:-}")
+    pretty=$(. /etc/os-release && echo "${PRETTY_NAME:-$ID}")
+  fi
+  [[ $id == debian ]] || die "this is $pretty; cloth_sim's scripts know Debian 12 and ROS Noetic" \
+    "(elsewhere: put the package in a catkin workspace and run catkin_make)"
+  [[ $version_id == 12 ]] || warn "this is $pretty; these scripts are tested on Debian 12"
+  ros_flavour=debian
+}
+
+# ---- packages ------------------------------------------------------------------------------------
+
+# packages_for <group>...: prints what each group of needs is called on this system.
+packages_for() {
+  local group
+  for group in "$@"; do
+    case $ros_flavour/$group in
+      debian/build)
+        echo g++ make cmake catkin python3 \
+          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcli11-dev \
+          ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
+          libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev \
+          libdiagnostic-updater-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev
+        ;;
+      debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
+        echo rosbash python3-roslaunch python3-rosbag python3-rostopic python3-rosservice \
+          python3-rosnode python3-rosparam python3-rosmsg python3-rospy \
+          python3-std-msgs python3-geometry-msgs python3-visualization-msgs \
+          python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs
+        ;;
+      debian/test) echo libgtest-dev libgmock-dev librostest-dev python3-rostest python3-rosunit ;;
+      debian/picture) echo python3-matplotlib python3-numpy ;;
+      debian/rviz) echo rviz ;;
+      debian/photo) echo rviz xvfb xauth imagemagick ;;
+
+      noetic/build)
+        echo g++ make cmake ros-noetic-catkin python3 \
+          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev \
+          ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
+          ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
+          ros-noetic-visualization-msgs ros-noetic-diagnostic-msgs \
+          ros-noetic-diagnostic-updater ros-noetic-tf2 ros-noetic-tf2-ros \
+          ros-noetic-tf2-geometry-msgs
+        ;;
+      noetic/run)
+        echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \
+          ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy
+        ;;
+      noetic/test) echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit ;;
+      noetic/picture) echo python3-matplotlib python3-numpy ;;
+      noetic/rviz) echo ros-noetic-rviz ;;
+      noetic/photo) echo ros-noetic-rviz xvfb xauth imagemagick ;;
+      *) die "no package list called '$group' for $ros_flavour" ;;
+    esac
+  done
+}
+
+# missing_packages <package>...: prints those that are not installed.
+missing_packages() {
+  local installed package
+  installed=$(dpkg-query -W -f '${Package} ${db:Status-Status}\n' "$@" 2>/dev/null || true)
+  for package in "$@"; do
+    grep -qxF "$package installed" <<<"$installed" || echo "$package"
+  done
+}
+
+# need <group>...: installs what is missing of these groups, as root or with sudo.
+need() {
+  local packages missing as_root=()
+  read -ra packages <<<"$(packages_for "$@" | tr '\n' ' ')"
+  read -ra missing <<<"$(missing_packages "${packages[@]}" | tr '\n' ' ')"
+  if [[ ${#missing[@]} -eq 0 ]]; then
+    say "packages ($*): all ${#packages[@]} are there"
+    return
+  fi
+
+  if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || die "these packages are missing, and this is neither root nor" \
+      "a user with sudo: ${missing[*]} (as root: apt-get install ${missing[*]})"
+    as_root=(sudo)
+    if [[ ! -t 0 ]]; then as_root=(sudo -n); fi  # nobody there to type a password
+  fi
+
+  local log=$repo_root/.ws/log/apt.log
+  mkdir -p "${log%/*}"
+  say "packages ($*): installing ${#missing[@]} that are missing and what they need (log: $log)"
+  printf '     %s\n' "${missing[*]}"
+  local start=$SECONDS
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -q
+    -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3)
+  # A failed update is no reason to stop yet: the lists that are there may do.
+  "${apt[@]}" update >"$log" 2>&1 || warn "apt-get update failed, see $log"
+  if ! "${apt[@]}" install --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+    tail -n 15 "$log" >&2
+    die "apt-get could not install ${missing[*]} (whole log: $log)"
+  fi
+  say "packages: installed in $((SECONDS - start)) s"
+}
+
+# ---- environment ---------------------------------------------------------------------------------
+
+# Puts ROS's own programs and the Python that its modules are installed for first. A python3 of
+# pyenv or conda before the system's has none of them.
+use_system_python() {
+  local first
+  first=$(command -v python3 || true)
+  export PATH="/usr/bin:/bin:/usr/sbin:/sbin:$PATH"
+  if [[ -n $first && $(readlink -f "$first") != "$(readlink -f /usr/bin/python3)" ]]; then
+    say "python: the first on PATH is $first; using /usr/bin/python3, which ROS is installed for"
+  fi
+  unset PYTHONHOME VIRTUAL_ENV
+}
+
+# A host whose own name does not resolve (many containers) would have roslaunch fail: every process
+# these scripts start is on this machine.
+use_local_ros() {
+  if [[ -z ${ROS_HOSTNAME:-} && -z ${ROS_IP:-} ]]; then
+    export ROS_HOSTNAME=localhost
+  fi
+  if [[ $ros_flavour == noetic ]]; then source_setup /opt/ros/noetic/setup.bash; fi
+}
+
+# source_setup <file>: ROS's setup files read unset variables.
+source_setup() {
+  set +u
+  # shellcheck disable=SC1090
+  source "$1"
+  set -u
+}
+
+# prepare <group>...: the system checked, the packages there, the environment set.
+prepare() {
+  detect_system
+  need "$@"
+  use_system_python
+  use_local_ros
+}
+
+# ---- the workspace -------------------------------------------------------------------------------
+
+# How many compilers to run: one a core, as far as memory goes (2 GiB each).
+build_jobs() {
+  local cores memory_gib
+  cores=$(nproc)
+  memory_gib=$(awk '/^MemAvailable:/ { print int($2 / 1048576) }' /proc/meminfo 2>/dev/null || true)
+  local jobs=$((${memory_gib:-4} / 2))
+  ((jobs > cores)) && jobs=$cores
+  ((jobs < 1)) && jobs=1
+  echo "$jobs"
+}
+
+# link_package <workspace>: src/cloth_sim as a folder of links to the repository's own folders.
+#
+# One link to the whole repository would contain the workspace, and so itself: rosrun follows links
+# when it looks for a program, complains of the loop, and asks which to start once there is an
+# install space too.
+link_package() {
+  local package=$1/src/cloth_sim entry name
+  [[ -L $package ]] && rm "$package"
+  mkdir -p "$package"
+  for entry in "$package"/*; do  # what is gone from the repository, or was never a link
+    if [[ -L $entry && ! -e $repo_root/${entry##*/} ]]; then rm "$entry"; fi
+  done
+  for entry in "$repo_root"/*; do
+    name=${entry##*/}
+    case $name in build | devel | install | logs) continue ;; esac
+    if [[ -d $entry || $name == CMakeLists.txt || $name == *.xml ]]; then
+      [[ -L $package/$name ]] || ln -s "../../../$name" "$package/$name"
+    fi
+  done
+}
+
+# build_workspace <workspace> <make targets> [cmake argument]...: configures if need be, and builds.
+build_workspace() {
+  local workspace=$1 targets=$2 cache
+  shift 2
+  link_package "$workspace"
+
+  cache=$workspace/build/CMakeCache.txt
+  if [[ -f $cache ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$workspace/src" "$cache"; then
+    say "workspace: it was built elsewhere and moved here; building it anew"
+    rm -rf "$workspace/build" "$workspace/devel"
+  fi
+
+  local jobs log=$workspace/log/build.log
+  jobs=$(build_jobs)
+  mkdir -p "${log%/*}"
+  say "build: $workspace, $jobs at a time (log: $log)"
+  local command=(catkin_make -C "$workspace" -j"$jobs" -DPYTHON_EXECUTABLE=/usr/bin/python3
+    "$@" --make-args)
+  # shellcheck disable=SC2206
+  command+=($targets)
+  local status=0
+  # The messages of packages below us are of no interest, ours are; errors all are.
+  "${command[@]}" 2>&1 </dev/null | tee "$log" | show_build || status=$?
+  if [[ $status -ne 0 ]]; then
+    grep -nE -A6 'error:|CMake Error|Error [0-9]+$' "$log" | tail -n 60 >&2 || true
+    die "the build failed (whole log: $log)"
+  fi
+}
+
+# Lets through what the reader of a build wants to see.
+show_build() {
+  grep --line-buffered -E 'Building CXX|Linking CXX|warning:|[Ee]rror|cloth_sim: ' || true
+}
+
+# enter_workspace <workspace>: its programs and messages on every path.
+enter_workspace() {
+  source_setup "$1/devel/setup.bash"
+}

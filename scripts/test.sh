@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+source "$(dirname "${BASH_SOURCE[0]}")/lib/common.sh"
+
+usage() {
+  cat <<USAGE
+usage: scripts/test.sh [--quick] [--sanitize=LIST]
+
+Builds everything in the catkin workspace .ws at the repository's root, and runs every test. Installs
+what is missing of ROS and the libraries first (as root or with sudo).
+
+  --quick           only the tests that need no ROS master: seconds instead of minutes
+  --sanitize=LIST   build with sanitizers (address, undefined or address,undefined; or thread), in a
+                    workspace of its own, .ws-LIST
+  -h, --help        this text
+
+Ends with a line 'N passed, N failed'; the exit status is 0 only if nothing failed.
+USAGE
+}
+
+quick=no
+sanitize=
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    -h | --help) usage && exit 0 ;;
+    --quick) quick=yes ;;
+    --sanitize=*) sanitize=${1#*=} ;;
+    --sanitize) sanitize=${2:?--sanitize needs a list} && shift ;;
+    *) usage >&2 && die "unknown argument '$1'" ;;
+  esac
+  shift
+done
+[[ -z $sanitize || $sanitize =~ ^[a-z,]+$ ]] || die "--sanitize: '$sanitize' is no list of names"
+
+workspace=$repo_root/.ws
+cmake_arguments=(-DCMAKE_BUILD_TYPE=Release "-DCLOTH_SIM_SANITIZE=$sanitize")
+if [[ -n $sanitize ]]; then
+  workspace=$repo_root/.ws-${sanitize//,/-}
+  cmake_arguments=(-DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCLOTH_SIM_SANITIZE=$sanitize")
+fi
+
+# run_tests <what> <regular expression of ctest names> <how many at a time>
+failed_groups=0
+run_tests() {
+  local what=$1 pattern=$2 at_once=$3
+  if [[ $(cd "$workspace/build" && ctest -N -R "$pattern" | grep -c 'Test *#') -eq 0 ]]; then
+    say "$what: none"
+    return
+  fi
+  say "$what"
+  (cd "$workspace/build" && run_timed "$what" ctest -R "$pattern" -j "$at_once" \
+    --output-on-failure </dev/null) || failed_groups=$((failed_groups + 1))
+}
+
+prepare build run test
+run_timed build build_workspace "$workspace" "all tests" "${cmake_arguments[@]}"
+
+results=$workspace/build/test_results/cloth_sim
+rm -rf "$results"
+export ROS_HOME=$workspace/ros_home  # logs and the like: not in the user's ~/.ros
+run_tests "core tests" '_(gtest|gmock)_' "$(build_jobs)"
+run_tests "tests of the programs" '_tool_' 1
+if [[ $quick == no ]]; then
+  run_tests "ROS tests" '_rostest_' 1
+fi
+
+mkdir -p "$results"
+totals=$(/usr/bin/python3 "$repo_root/scripts/lib/junit_total.py" "$results")
+read -r passed failed skipped <<<"${totals##*$'\n'}"
+if [[ $totals == *$'\n'* ]]; then printf '%s\n' "${totals%$'\n'*}"; fi
+if [[ $failed -eq 0 && $failed_groups -gt 0 ]]; then
+  say "ctest reports a failure that left no record of a failed case; see above"
+  failed=$failed_groups
+fi
+if [[ $((passed + failed)) -eq 0 ]]; then
+  say "no test ran"
+  failed=1
+fi
+say "all of it: $SECONDS s"
+
+closing="$passed passed, $failed failed"
+if [[ $skipped -gt 0 ]]; then closing+=", $skipped skipped"; fi
+echo "$closing"
+[[ $failed -eq 0 ]]
