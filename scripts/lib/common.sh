@@ -188,20 +188,29 @@ build_jobs() {
 #
 # One link to the whole repository would contain the workspace, and so itself: rosrun follows links
 # when it looks for a program, complains of the loop, and asks which to start once there is an
-# install space too.
+# install space too. *.xml files are copies, because `make install` copies a linked file as a link.
 link_package() {
   local package=$1/src/cloth_sim entry name
-  [[ -L $package ]] && rm "$package"
+  if [[ -L $package ]]; then rm "$package"; fi
   mkdir -p "$package"
-  for entry in "$package"/*; do  # what is gone from the repository, or was never a link
-    if [[ -L $entry && ! -e $repo_root/${entry##*/} ]]; then rm "$entry"; fi
+  for entry in "$package"/*; do  # what is gone from the repository
+    if [[ ! -e $repo_root/${entry##*/} ]]; then rm -f "$entry"; fi
   done
   for entry in "$repo_root"/*; do
     name=${entry##*/}
-    case $name in build | devel | install | logs) continue ;; esac
-    if [[ -d $entry || $name == CMakeLists.txt || $name == *.xml ]]; then
-      [[ -L $package/$name ]] || ln -s "../../../$name" "$package/$name"
-    fi
+    case $name in
+      build | devel | install | logs) ;;  # another workspace's
+      *.xml)
+        if [[ -L $package/$name ]] || ! cmp -s "$entry" "$package/$name"; then
+          cp --remove-destination "$entry" "$package/$name"
+        fi
+        ;;
+      *)
+        if [[ -d $entry || $name == CMakeLists.txt ]]; then
+          ln -sfn "../../../$name" "$package/$name"
+        fi
+        ;;
+    esac
   done
 }
 
