@@ -1,0 +1,52 @@
+#pragma once
+/// \file Every key that a scene file may have, by the map that it stands in; docs/scene.md says
+/// what each means. The keys of a solver's own parameters are in the registry.
+
+#include <string>
+#include <vector>
+
+namespace cloth_sim::keys {
+
+using Keys = std::vector<std::string>;
+
+inline const Keys kScene{"cloth",  "solver",  "gravity", "wind", "drag", "obstacles",
+                         "clamps", "tearing", "phases",  "seed"};
+
+inline const Keys kPose{"position", "rpy", "orientation"};
+
+inline const Keys kCloth{"size",     "particles",   "pose",          "random_offset", "velocity",
+                         "fabric",   "raw_springs", "particle_mass", "shear",         "bending",
+                         "pins"};
+inline const Keys kFabric{"preset",  "areal_density", "tensile_warp", "tensile_weft", "shear",
+                          "bending", "damping",       "friction",     "thickness"};
+inline const Keys kRawSprings{"structural", "shear", "bend", "per_stretch", "dashpot"};
+
+inline const Keys kSolver{"method", "dt"};
+inline const Keys kWind{"velocity", "density", "drag_coefficient"};
+
+inline const Keys kPlane{"type",     "position", "rpy",             "orientation",
+                         "velocity", "friction", "tangential_decay"};
+inline const Keys kSphere{"type",     "radius",   "position", "rpy", "orientation",
+                          "velocity", "friction", "tangential_decay"};
+inline const Keys kBox{"type",     "size",     "position", "rpy", "orientation",
+                       "velocity", "friction", "tangential_decay"};
+
+inline const Keys kClamp{"pose",       "patch",         "plate_size", "gap_open",
+                         "gap_closed", "closing_speed", "max_speed",  "max_angular_speed",
+                         "max_acceleration"};
+inline const Keys kPatch{"particle", "radius"};
+
+inline const Keys kTearing{"enabled", "ratio", "seam"};
+inline const Keys kRatio{"structural", "shear", "bend"};
+inline const Keys kSeam{"path", "half_width"};
+
+inline const Keys kPhase{"name",  "clamps", "obstacles", "tearing",
+                         "notch", "until",  "timeout",   "on_timeout"};
+inline const Keys kClampAction{"attach", "grasp",       "move_by", "move_to",
+                               "rpy",    "orientation", "speed"};
+inline const Keys kObstacleAction{"velocity"};
+inline const Keys kPhaseTearing{"enabled", "ratio"};
+inline const Keys kUntil{"elapsed", "mean_speed", "contact", "clamps", "pieces", "broken"};
+inline const Keys kMeanSpeed{"below", "for"};
+
+}  // namespace cloth_sim::keys

@@ -1,0 +1,157 @@
+#include <stdexcept>
+
+#include "keys.h"
+#include "readers.h"
+
+namespace cloth_sim {
+
+namespace {
+
+constexpr int kMinParticles = 2;
+constexpr int kMaxParticles = 2048;
+constexpr int kMaxParticlesInAll = 1100000;
+constexpr Range kLength{1e-3, 1e3, false, false};  // of a side of a cloth [m]
+
+void readGrid(const SceneNode& node, ClothSpec& cloth) {
+  if (const auto size = node.find("size")) {
+    const Vec2 lengths = size->vector<2>(kLength);
+    cloth.width = lengths.x();
+    cloth.height = lengths.y();
+  }
+  const auto particles = node.find("particles");
+  if (!particles) return;
+  const std::vector<SceneNode> sides = particles->exactly(2, kAnyNumber);
+  cloth.columns = static_cast<int>(sides[0].integer(kMinParticles, kMaxParticles));
+  cloth.rows = static_cast<int>(sides[1].integer(kMinParticles, kMaxParticles));
+  if (cloth.columns * cloth.rows > kMaxParticlesInAll) {
+    particles->refuse("expected at most " + std::to_string(kMaxParticlesInAll) +
+                      " particles in all (got " + std::to_string(cloth.columns * cloth.rows) + ")");
+  }
+}
+
+void readStart(const SceneNode& node, ClothSpec& cloth) {
+  if (const auto pose = node.find("pose")) {
+    pose->expectKeys(keys::kPose);
+    readPose(*pose, cloth.pose);
+  }
+  if (const auto offset = node.find("random_offset")) {
+    cloth.randomOffset = offset->isList() ? offset->vector<3>(kNotNegative)
+                                          : Vec3::Constant(offset->number(kNotNegative));
+  }
+  node.read("velocity", cloth.velocity);
+}
+
+Fabric preset(const SceneNode& node) {
+  const std::string what = "one of " + joined(fabricPresetNames());
+  try {
+    return fabricPreset(node.word(what));
+  } catch (const std::invalid_argument&) {
+    node.expected(what);
+  }
+}
+
+bool readFabricValues(const SceneNode& node, Fabric& fabric) {
+  bool any = false;
+  const auto value = [&](const char* key, double& out, const Range& range) {
+    any = any || node.has(key);
+    node.read(key, out, range);
+  };
+  value("areal_density", fabric.arealDensity, kPositive);
+  value("tensile_warp", fabric.tensileWarp, kPositive);
+  value("tensile_weft", fabric.tensileWeft, kPositive);
+  value("shear", fabric.shear, kNotNegative);
+  value("bending", fabric.bending, kNotNegative);
+  value("damping", fabric.damping, kNotNegative);
+  value("friction", fabric.friction, kNotNegative);
+  value("thickness", fabric.thickness, kNotNegative);
+  return any;
+}
+
+Fabric readFabric(const SceneNode& node) {
+  if (node.isScalar()) return preset(node);
+  node.expectKeys(keys::kFabric);
+  const auto name = node.find("preset");
+  Fabric fabric = name ? preset(*name) : fabricPreset("cotton");
+  const std::string base = fabric.name;
+  if (readFabricValues(node, fabric)) {
+    fabric.name = "custom";
+    fabric.source = "the scene, over the preset " + base + ": " + fabric.source;
+  }
+  return fabric;
+}
+
+RawSprings readRawSprings(const SceneNode& node) {
+  node.expectKeys(keys::kRawSprings);
+  RawSprings raw;
+  raw.constant[0] = node.need("structural", kPositive.text()).number(kPositive);
+  node.read("shear", raw.constant[1], kNotNegative);
+  node.read("bend", raw.constant[2], kNotNegative);
+  node.read("per_stretch", raw.perStretch);
+  node.read("dashpot", raw.dashpot, kNotNegative);
+  return raw;
+}
+
+/// Kinds of springs: by default those that have a stiffness.
+void selectSprings(const SceneNode& node, ClothSpec& cloth) {
+  if (cloth.raw) {
+    cloth.springs.shear = cloth.raw->constant[1] > 0.0;
+    cloth.springs.bend = cloth.raw->constant[2] > 0.0;
+  } else {
+    cloth.springs.bend = cloth.fabric.bending > 0.0;
+  }
+  node.read("shear", cloth.springs.shear);
+  if (const auto bending = node.find("bending")) {
+    cloth.springs.bend = bending->choice<bool>({{"none", false}, {"springs", true}});
+  }
+}
+
+void addRange(int firstColumn, int lastColumn, int firstRow, int lastRow,
+              std::vector<PinSpec>& pins) {
+  for (int row = firstRow; row <= lastRow; ++row) {
+    for (int column = firstColumn; column <= lastColumn; ++column) pins.push_back({column, row});
+  }
+}
+
+/// Pins by a name: a side or a corner of the cloth.
+void addNamedPins(const SceneNode& node, const ClothSpec& cloth, std::vector<PinSpec>& pins) {
+  struct Part {
+    int firstColumn, lastColumn, firstRow, lastRow;
+  };
+  const int c = cloth.columns - 1;
+  const int r = cloth.rows - 1;
+  const Part part = node.choice<Part>({{"first_row", {0, c, 0, 0}},
+                                       {"last_row", {0, c, r, r}},
+                                       {"first_column", {0, 0, 0, r}},
+                                       {"last_column", {c, c, 0, r}},
+                                       {"corner_00", {0, 0, 0, 0}},
+                                       {"corner_10", {c, c, 0, 0}},
+                                       {"corner_01", {0, 0, r, r}},
+                                       {"corner_11", {c, c, r, r}}});
+  addRange(part.firstColumn, part.lastColumn, part.firstRow, part.lastRow, pins);
+}
+
+void readPins(const SceneNode& node, ClothSpec& cloth) {
+  for (const SceneNode& item : node.list("a list of particles [column, row] or names")) {
+    if (item.isScalar()) {
+      addNamedPins(item, cloth, cloth.pins);
+    } else {
+      cloth.pins.push_back(readParticle(item, cloth));
+    }
+  }
+}
+
+}  // namespace
+
+void readCloth(const SceneNode& node, ClothSpec& cloth) {
+  node.expectKeys(keys::kCloth);
+  readGrid(node, cloth);
+  readStart(node, cloth);
+  const auto fabric = node.find("fabric");
+  cloth.fabric = fabric ? readFabric(*fabric) : fabricPreset("cotton");
+  if (const auto raw = node.find("raw_springs")) cloth.raw = readRawSprings(*raw);
+  node.read("particle_mass", cloth.particleMass, kPositive);
+  selectSprings(node, cloth);
+  if (const auto pins = node.find("pins")) readPins(*pins, cloth);
+}
+
+}  // namespace cloth_sim

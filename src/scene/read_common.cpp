@@ -1,0 +1,90 @@
+#include <cmath>
+
+#include "keys.h"
+#include "readers.h"
+
+namespace cloth_sim {
+
+namespace {
+
+// How far from 1 the norm of a quaternion may be: what four digits behind the point leave.
+constexpr double kNormTolerance = 1e-3;
+
+Quat quaternion(const SceneNode& node) {
+  const Eigen::Vector4d xyzw = node.vector<4>();
+  if (std::abs(xyzw.norm() - 1.0) > kNormTolerance) {
+    node.refuse("expected a unit quaternion [x, y, z, w] (got one of norm " +
+                shortNumber(xyzw.norm()) + ")");
+  }
+  return Quat(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized();
+}
+
+/// Roll, pitch and yaw about the fixed axes x, y and z (REP 103).
+Quat fromRollPitchYaw(const Vec3& rpy) {
+  return Quat(Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) *
+              Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) *
+              Eigen::AngleAxisd(rpy.x(), Vec3::UnitX()));
+}
+
+void checkOnCloth(const SceneNode& node, const Vec2& point, const ClothSpec& cloth) {
+  const double cellU = cloth.width / (cloth.columns - 1);
+  const double cellV = cloth.height / (cloth.rows - 1);
+  const bool inside = point.x() >= -cellU && point.x() <= cloth.width + cellU &&
+                      point.y() >= -cellV && point.y() <= cloth.height + cellV;
+  if (inside) return;
+  node.refuse("expected a point [u, v] of the cloth, u from 0 to " + shortNumber(cloth.width) +
+              " and v from 0 to " + shortNumber(cloth.height) + " (got [" +
+              shortNumber(point.x()) + ", " + shortNumber(point.y()) + "])");
+}
+
+}  // namespace
+
+std::optional<Quat> readOrientation(const SceneNode& map) {
+  const std::optional<SceneNode> rpy = map.find("rpy");
+  const std::optional<SceneNode> orientation = map.find("orientation");
+  if (rpy && orientation) orientation->refuse("expected either rpy or orientation (got both)");
+  if (rpy) return fromRollPitchYaw(rpy->vector<3>());
+  if (orientation) return quaternion(*orientation);
+  return std::nullopt;
+}
+
+void readPose(const SceneNode& map, Pose& pose) {
+  map.read("position", pose.position);
+  if (const std::optional<Quat> orientation = readOrientation(map)) pose.orientation = *orientation;
+}
+
+PinSpec readParticle(const SceneNode& node, const ClothSpec& cloth) {
+  const std::vector<SceneNode> indices = node.exactly(2, kNotNegative);
+  return {static_cast<int>(indices[0].integer(0, cloth.columns - 1)),
+          static_cast<int>(indices[1].integer(0, cloth.rows - 1))};
+}
+
+MaterialPath readPath(const SceneNode& node, const ClothSpec& cloth) {
+  const std::string what = "a list of at least 2 points [u, v]";
+  MaterialPath path;
+  for (const SceneNode& item : node.list(what)) {
+    const Vec2 point = item.vector<2>();
+    checkOnCloth(item, point, cloth);
+    if (!path.empty() && point == path.back()) {
+      item.refuse("expected a point other than the one before it");
+    }
+    path.push_back(point);
+  }
+  if (path.size() < 2) node.expected(what);
+  return path;
+}
+
+TearRatios readRatios(const SceneNode& node) {
+  const double never = std::numeric_limits<double>::infinity();
+  const Range range{1.0, never, true, true};
+  TearRatios ratios{never, never, never};
+  if (node.isMap()) {
+    node.expectKeys(keys::kRatio);
+    for (int kind = 0; kind < kSpringKinds; ++kind) node.read(keys::kRatio[kind], ratios[kind], range);
+  } else {
+    ratios.fill(node.number(range));
+  }
+  return ratios;
+}
+
+}  // namespace cloth_sim

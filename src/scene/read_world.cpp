@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include "keys.h"
+#include "readers.h"
+
+namespace cloth_sim {
+
+namespace {
+
+constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
+constexpr int kMaxPatchRadius = 1024;              // [particles]
+
+const std::vector<SolverParameter>& parametersOf(const SceneNode& node, const std::string& method) {
+  try {
+    return findSolver(method).parameters;
+  } catch (const std::invalid_argument& error) {
+    node.refuse(error.what());
+  }
+}
+
+void readParameter(const SceneNode& node, const SolverParameter& parameter,
+                   SolverParameters& parameters) {
+  const auto value = node.find(parameter.name);
+  if (!value) return;
+  parameters[parameter.name] =
+      parameter.integer ? static_cast<double>(
+                              value->integer(static_cast<std::int64_t>(parameter.minimum),
+                                             static_cast<std::int64_t>(parameter.maximum)))
+                        : value->number({parameter.minimum, parameter.maximum, false, false});
+}
+
+Shape readShape(const SceneNode& node) {
+  enum class Type { kPlane, kSphere, kBoard, kBounds };
+  const std::string what = "one of plane, sphere, board, bounds";
+  if (!node.isMap()) node.expected("a map with a type");
+  switch (node.need("type", what).choice<Type>({{"plane", Type::kPlane},
+                                                {"sphere", Type::kSphere},
+                                                {"board", Type::kBoard},
+                                                {"bounds", Type::kBounds}})) {
+    case Type::kPlane:
+      node.expectKeys(keys::kPlane);
+      return PlaneShape{};
+    case Type::kSphere:
+      node.expectKeys(keys::kSphere);
+      return SphereShape{node.need("radius", kPositive.text()).number(kPositive)};
+    case Type::kBoard:
+      node.expectKeys(keys::kBox);
+      return BoxShape{node.need("size", "[x, y, z]").vector<3>(kPositive)};
+    case Type::kBounds:
+      break;
+  }
+  node.expectKeys(keys::kBox);
+  return BoundsShape{node.need("size", "[x, y, z]").vector<3>(kPositive)};
+}
+
+Obstacle readObstacle(const SceneNode& node, double friction) {
+  Obstacle obstacle;
+  obstacle.name = node.key();
+  obstacle.shape = readShape(node);
+  obstacle.friction = friction;
+  readPose(node, obstacle.pose);
+  node.read("velocity", obstacle.velocity);
+  node.read("friction", obstacle.friction, kNotNegative);
+  node.read("tangential_decay", obstacle.tangentialDecay, kNotNegative);
+  return obstacle;
+}
+
+bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
+/// Clamps give their names to topics and frames, so these are ROS names.
+void checkClampName(const SceneNode& node) {
+  const std::string& name = node.key();
+  const bool good = !name.empty() && isLetter(name[0]) &&
+                    std::all_of(name.begin(), name.end(),
+                                [](char c) { return isLetter(c) || isDigit(c) || c == '_'; });
+  if (!good) node.refuse("expected a name of letters, digits and _ that begins with a letter");
+  if (name == "all") node.refuse("expected another name: 'all' stands for all clamps");
+}
+
+ClampPatch readPatch(const SceneNode& node, const ClothSpec& cloth) {
+  node.expectKeys(keys::kPatch);
+  const PinSpec centre = readParticle(node.need("particle", "[column, row]"), cloth);
+  ClampPatch patch;
+  patch.column = centre.column;
+  patch.row = centre.row;
+  node.read("radius", patch.radius, 0, kMaxPatchRadius);
+  return patch;
+}
+
+/// Where the middle of a patch is before the cloth's random offset.
+Vec3 patchPosition(const ClampPatch& patch, const ClothSpec& cloth) {
+  const double u = cloth.width * patch.column / (cloth.columns - 1);
+  const double v = cloth.height * patch.row / (cloth.rows - 1);
+  return cloth.pose.toWorld({u - 0.5 * cloth.width, v - 0.5 * cloth.height, 0.0});
+}
+
+/// Above its patch by the open gap, unless the scene gives a place.
+void readClampPose(const SceneNode& node, const ClothSpec& cloth, ClampSpec& clamp) {
+  const auto pose = node.find("pose");
+  if (!pose && !clamp.patch) node.missing("pose", "a map, as the clamp has no patch");
+  if (clamp.patch) {
+    clamp.pose.position = patchPosition(*clamp.patch, cloth) + Vec3(0.0, 0.0, clamp.gapOpen);
+  }
+  if (!pose) return;
+  pose->expectKeys(keys::kPose);
+  readPose(*pose, clamp.pose);
+}
+
+void readGap(const SceneNode& node, ClampSpec& clamp) {
+  node.read("gap_open", clamp.gapOpen, kPositive);
+  node.read("gap_closed", clamp.gapClosed, kPositive);
+  if (clamp.gapClosed < clamp.gapOpen) return;
+  node.refuse("expected gap_closed < gap_open (got " + shortNumber(clamp.gapClosed) + " and " +
+              shortNumber(clamp.gapOpen) + ")");
+}
+
+ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
+  checkClampName(node);
+  node.expectKeys(keys::kClamp);
+  ClampSpec clamp;
+  clamp.name = node.key();
+  if (const auto patch = node.find("patch")) clamp.patch = readPatch(*patch, cloth);
+  readGap(node, clamp);
+  readClampPose(node, cloth, clamp);
+  node.read("plate_size", clamp.plateSize, kPositive);
+  node.read("closing_speed", clamp.closingSpeed, kPositive);
+  node.read("max_speed", clamp.maxLinearSpeed, kPositive);
+  node.read("max_angular_speed", clamp.maxAngularSpeed, kPositive);
+  node.read("max_acceleration", clamp.maxLinearAcceleration, kPositive);
+  return clamp;
+}
+
+}  // namespace
+
+void readSolver(const SceneNode& node, SolverSpec& solver) {
+  if (!node.isMap()) node.expected("a map with a method");
+  if (const auto method = node.find("method")) solver.method = method->word("the name of a method");
+  const std::vector<SolverParameter>& known = parametersOf(node, solver.method);
+  keys::Keys allowed = keys::kSolver;
+  for (const SolverParameter& parameter : known) allowed.push_back(parameter.name);
+  node.expectKeys(allowed);
+  node.read("dt", solver.dt, kTimeStep);
+  for (const SolverParameter& parameter : known) readParameter(node, parameter, solver.parameters);
+}
+
+Wind readWind(const SceneNode& node) {
+  node.expectKeys(keys::kWind);
+  Wind wind;
+  node.read("velocity", wind.velocity);
+  node.read("density", wind.density, kNotNegative);
+  node.read("drag_coefficient", wind.dragCoefficient, kNotNegative);
+  return wind;
+}
+
+void readObstacles(const SceneNode& node, double friction, std::vector<Obstacle>& obstacles) {
+  for (const SceneNode& entry : node.entries()) obstacles.push_back(readObstacle(entry, friction));
+}
+
+void readClamps(const SceneNode& node, const ClothSpec& cloth, std::vector<ClampSpec>& clamps) {
+  for (const SceneNode& entry : node.entries()) clamps.push_back(readClamp(entry, cloth));
+}
+
+void readTearing(const SceneNode& node, const ClothSpec& cloth, TearingSettings& tearing) {
+  node.expectKeys(keys::kTearing);
+  tearing.enabled = true;
+  node.read("enabled", tearing.enabled);
+  if (const auto ratio = node.find("ratio")) tearing.ratio = readRatios(*ratio);
+  const auto seam = node.find("seam");
+  if (!seam) return;
+  seam->expectKeys(keys::kSeam);
+  tearing.seam = Seam{};
+  tearing.seam->path = readPath(seam->need("path", "a list of points [u, v]"), cloth);
+  seam->read("half_width", tearing.seam->halfWidth, kNotNegative);
+}
+
+}  // namespace cloth_sim

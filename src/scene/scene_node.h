@@ -1,0 +1,118 @@
+#pragma once
+/// \file Strict, typed reading of a YAML value: whatever is not as expected is a SceneError that
+/// names file, line, key and what was expected.
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cloth_sim/types.h"
+#include "yaml_tree.h"
+
+namespace cloth_sim {
+
+/// Which numbers a key takes. Never NaN; infinity only where it has a meaning.
+struct Range {
+  double minimum = -std::numeric_limits<double>::infinity();
+  double maximum = std::numeric_limits<double>::infinity();
+  bool openMinimum = false;  ///< the minimum itself is not allowed
+  bool infinite = false;     ///< plus infinity is allowed
+
+  bool contains(double value) const;
+  /// Such as "a number > 0 and <= 10".
+  std::string text(const std::string& noun = "a number") const;
+};
+
+constexpr Range kAnyNumber{};
+constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true, false};
+constexpr Range kNotNegative{0.0, std::numeric_limits<double>::infinity(), false, false};
+
+/// A value of the scene file and the way to it.
+class SceneNode {
+ public:
+  SceneNode(const YamlValue& value, std::string path, std::string file)
+      : value_(&value), path_(std::move(path)), file_(std::move(file)) {}
+
+  const std::string& key() const { return value_->key; }
+  const std::string& path() const { return path_; }
+  bool isMap() const { return value_->kind == YamlValue::Kind::kMap; }
+  bool isList() const { return value_->kind == YamlValue::Kind::kList; }
+  bool isScalar() const { return value_->kind == YamlValue::Kind::kScalar; }
+
+  /// "FILE:LINE: PATH: expected `what` (got ...)". \throws SceneError always
+  [[noreturn]] void expected(const std::string& what) const;
+  /// "FILE:LINE: PATH: `message`". \throws SceneError always
+  [[noreturn]] void refuse(const std::string& message) const;
+  /// "FILE:LINE: PATH.KEY: missing, expected `what`". \throws SceneError always
+  [[noreturn]] void missing(const std::string& name, const std::string& what) const;
+
+  /// Refuses what is no map, or has a key that is not among `known`.
+  void expectKeys(const std::vector<std::string>& known) const;
+  /// The value under a key of a map, if it is there.
+  std::optional<SceneNode> find(const std::string& name) const;
+  bool has(const std::string& name) const { return find(name).has_value(); }
+  /// The value under a key of a map; `what` says what it is if it is not there.
+  SceneNode need(const std::string& name, const std::string& what) const;
+  /// The items of a list; `what` says what it is a list of.
+  std::vector<SceneNode> list(const std::string& what) const;
+  /// The values of a map whose keys are names.
+  std::vector<SceneNode> entries() const;
+
+  double number(const Range& range = kAnyNumber) const;
+  std::int64_t integer(std::int64_t minimum, std::int64_t maximum) const;
+  std::uint64_t seed() const;
+  bool boolean() const;
+  std::string word(const std::string& what) const;
+  /// `N` numbers in brackets.
+  template <int N>
+  Eigen::Matrix<double, N, 1> vector(const Range& range = kAnyNumber) const {
+    Eigen::Matrix<double, N, 1> result;
+    const std::vector<SceneNode> components = exactly(N, range);
+    for (int k = 0; k < N; ++k) result[k] = components[k].number(range);
+    return result;
+  }
+  /// Exactly `count` items of a list.
+  std::vector<SceneNode> exactly(std::size_t count, const Range& range) const;
+  /// One of a few words.
+  template <typename T>
+  T choice(const std::vector<std::pair<std::string, T>>& options) const {
+    std::string known;
+    for (const auto& [name, result] : options) {
+      if (isScalar() && value_->text == name) return result;
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    expected("one of " + known);
+  }
+
+  // The same for a key of this map; what is not there is left as it is.
+  void read(const std::string& name, double& out, const Range& range = kAnyNumber) const;
+  void read(const std::string& name, std::optional<double>& out, const Range& range) const;
+  void read(const std::string& name, bool& out) const;
+  void read(const std::string& name, std::optional<bool>& out) const;
+  void read(const std::string& name, std::optional<int>& out, int minimum, int maximum) const;
+  void read(const std::string& name, int& out, int minimum, int maximum) const;
+  void read(const std::string& name, Vec3& out, const Range& range = kAnyNumber) const;
+  void read(const std::string& name, std::optional<Vec3>& out) const;
+  void read(const std::string& name, Vec2& out, const Range& range = kAnyNumber) const;
+
+ private:
+  std::string location(int line) const;
+  SceneNode child(const YamlValue& value, std::size_t index) const;
+
+  const YamlValue* value_;
+  std::string path_;
+  std::string file_;
+};
+
+/// The word of `known` that is nearest to `word`; "" if none is near.
+std::string nearestWord(const std::string& word, const std::vector<std::string>& known);
+
+/// Words in a row: "a, b, c".
+std::string joined(const std::vector<std::string>& words);
+
+/// A number as messages show it: "0.12".
+std::string shortNumber(double value);
+
+}  // namespace cloth_sim

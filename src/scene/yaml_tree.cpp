@@ -1,0 +1,172 @@
+#include "yaml_tree.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "cloth_sim/scene/load.h"
+
+namespace cloth_sim {
+
+namespace {
+
+// More than any scene needs; fewer than a chain of aliases can be blown up to.
+constexpr int kMaxDepth = 32;
+constexpr int kMaxValues = 1000000;
+
+std::string oneLine(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  return text;
+}
+
+/// Copies yaml-cpp's nodes into values.
+class Converter {
+ public:
+  explicit Converter(std::string file) : file_(std::move(file)) {}
+
+  YamlValue convert(const YAML::Node& node, int depth) {
+    YamlValue value;
+    value.line = node.Mark().line + 1;
+    if (depth > kMaxDepth || ++count_ > kMaxValues) fail(value.line, "nested too deeply or too big");
+    if (node.IsScalar()) {
+      value.kind = YamlValue::Kind::kScalar;
+      value.text = node.Scalar();
+      value.quoted = node.Tag() == "!";
+    } else if (node.IsSequence()) {
+      value.kind = YamlValue::Kind::kList;
+      for (const YAML::Node& item : node) value.items.push_back(convert(item, depth + 1));
+    } else if (node.IsMap()) {
+      value.kind = YamlValue::Kind::kMap;
+      for (const auto& entry : node) addEntry(entry.first, entry.second, depth, value);
+    }
+    return value;
+  }
+
+ private:
+  void addEntry(const YAML::Node& key, const YAML::Node& node, int depth, YamlValue& map) {
+    const int line = key.Mark().line + 1;
+    if (!key.IsScalar()) fail(line, "expected a word as key");
+    if (map.find(key.Scalar()) != nullptr) {
+      fail(line, "key '" + oneLine(key.Scalar()) + "' stands twice in the same map");
+    }
+    map.items.push_back(convert(node, depth + 1));
+    map.items.back().key = key.Scalar();
+    map.items.back().keyLine = line;
+  }
+
+  [[noreturn]] void fail(int line, const std::string& what) const {
+    throw SceneError(file_ + ":" + std::to_string(line) + ": " + what);
+  }
+
+  std::string file_;
+  int count_ = 0;
+};
+
+void markOverridden(YamlValue& value) {
+  value.overridden = true;
+  value.line = 0;
+  value.keyLine = 0;
+  for (YamlValue& item : value.items) markOverridden(item);
+}
+
+std::vector<std::string> splitPath(const std::string& path) {
+  std::vector<std::string> parts(1);
+  for (const char c : path) {
+    if (c == '.') {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+YamlValue* listItem(YamlValue& list, const std::string& part) {
+  for (YamlValue& item : list.items) {
+    const YamlValue* name = item.find("name");
+    if (name != nullptr && name->text == part) return &item;
+  }
+  const bool isNumber = part.find_first_not_of("0123456789") == std::string::npos;
+  if (!isNumber || part.size() > 9) return nullptr;
+  const std::size_t index = std::stoul(part);
+  return index < list.items.size() ? &list.items[index] : nullptr;
+}
+
+/// The item `part` of a map or list; in a map it is added if it is not there. nullptr: impossible.
+YamlValue* descend(YamlValue& value, const std::string& part) {
+  if (value.kind == YamlValue::Kind::kList) return listItem(value, part);
+  if (value.kind == YamlValue::Kind::kScalar) return nullptr;
+  value.kind = YamlValue::Kind::kMap;
+  if (YamlValue* found = value.find(part)) return found;
+  value.items.emplace_back();
+  value.items.back().key = part;
+  value.items.back().overridden = true;
+  return &value.items.back();
+}
+
+void assign(YamlValue& target, YamlValue value) {
+  value.key = target.key;
+  value.keyLine = target.keyLine;
+  target = std::move(value);
+}
+
+void removeItem(YamlValue& parent, const YamlValue* item) {
+  parent.items.erase(parent.items.begin() + (item - parent.items.data()));
+}
+
+}  // namespace
+
+const YamlValue* YamlValue::find(const std::string& name) const {
+  if (kind != Kind::kMap) return nullptr;
+  for (const YamlValue& item : items) {
+    if (item.key == name) return &item;
+  }
+  return nullptr;
+}
+
+YamlValue* YamlValue::find(const std::string& name) {
+  return const_cast<YamlValue*>(static_cast<const YamlValue*>(this)->find(name));
+}
+
+YamlValue parseYaml(const std::string& text, const std::string& file) {
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw SceneError(file + ": expected one YAML document (got " +
+                       std::to_string(documents.size()) + ")");
+    }
+    return documents.empty() ? YamlValue() : Converter(file).convert(documents.front(), 0);
+  } catch (const YAML::Exception& error) {
+    throw SceneError(file + ":" + std::to_string(error.mark.line + 1) +
+                     ": not valid YAML: " + oneLine(error.msg));
+  }
+}
+
+void applyOverride(const std::string& text, const std::string& file, YamlValue& root) {
+  const std::string what = "override '" + oneLine(text) + "'";
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals + 1 == text.size()) {
+    throw SceneError(file + ": " + what + ": expected dotted.key=value");
+  }
+  YamlValue* parent = nullptr;
+  YamlValue* target = &root;
+  for (const std::string& part : splitPath(text.substr(0, equals))) {
+    if (part.empty()) throw SceneError(file + ": " + what + ": expected dotted.key=value");
+    parent = target;
+    target = descend(*parent, part);
+    if (target == nullptr) {
+      throw SceneError(file + ": " + what + ": there is no '" + oneLine(part) + "' to set");
+    }
+  }
+  YamlValue value = parseYaml(text.substr(equals + 1), file + ": " + what);
+  markOverridden(value);
+  if (value.kind == YamlValue::Kind::kNull) {
+    removeItem(*parent, target);
+  } else {
+    assign(*target, std::move(value));
+  }
+}
+
+}  // namespace cloth_sim
