@@ -49,7 +49,8 @@ struct RawSprings {
   double dashpot = 0.0;  ///< along every spring [N s/m]
 };
 
-/// How springs changed when the network followed an edit of its mesh. Slots are stable.
+/// How springs changed when the network followed an edit of its mesh. Slots are stable and are not
+/// used again.
 struct SpringChanges {
   std::vector<std::int32_t> added;     ///< slots that came to be, ascending
   std::vector<std::int32_t> modified;  ///< slots whose constants or ends changed, ascending
@@ -104,8 +105,8 @@ class SpringNetwork {
   void setConstants(const TriangleMesh& mesh, const std::vector<FaceId>& on, Spring& spring) const;
   double fabricStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
                          const Spring& spring) const;
-  double rawStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
-                      const Spring& spring) const;
+  double rawShare(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+                  const Spring& spring) const;
   std::int32_t insert(const Spring& spring);
   void erase(std::int32_t slot);
 

@@ -6,11 +6,9 @@
 #include <optional>
 
 #include "cloth_sim/cloth/state.h"
+#include "cloth_sim/surgery/material_path.h"
 
 namespace cloth_sim {
-
-/// A polyline in material coordinates [m].
-using MaterialPath = std::vector<Vec2>;
 
 /// Where the cloth may tear: only at springs that cross `path` or whose middle is within
 /// `halfWidth` of it.
@@ -50,7 +48,38 @@ struct FailureEvent {
 struct Opening {
   VertexId vertex = kNone;
   std::vector<FaceId> detach;
-  std::int32_t spring = kNone;  ///< the slot that asked for it
+  std::int32_t spring = kNone;  ///< the slot that failed
 };
+
+/// Finds the springs that fail, and how the surface opens for each.
+///
+/// A failed spring opens the surface at the end of it that lies to the right of the crack: the
+/// faces around that vertex that reach to the left let go. The crack so runs along mesh edges
+/// within one edge of where it should be, and which vertices it passes through does not depend on
+/// the order of failures. A spring whose failure would open nothing does not fail.
+class Tearing {
+ public:
+  Tearing(TearingSettings settings, const Model& model);
+
+  const TearingSettings& settings() const { return settings_; }
+  void setEnabled(bool enabled) { settings_.enabled = enabled; }
+  void setRatio(const TearRatios& ratio) { settings_.ratio = ratio; }
+
+  /// What fails now, most overloaded first (by stretch over limit; ties by slot); at most one
+  /// opening per vertex. Visits only springs that the gate allows.
+  std::vector<Opening> plan(const Model& model, const State& state) const;
+
+  /// To be called after every edit of the model.
+  void follow(const Model& model, const ModelChanges& changes);
+
+ private:
+  bool allowed(const Model& model, const Spring& spring) const;
+
+  TearingSettings settings_;
+  std::vector<std::int32_t> candidates_;  ///< slots that the gate allows, ascending; some may be gone
+};
+
+/// Openings along `path`: every structural spring that crosses it fails, as if cut.
+std::vector<Opening> planNotch(const Model& model, const MaterialPath& path);
 
 }  // namespace cloth_sim

@@ -1,0 +1,51 @@
+#pragma once
+/// \file A solver's own copy of the particles, as structure of arrays in an order that suits sweeps.
+
+#include "cloth_sim/cloth/state.h"
+#include "cloth_sim/contact/contacts.h"
+#include "cloth_sim/solver/solver.h"
+
+namespace cloth_sim {
+
+/// Three coordinates per particle.
+struct PackedVectors {
+  std::vector<double> x, y, z;
+
+  void resize(std::size_t n) {
+    x.resize(n);
+    y.resize(n);
+    z.resize(n);
+  }
+  Vec3 at(std::size_t k) const { return Vec3(x[k], y[k], z[k]); }
+  void set(std::size_t k, const Vec3& p) {
+    x[k] = p.x();
+    y[k] = p.y();
+    z[k] = p.z();
+  }
+};
+
+/// Particles in slots. On a grid, each row is stored as its columns 0, 4, 8, ..., then 1, 5, ...,
+/// 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a colouring lets
+/// run together, have their ends in two contiguous stretches, and a sweep needs no gathers.
+struct PackedParticles {
+  PackedVectors x;      ///< [m]
+  PackedVectors start;  ///< positions at the start of the substep [m]
+  PackedVectors v;      ///< [m/s]
+  std::vector<double> mass;         ///< [kg]; 0: prescribed motion
+  std::vector<double> inverseMass;  ///< [1/kg]; 0: prescribed motion
+  std::vector<std::int32_t> slotOf;  ///< by vertex
+
+  std::int32_t count() const { return static_cast<std::int32_t>(slotOf.size()); }
+
+  /// Chooses slots and sizes every array.
+  void layOut(const Model& model);
+  /// Adds slots for the vertices that an edit made.
+  void follow(const Model& model);
+  void load(const State& state);
+  void store(State& state) const;
+  /// Sets masses; the particles in `kinematic` get zero.
+  void loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic);
+  ParticleView view();
+};
+
+}  // namespace cloth_sim

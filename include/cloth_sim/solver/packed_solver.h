@@ -1,0 +1,67 @@
+#pragma once
+/// \file What the methods that sweep over packed springs have in common.
+
+#include "cloth_sim/solver/packed_particles.h"
+#include "cloth_sim/solver/solver.h"
+#include "cloth_sim/solver/spring_schedule.h"
+
+namespace cloth_sim {
+
+/// Packs the state, divides the step into substeps, moves the kinematic particles, sums up
+/// reactions and checks the result. A method on top of it says how one substep goes.
+class PackedSolver : public Solver {
+ public:
+  const StepReport& step(const Model& model, State& state, const Controls& controls,
+                         Contacts& contacts, double dt) final;
+  void onModelChanged(const Model& model, const ModelChanges& changes) final;
+
+ protected:
+  PackedSolver(const Model& model, int substeps);
+
+  /// What a substep may look at.
+  struct Substep {
+    const Model& model;
+    const Controls& controls;
+    Contacts& contacts;
+    double h = 0.0;        ///< length [s]
+    double time = 0.0;     ///< at its end [s]
+    double fraction = 0.0;  ///< of the step that has passed at its end
+  };
+
+  /// Called once before the substeps of a step; masses and kinematic slots are set.
+  virtual void prepare(const Controls& /*controls*/, double /*h*/) {}
+  virtual void substep(const Substep& now) = 0;
+
+  /// Copies positions to `particles_.start`.
+  void markStart();
+  /// Puts the kinematic particles where they are when `fraction` of the step has passed.
+  void placeKinematic(double fraction);
+  /// Adds an impulse [N s] on the k-th kinematic target to its reaction.
+  void addReaction(std::size_t k, const Vec3& impulse) { report_.reactions[k] += impulse; }
+  /// Adds the pressure of the wind on every face to `force_`.
+  void addWind(const Model& model, const Wind& wind);
+  /// Pushes particles out of obstacles and gives those that may have moved v = (x - start) / h.
+  void enforceContacts(const Substep& now);
+
+  PackedParticles particles_;
+  SpringSchedule schedule_;
+  PackedVectors force_;  ///< [N]; sized to the particles
+  /// Slots of the kinematic targets of this step, in their order.
+  std::vector<std::int32_t> kinematicSlots_;
+  /// True in `prepare` if the set of kinematic particles or the schedule is not that of the last
+  /// step.
+  bool layoutChanged_ = true;
+
+ private:
+  void loadKinematics(const Model& model, const Controls& controls, double dt);
+  void finishReactions(const Model& model, const Controls& controls, double dt);
+
+  int substeps_;
+  StepReport report_;
+  std::vector<Vec3> kinematicFrom_;
+  std::vector<Vec3> kinematicTo_;
+  std::vector<Vec3> kinematicStartVelocity_;
+  std::vector<std::int32_t> previousKinematic_;
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,23 @@
+#pragma once
+/// \file Which side of a path things are on, in material coordinates.
+
+#include <array>
+
+#include "cloth_sim/types.h"
+
+namespace cloth_sim {
+
+/// A polyline in material coordinates [m].
+using MaterialPath = std::vector<Vec2>;
+
+/// Signed distance to the nearest segment of `path`: positive to the right of its direction, and
+/// beyond its ends measured from the end segments' lines [m]. Points within 1e-9 m count as right.
+double sideOf(const MaterialPath& path, const Vec2& point);
+
+/// Distance to `path` [m].
+double distanceTo(const MaterialPath& path, const Vec2& point);
+
+/// Whether the segment p-q meets `path` (touching counts, within 1e-9 m).
+bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q);
+
+}  // namespace cloth_sim

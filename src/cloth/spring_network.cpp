@@ -1,0 +1,328 @@
+#include "cloth_sim/cloth/spring_network.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace cloth_sim {
+namespace {
+
+/// A thread passes straight through a vertex if it turns by less than this (cosine).
+constexpr double kStraight = 0.9;
+/// A mesh direction within 22.5 degrees of a thread direction counts as that thread's.
+const double kThreadCosine = std::cos(M_PI / 8.0);
+/// Bend springs store the fabric's bending energy at this curvature [1/m]; see docs/model.md.
+constexpr double kBendCurvature = 50.0;
+/// ... but at no fold sharper than this [rad], where the spring law loses its meaning.
+constexpr double kBendFoldLimit = 1.5;
+/// What structural springs keep of the tensile stiffness at least, whatever shear and bend springs
+/// already carry.
+constexpr double kStructuralFloor = 0.01;
+
+ThreadDirection threadDirection(const Vec2& d) {
+  const double length = d.norm();
+  if (std::abs(d.x()) > kThreadCosine * length) return ThreadDirection::kWarp;
+  if (std::abs(d.y()) > kThreadCosine * length) return ThreadDirection::kWeft;
+  return ThreadDirection::kBias;
+}
+
+double areaOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
+  double area = 0.0;
+  for (FaceId f : faces) area += mesh.restArea(f);
+  return area;
+}
+
+std::vector<FaceId> facesOn(const TriangleMesh& mesh, const Spring& spring) {
+  if (spring.kind == SpringKind::kBend) return mesh.facesAround(spring.support[0]);
+  std::vector<FaceId> faces;
+  for (FaceId f : mesh.facesOnEdge(spring.support[0], spring.support[1])) {
+    if (f != kNone) faces.push_back(f);
+  }
+  return faces;
+}
+
+/// Index k of the corner or of the edge (k, k+1) of `face` that starts at one of {a, b}.
+int edgeIndex(const Face& face, VertexId a, VertexId b) {
+  for (int k = 0; k < 3; ++k) {
+    const VertexId from = face[k];
+    const VertexId to = face[(k + 1) % 3];
+    if ((from == a && to == b) || (from == b && to == a)) return k;
+  }
+  return 0;
+}
+
+int cornerIndex(const Face& face, VertexId v) { return face[0] == v ? 0 : (face[1] == v ? 1 : 2); }
+
+/// Bending constant of a spring over two segments of length `l` that stands for one unit of area:
+/// 16 B / (l^4 theta^2) with theta the fold angle at the reference curvature.
+double bendStiffnessPerArea(double rigidity, double l) {
+  const double theta = std::min(l * kBendCurvature, kBendFoldLimit);
+  return 16.0 * rigidity / (l * l * l * l * theta * theta);
+}
+
+auto key(const Spring& s) { return std::make_tuple(s.support[0], s.support[1], s.a, s.b); }
+
+bool sameConstants(const Spring& s, const Spring& t) {
+  return s.stiffness == t.stiffness && s.damping == t.damping && s.restLength == t.restLength;
+}
+
+}  // namespace
+
+const char* toString(SpringKind kind) {
+  switch (kind) {
+    case SpringKind::kStructural:
+      return "structural";
+    case SpringKind::kShear:
+      return "shear";
+    case SpringKind::kBend:
+      return "bend";
+  }
+  return "?";
+}
+
+SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric,
+                             const SpringSelection& selection)
+    : selection_(selection) {
+  // With shear springs of stiffness G on both diagonals of square cells, the membrane has
+  // C11 = q1, C22 = q2, C12 = G, so that its uniaxial stiffness along u is q1 - G^2 / q2 and along
+  // v q2 - G^2 / q1. These are the q that make them the fabric's.
+  const double g = selection.shear ? fabric.shear : 0.0;
+  const double warp = fabric.tensileWarp;
+  const double weft = fabric.tensileWeft;
+  const double q = 0.5 * (warp + std::sqrt(warp * warp + 4.0 * g * g * warp / weft));
+  calibration_.structuralWarp = std::max(q - g, kStructuralFloor * warp);
+  calibration_.structuralWeft = std::max(q * weft / warp - g, kStructuralFloor * weft);
+  calibration_.shear = g;
+  calibration_.bending = selection.bend ? fabric.bending : 0.0;
+  calibration_.bendStretchCap =
+      0.5 * std::min(calibration_.structuralWarp, calibration_.structuralWeft);
+  calibration_.damping = fabric.damping;
+  build(mesh);
+}
+
+SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw,
+                             const SpringSelection& selection)
+    : selection_(selection), raw_(raw), rawShares_(mesh.faceCount()) {
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    const Face& face = mesh.face(f);
+    for (int k = 0; k < 3; ++k) {
+      double onEdge = 0.0;
+      for (FaceId other : mesh.facesOnEdge(face[k], face[(k + 1) % 3])) {
+        if (other != kNone) onEdge += mesh.restArea(other);
+      }
+      rawShares_[f].edge[k] = mesh.restArea(f) / onEdge;
+      rawShares_[f].corner[k] = mesh.restArea(f) / areaOf(mesh, mesh.facesAround(face[k]));
+    }
+  }
+  build(mesh);
+}
+
+void SpringNetwork::build(const TriangleMesh& mesh) {
+  standing_.resize(mesh.vertexCount());
+  std::vector<Spring> derived;
+  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
+    derived.clear();
+    deriveAround(mesh, v, derived);
+    for (const Spring& spring : derived) {
+      if (spring.support[0] == v) insert(spring);
+    }
+  }
+}
+
+void SpringNetwork::deriveAround(const TriangleMesh& mesh, VertexId v,
+                                 std::vector<Spring>& out) const {
+  for (VertexId w : mesh.neighbours(v)) deriveEdge(mesh, std::min(v, w), std::max(v, w), out);
+  if (selection_.bend) deriveBends(mesh, v, out);
+}
+
+void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
+                               std::vector<Spring>& out) const {
+  Spring edge;
+  edge.a = a;
+  edge.b = b;
+  edge.support = {a, b};
+  edge.direction = threadDirection(mesh.material(b) - mesh.material(a));
+  const bool bias = edge.direction == ThreadDirection::kBias;
+  edge.kind = bias ? SpringKind::kShear : SpringKind::kStructural;
+  if (bias && !selection_.shear) return;
+  const std::vector<FaceId> on = facesOn(mesh, edge);
+  setConstants(mesh, on, edge);
+  out.push_back(edge);
+  if (!bias || on.size() < 2) return;
+
+  Spring across = edge;
+  const VertexId p = mesh.oppositeVertex(on[0], a, b);
+  const VertexId q = mesh.oppositeVertex(on[1], a, b);
+  across.a = std::min(p, q);
+  across.b = std::max(p, q);
+  if (threadDirection(mesh.material(q) - mesh.material(p)) != ThreadDirection::kBias) return;
+  setConstants(mesh, on, across);
+  out.push_back(across);
+}
+
+void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
+                                std::vector<Spring>& out) const {
+  const Vec2& centre = mesh.material(v);
+  for (const ThreadDirection thread : {ThreadDirection::kWarp, ThreadDirection::kWeft}) {
+    const Vec2 axis = thread == ThreadDirection::kWarp ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0);
+    VertexId ahead = kNone;
+    VertexId behind = kNone;
+    double bestAhead = kStraight;
+    double bestBehind = kStraight;
+    for (VertexId w : mesh.neighbours(v)) {
+      const double cosine = (mesh.material(w) - centre).normalized().dot(axis);
+      if (cosine > bestAhead) {
+        bestAhead = cosine;
+        ahead = w;
+      } else if (-cosine > bestBehind) {
+        bestBehind = -cosine;
+        behind = w;
+      }
+    }
+    if (ahead == kNone || behind == kNone) continue;
+    Spring bend;
+    bend.a = std::min(ahead, behind);
+    bend.b = std::max(ahead, behind);
+    bend.kind = SpringKind::kBend;
+    bend.direction = thread;
+    bend.support = {v, kNone};
+    setConstants(mesh, mesh.facesAround(v), bend);
+    out.push_back(bend);
+  }
+}
+
+void SpringNetwork::setConstants(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+                                 Spring& spring) const {
+  spring.restLength = (mesh.material(spring.b) - mesh.material(spring.a)).norm();
+  if (raw_) {
+    const double share = rawShare(mesh, on, spring);
+    const double constant = raw_->constant[static_cast<int>(spring.kind)];
+    spring.stiffness = share * (raw_->perStretch ? constant / spring.restLength : constant);
+    spring.damping = share * raw_->dashpot;
+  } else {
+    spring.stiffness = fabricStiffness(mesh, on, spring);
+    spring.damping = calibration_.damping * spring.stiffness;
+  }
+}
+
+double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+                                      const Spring& spring) const {
+  const double area = areaOf(mesh, on);
+  const Vec2 d = mesh.material(spring.b) - mesh.material(spring.a);
+  const double squared = d.squaredNorm();
+  switch (spring.kind) {
+    case SpringKind::kStructural: {
+      const double bends = std::min(4.0 * squared * bendStiffnessPerArea(calibration_.bending,
+                                                                         spring.restLength),
+                                    calibration_.bendStretchCap);
+      const double membrane = spring.direction == ThreadDirection::kWarp
+                                  ? calibration_.structuralWarp
+                                  : calibration_.structuralWeft;
+      return (membrane - bends) * area / squared;
+    }
+    case SpringKind::kShear: {
+      // Under a shear angle gamma a direction (c, s) stretches by gamma c s; both diagonals
+      // together store G gamma^2 / 2 per area.
+      const double cs = d.x() * d.y() / squared;
+      return calibration_.shear * area / (2.0 * squared * cs * cs);
+    }
+    case SpringKind::kBend: {
+      const double l = 0.5 * spring.restLength;
+      const double lumped = area / 3.0;
+      return std::min(bendStiffnessPerArea(calibration_.bending, l),
+                      calibration_.bendStretchCap / (4.0 * l * l)) *
+             lumped;
+    }
+  }
+  return 0.0;
+}
+
+double SpringNetwork::rawShare(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+                               const Spring& spring) const {
+  const bool isEdge = spring.kind != SpringKind::kBend && spring.support[0] == spring.a &&
+                      spring.support[1] == spring.b;
+  if (spring.kind != SpringKind::kBend && !isEdge) return 1.0;
+  double share = 0.0;
+  for (FaceId f : on) {
+    const Face& face = mesh.face(f);
+    share += isEdge ? rawShares_[f].edge[edgeIndex(face, spring.a, spring.b)]
+                    : rawShares_[f].corner[cornerIndex(face, spring.support[0])];
+  }
+  return share;
+}
+
+SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
+  standing_.resize(mesh.vertexCount());
+  const auto isTouched = [&](VertexId v) {
+    return std::binary_search(changes.touched.begin(), changes.touched.end(), v);
+  };
+  std::vector<std::int32_t> before;
+  std::vector<Spring> after;
+  std::vector<Spring> derived;
+  for (VertexId v : changes.touched) {
+    before.insert(before.end(), standing_[v].begin(), standing_[v].end());
+    derived.clear();
+    deriveAround(mesh, v, derived);
+    for (const Spring& spring : derived) {
+      if (spring.support[0] == v || !isTouched(spring.support[0])) after.push_back(spring);
+    }
+  }
+  const auto byKey = [](const Spring& s, const Spring& t) { return key(s) < key(t); };
+  const auto slotByKey = [&](std::int32_t s, std::int32_t t) {
+    return key(slots_[s]) < key(slots_[t]);
+  };
+  std::sort(before.begin(), before.end());
+  before.erase(std::unique(before.begin(), before.end()), before.end());
+  std::sort(before.begin(), before.end(), slotByKey);
+  std::sort(after.begin(), after.end(), byKey);
+
+  SpringChanges result;
+  std::vector<const Spring*> fresh;
+  std::size_t k = 0;
+  for (const Spring& spring : after) {
+    while (k < before.size() && key(slots_[before[k]]) < key(spring)) {
+      result.removed.push_back(before[k++]);
+    }
+    if (k < before.size() && key(slots_[before[k]]) == key(spring)) {
+      Spring& old = slots_[before[k]];
+      if (!sameConstants(old, spring)) result.modified.push_back(before[k]);
+      old = spring;
+      ++k;
+    } else {
+      fresh.push_back(&spring);
+    }
+  }
+  result.removed.insert(result.removed.end(), before.begin() + static_cast<std::ptrdiff_t>(k),
+                        before.end());
+  std::sort(result.removed.begin(), result.removed.end());
+  for (std::int32_t slot : result.removed) {
+    result.removedSprings.push_back(slots_[slot]);
+    erase(slot);
+  }
+  for (const Spring* spring : fresh) result.added.push_back(insert(*spring));
+  std::sort(result.modified.begin(), result.modified.end());
+  return result;
+}
+
+std::int32_t SpringNetwork::insert(const Spring& spring) {
+  const auto slot = static_cast<std::int32_t>(slots_.size());
+  slots_.push_back(spring);
+  for (VertexId v : spring.support) {
+    if (v != kNone) standing_[v].push_back(slot);
+  }
+  ++count_[static_cast<int>(spring.kind)];
+  return slot;
+}
+
+void SpringNetwork::erase(std::int32_t slot) {
+  Spring& spring = slots_[slot];
+  for (VertexId v : spring.support) {
+    if (v == kNone) continue;
+    std::vector<std::int32_t>& list = standing_[v];
+    list.erase(std::find(list.begin(), list.end(), slot));
+  }
+  --count_[static_cast<int>(spring.kind)];
+  spring = Spring{};
+}
+
+}  // namespace cloth_sim

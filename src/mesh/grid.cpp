@@ -1,0 +1,34 @@
+#include "cloth_sim/mesh/grid.h"
+
+#include <stdexcept>
+
+namespace cloth_sim {
+
+TriangleMesh makeGridMesh(const Grid& grid) {
+  if (grid.columns < 2 || grid.rows < 2) {
+    throw std::invalid_argument("a grid needs at least 2 x 2 vertices");
+  }
+  if (!(grid.width > 0.0) || !(grid.height > 0.0)) {
+    throw std::invalid_argument("a grid needs a positive width and height");
+  }
+  std::vector<Vec2> material;
+  material.reserve(static_cast<std::size_t>(grid.columns) * grid.rows);
+  for (int j = 0; j < grid.rows; ++j) {
+    for (int i = 0; i < grid.columns; ++i) {
+      material.emplace_back(i * grid.spacingU(), j * grid.spacingV());
+    }
+  }
+  std::vector<Face> faces;
+  faces.reserve(static_cast<std::size_t>(grid.columns - 1) * (grid.rows - 1) * 2);
+  for (int j = 0; j + 1 < grid.rows; ++j) {
+    for (int i = 0; i + 1 < grid.columns; ++i) {
+      const VertexId corner = grid.vertex(i, j);
+      const VertexId opposite = grid.vertex(i + 1, j + 1);
+      faces.push_back({corner, grid.vertex(i + 1, j), opposite});
+      faces.push_back({corner, opposite, grid.vertex(i, j + 1)});
+    }
+  }
+  return TriangleMesh(std::move(material), std::move(faces));
+}
+
+}  // namespace cloth_sim

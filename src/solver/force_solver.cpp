@@ -1,0 +1,64 @@
+#include "force_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloth_sim/solver/vector_clones.h"
+#include "spring_forces.h"
+
+namespace cloth_sim {
+namespace {
+
+/// v += (h f / m + h g [m > 0]) along one axis.
+CLOTH_SIM_VECTOR_CLONES
+void kickAxis(std::size_t count, double h, double g, const double* force, const double* inverseMass,
+              double* v) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const double fall = inverseMass[k] > 0.0 ? h * g : 0.0;
+    v[k] += h * force[k] * inverseMass[k] + fall;
+  }
+}
+
+CLOTH_SIM_VECTOR_CLONES
+void driftAxis(std::size_t count, double h, const double* v, double* x) {
+  for (std::size_t k = 0; k < count; ++k) x[k] += h * v[k];
+}
+
+}  // namespace
+
+void ForceSolver::evaluateForces(const Substep& now) {
+  for (std::vector<double>* axis : {&force_.x, &force_.y, &force_.z}) {
+    std::fill(axis->begin(), axis->end(), 0.0);
+  }
+  addSpringForces(schedule_, particles_.x, particles_.v, force_);
+  if (now.controls.wind) addWind(now.model, *now.controls.wind);
+}
+
+void ForceSolver::kick(const Substep& now) {
+  const auto n = static_cast<std::size_t>(particles_.count());
+  const Vec3& g = now.controls.gravity;
+  const double* w = particles_.inverseMass.data();
+  kickAxis(n, now.h, g.x(), force_.x.data(), w, particles_.v.x.data());
+  kickAxis(n, now.h, g.y(), force_.y.data(), w, particles_.v.y.data());
+  kickAxis(n, now.h, g.z(), force_.z.data(), w, particles_.v.z.data());
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    addReaction(k, now.h * force_.at(static_cast<std::size_t>(kinematicSlots_[k])));
+  }
+}
+
+void ForceSolver::drift(double h) {
+  const auto n = static_cast<std::size_t>(particles_.count());
+  driftAxis(n, h, particles_.v.x.data(), particles_.x.x.data());
+  driftAxis(n, h, particles_.v.y.data(), particles_.x.y.data());
+  driftAxis(n, h, particles_.v.z.data(), particles_.x.z.data());
+}
+
+void ForceSolver::damp(const Controls& controls, double h) {
+  if (controls.drag == 0.0) return;
+  const double keep = std::exp(-controls.drag * h);
+  for (std::size_t k = 0; k < particles_.inverseMass.size(); ++k) {
+    if (particles_.inverseMass[k] > 0.0) particles_.v.set(k, keep * particles_.v.at(k));
+  }
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,15 @@
+#pragma once
+/// \file One function per method file: its row of the registry.
+
+#include "cloth_sim/solver/registry.h"
+
+namespace cloth_sim {
+
+SolverInfo symplecticEulerInfo();
+SolverInfo verletInfo();
+SolverInfo xpbdInfo();
+
+/// The parameter that every method of PackedSolver has.
+SolverParameter substepsParameter(int defaultValue);
+
+}  // namespace cloth_sim

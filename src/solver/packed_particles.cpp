@@ -1,0 +1,78 @@
+#include "cloth_sim/solver/packed_particles.h"
+
+namespace cloth_sim {
+namespace {
+
+/// See PackedParticles: spans of one and two columns both map to contiguous stretches.
+constexpr int kInterleave = 4;
+
+/// Place of column i within a stored row.
+int packedColumn(int i, int columns) {
+  int place = i / kInterleave;
+  for (int residue = 0; residue < i % kInterleave; ++residue) {
+    place += (columns - residue + kInterleave - 1) / kInterleave;
+  }
+  return place;
+}
+
+}  // namespace
+
+void PackedParticles::layOut(const Model& model) {
+  slotOf.clear();
+  if (model.grid) {
+    const Grid& grid = *model.grid;
+    slotOf.resize(static_cast<std::size_t>(grid.columns) * grid.rows);
+    for (int j = 0; j < grid.rows; ++j) {
+      for (int i = 0; i < grid.columns; ++i) {
+        slotOf[grid.vertex(i, j)] = grid.vertex(0, j) + packedColumn(i, grid.columns);
+      }
+    }
+  }
+  follow(model);
+}
+
+void PackedParticles::follow(const Model& model) {
+  for (VertexId k = count(); k < model.particleCount(); ++k) slotOf.push_back(k);
+  const auto n = static_cast<std::size_t>(count());
+  for (PackedVectors* vectors : {&x, &start, &v}) vectors->resize(n);
+  mass.resize(n);
+  inverseMass.resize(n);
+}
+
+void PackedParticles::load(const State& state) {
+  for (VertexId k = 0; k < count(); ++k) {
+    x.set(slotOf[k], state.x[k]);
+    v.set(slotOf[k], state.v[k]);
+  }
+}
+
+void PackedParticles::store(State& state) const {
+  for (VertexId k = 0; k < count(); ++k) {
+    state.x[k] = x.at(slotOf[k]);
+    state.v[k] = v.at(slotOf[k]);
+  }
+}
+
+void PackedParticles::loadMasses(const Model& model,
+                                 const std::vector<KinematicTarget>& kinematic) {
+  for (VertexId k = 0; k < count(); ++k) mass[slotOf[k]] = model.mass[k];
+  for (const KinematicTarget& target : kinematic) mass[slotOf[target.vertex]] = 0.0;
+  for (std::size_t k = 0; k < mass.size(); ++k) {
+    inverseMass[k] = mass[k] > 0.0 ? 1.0 / mass[k] : 0.0;
+  }
+}
+
+ParticleView PackedParticles::view() {
+  ParticleView view;
+  view.x = x.x.data();
+  view.y = x.y.data();
+  view.z = x.z.data();
+  view.startX = start.x.data();
+  view.startY = start.y.data();
+  view.startZ = start.z.data();
+  view.mass = mass.data();
+  view.slotOf = slotOf.data();
+  return view;
+}
+
+}  // namespace cloth_sim

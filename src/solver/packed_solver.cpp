@@ -1,0 +1,114 @@
+#include "cloth_sim/solver/packed_solver.h"
+
+namespace cloth_sim {
+
+PackedSolver::PackedSolver(const Model& model, int substeps) : substeps_(substeps) {
+  particles_.layOut(model);
+  schedule_.build(model, particles_.slotOf);
+  force_.resize(particles_.count());
+}
+
+void PackedSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
+  particles_.follow(model);
+  schedule_.follow(model, changes.springs, particles_.slotOf);
+  force_.resize(particles_.count());
+  layoutChanged_ = true;
+}
+
+const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,
+                                     Contacts& contacts, double dt) {
+  const double h = dt / substeps_;
+  particles_.load(state);
+  loadKinematics(model, controls, dt);
+  prepare(controls, h);
+  for (int k = 1; k <= substeps_; ++k) {
+    const double fraction = static_cast<double>(k) / substeps_;
+    substep({model, controls, contacts, h, state.t + fraction * dt, fraction});
+  }
+  particles_.store(state);
+  for (const KinematicTarget& target : controls.kinematic) {
+    state.v[target.vertex] = target.velocity;
+  }
+  state.t += dt;
+  finishReactions(model, controls, dt);
+  layoutChanged_ = false;
+  report_.substeps = substeps_;
+  report_.status = isFinite(state) ? StepStatus::kOk : StepStatus::kNotFinite;
+  return report_;
+}
+
+void PackedSolver::loadKinematics(const Model& model, const Controls& controls, double dt) {
+  particles_.loadMasses(model, controls.kinematic);
+  kinematicSlots_.clear();
+  kinematicFrom_.clear();
+  kinematicTo_.clear();
+  kinematicStartVelocity_.clear();
+  report_.reactions.assign(controls.kinematic.size(), Vec3::Zero());
+  for (const KinematicTarget& target : controls.kinematic) {
+    const std::int32_t slot = particles_.slotOf[target.vertex];
+    kinematicSlots_.push_back(slot);
+    kinematicFrom_.push_back(particles_.x.at(slot));
+    kinematicTo_.push_back(target.position);
+    kinematicStartVelocity_.push_back(particles_.v.at(slot));
+    particles_.v.set(slot, (target.position - kinematicFrom_.back()) / dt);
+  }
+  if (kinematicSlots_ != previousKinematic_) {
+    previousKinematic_ = kinematicSlots_;
+    layoutChanged_ = true;
+  }
+}
+
+void PackedSolver::finishReactions(const Model& model, const Controls& controls, double dt) {
+  for (std::size_t k = 0; k < controls.kinematic.size(); ++k) {
+    const KinematicTarget& target = controls.kinematic[k];
+    const double mass = model.mass[target.vertex];
+    const Vec3 acceleration = (target.velocity - kinematicStartVelocity_[k]) / dt;
+    report_.reactions[k] =
+        report_.reactions[k] / dt + mass * (controls.gravity - acceleration);
+  }
+}
+
+void PackedSolver::markStart() {
+  particles_.start.x = particles_.x.x;
+  particles_.start.y = particles_.x.y;
+  particles_.start.z = particles_.x.z;
+}
+
+void PackedSolver::placeKinematic(double fraction) {
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    particles_.x.set(kinematicSlots_[k],
+                     kinematicFrom_[k] + fraction * (kinematicTo_[k] - kinematicFrom_[k]));
+  }
+}
+
+void PackedSolver::addWind(const Model& model, const Wind& wind) {
+  const PackedVectors& x = particles_.x;
+  const PackedVectors& v = particles_.v;
+  for (const Face& face : model.mesh.faces()) {
+    std::array<std::size_t, 3> p;
+    for (int k = 0; k < 3; ++k) p[k] = static_cast<std::size_t>(particles_.slotOf[face[k]]);
+    // Twice the area times the normal.
+    const Vec3 normal = (x.at(p[1]) - x.at(p[0])).cross(x.at(p[2]) - x.at(p[0]));
+    const double length = normal.norm();
+    if (length == 0.0) continue;
+    const Vec3 relative = wind.velocity - (v.at(p[0]) + v.at(p[1]) + v.at(p[2])) / 3.0;
+    const double along = relative.dot(normal) / length;
+    const Vec3 third =
+        wind.density * wind.dragCoefficient * std::abs(along) * along / 12.0 * normal;
+    for (std::size_t k : p) force_.set(k, force_.at(k) + third);
+  }
+}
+
+void PackedSolver::enforceContacts(const Substep& now) {
+  if (now.contacts.empty()) return;
+  now.contacts.project(particles_.view(), now.time, now.h);
+  PackedParticles& p = particles_;
+  for (const ContactCandidates& touching : now.contacts.candidates) {
+    for (VertexId vertex : touching.vertices) {
+      const auto k = static_cast<std::size_t>(p.slotOf[vertex]);
+      p.v.set(k, (p.x.at(k) - p.start.at(k)) / now.h);
+    }
+  }
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,107 @@
+#include "spring_forces.h"
+
+#include <cmath>
+
+#include "cloth_sim/solver/parallel_for.h"
+#include "cloth_sim/solver/vector_clones.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Keeps the direction of a spring of no length from being 0/0 [m^2].
+constexpr double kTinySquare = 1e-300;
+/// Work below this many springs is not worth a thread.
+constexpr std::int32_t kGrainRuns = 24;
+constexpr std::int32_t kGrainSingles = 1024;
+
+/// One spring from a to b: the force that a gets.
+struct Pull {
+  double x, y, z;
+};
+
+inline Pull springPull(double dx, double dy, double dz, double rx, double ry, double rz,
+                       double rest, double stiffness, double damping) {
+  const double length = std::sqrt(dx * dx + dy * dy + dz * dz + kTinySquare);
+  const double rate = (dx * rx + dy * ry + dz * rz) / length;
+  const double f = (stiffness * (length - rest) + damping * rate) / length;
+  return {f * dx, f * dy, f * dz};
+}
+
+CLOTH_SIM_VECTOR_CLONES
+void pullRun(std::int32_t count, std::int32_t first, std::int32_t a, std::int32_t b,
+             const SpringSchedule& s, const PackedVectors& x, const PackedVectors& v,
+             PackedVectors& force) {
+  const double* const ax = x.x.data() + a;
+  const double* const ay = x.y.data() + a;
+  const double* const az = x.z.data() + a;
+  const double* const bx = x.x.data() + b;
+  const double* const by = x.y.data() + b;
+  const double* const bz = x.z.data() + b;
+  const double* const au = v.x.data() + a;
+  const double* const av = v.y.data() + a;
+  const double* const aw = v.z.data() + a;
+  const double* const bu = v.x.data() + b;
+  const double* const bv = v.y.data() + b;
+  const double* const bw = v.z.data() + b;
+  const double* const rest = s.restLength.data() + first;
+  const double* const stiffness = s.stiffness.data() + first;
+  const double* const damping = s.damping.data() + first;
+  double* const fax = force.x.data() + a;
+  double* const fay = force.y.data() + a;
+  double* const faz = force.z.data() + a;
+  double* const fbx = force.x.data() + b;
+  double* const fby = force.y.data() + b;
+  double* const fbz = force.z.data() + b;
+#pragma GCC ivdep
+  for (std::int32_t k = 0; k < count; ++k) {
+    const Pull pull =
+        springPull(bx[k] - ax[k], by[k] - ay[k], bz[k] - az[k], bu[k] - au[k], bv[k] - av[k],
+                   bw[k] - aw[k], rest[k], stiffness[k], damping[k]);
+    fax[k] += pull.x;
+    fay[k] += pull.y;
+    faz[k] += pull.z;
+    fbx[k] -= pull.x;
+    fby[k] -= pull.y;
+    fbz[k] -= pull.z;
+  }
+}
+
+void pullSingles(std::int32_t first, std::int32_t end, const SpringSchedule& s,
+                 const PackedVectors& x, const PackedVectors& v, PackedVectors& force) {
+  for (std::int32_t p = first; p < end; ++p) {
+    const auto a = static_cast<std::size_t>(s.endA[p]);
+    const auto b = static_cast<std::size_t>(s.endB[p]);
+    const Pull pull = springPull(x.x[b] - x.x[a], x.y[b] - x.y[a], x.z[b] - x.z[a],
+                                 v.x[b] - v.x[a], v.y[b] - v.y[a], v.z[b] - v.z[a],
+                                 s.restLength[p], s.stiffness[p], s.damping[p]);
+    force.x[a] += pull.x;
+    force.y[a] += pull.y;
+    force.z[a] += pull.z;
+    force.x[b] -= pull.x;
+    force.y[b] -= pull.y;
+    force.z[b] -= pull.z;
+  }
+}
+
+}  // namespace
+
+void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
+                     PackedVectors& force) {
+  for (const SpringSchedule::Batch& batch : schedule.batches()) {
+    parallelFor(static_cast<std::int32_t>(batch.runs.size()), kGrainRuns,
+                [&](std::int32_t begin, std::int32_t end) {
+                  for (std::int32_t r = begin; r < end; ++r) {
+                    const SpringSchedule::Run& run = batch.runs[r];
+                    pullRun(run.count, run.first, schedule.endA[run.first],
+                            schedule.endB[run.first], schedule, x, v, force);
+                  }
+                });
+    parallelFor(batch.endSingle - batch.firstSingle, kGrainSingles,
+                [&](std::int32_t begin, std::int32_t end) {
+                  pullSingles(batch.firstSingle + begin, batch.firstSingle + end, schedule, x, v,
+                              force);
+                });
+  }
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,47 @@
+#include "force_solver.h"
+#include "methods.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Position Verlet: half a drift, a kick with the forces there, half a drift.
+///
+/// Second order and time-reversible without damping (Tuckerman, Berne & Martyna 1992, eq. 2.22);
+/// stable for h below 2 / omega_max. Dashpots see the velocity before the kick, which makes the
+/// damping, and only that, first order.
+class Verlet final : public ForceSolver {
+ public:
+  Verlet(const Model& model, int substeps) : ForceSolver(model, substeps) {}
+
+ private:
+  void substep(const Substep& now) override {
+    const double half = 0.5 * now.h;
+    markStart();
+    damp(now.controls, half);
+    drift(half);
+    evaluateForces(now);
+    kick(now);
+    drift(half);
+    damp(now.controls, half);
+    placeKinematic(now.fraction);
+    enforceContacts(now);
+  }
+};
+
+}  // namespace
+
+SolverInfo verletInfo() {
+  SolverInfo info;
+  info.name = "verlet";
+  info.title = "Position Verlet (drift, kick, drift)";
+  info.reference = "Tuckerman, Berne & Martyna, J. Chem. Phys. 97 (1992), eq. 2.22";
+  info.limitations = "diverges for substeps longer than 2 / omega_max; first order in damping";
+  info.order = 2;
+  info.parameters = {substepsParameter(64)};
+  info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
+    return std::make_unique<Verlet>(model, static_cast<int>(p.at("substeps")));
+  };
+  return info;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,65 @@
+#include "cloth_sim/surgery/material_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+constexpr double kTolerance = 1e-9;  // [m]
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double squaredDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const Vec2 d = b - a;
+  const double t = std::clamp(d.dot(p - a) / d.squaredNorm(), 0.0, 1.0);
+  return (a + t * d - p).squaredNorm();
+}
+
+/// Signed distance of p from the line a-b, positive to the right of it.
+double offLine(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const Vec2 d = b - a;
+  return -cross(d, p - a) / d.norm();
+}
+
+}  // namespace
+
+double sideOf(const MaterialPath& path, const Vec2& point) {
+  // Where two segments are equally near (beyond a corner), the one whose line is farther decides.
+  double nearest = std::numeric_limits<double>::infinity();
+  double side = 0.0;
+  for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+    const double distance = std::sqrt(squaredDistance(path[k], path[k + 1], point));
+    const double off = offLine(path[k], path[k + 1], point);
+    const bool nearer = distance < nearest - kTolerance;
+    const bool asNear = distance < nearest + kTolerance && std::abs(off) > std::abs(side);
+    if (nearer || asNear) side = off;
+    nearest = std::min(nearest, distance);
+  }
+  return std::abs(side) <= kTolerance ? 0.0 : side;
+}
+
+double distanceTo(const MaterialPath& path, const Vec2& point) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+    nearest = std::min(nearest, squaredDistance(path[k], path[k + 1], point));
+  }
+  return std::sqrt(nearest);
+}
+
+bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q) {
+  for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+    const double a = offLine(path[k], path[k + 1], p);
+    const double b = offLine(path[k], path[k + 1], q);
+    const double c = offLine(p, q, path[k]);
+    const double d = offLine(p, q, path[k + 1]);
+    if (std::min(a, b) <= kTolerance && std::max(a, b) >= -kTolerance &&
+        std::min(c, d) <= kTolerance && std::max(c, d) >= -kTolerance) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace cloth_sim
