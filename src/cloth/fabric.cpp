@@ -26,14 +26,20 @@ const std::vector<Fabric>& presets() {
       {"cotton", 0.1036, 4501.0, 2800.0, 97.0, 5e-6, kChosenDamping, kChosenFriction, 0.18e-3,
        cipc + "; bending: textbook range (Kawabata 1980), not measured on this fabric" + kChosen},
       {"denim", 0.324, 2028.0, 411.0, 53.4, 80e-6, kChosenDamping, kChosenFriction, 0.66e-3,
-       wang + "11oz-black-denim (tensile 2 C, weft along the spandex; bending 64.2e-6 to 97e-6); "
-              "thickness: Li, Kaufman, Jiang 2021" + kChosen},
+       wang +
+           "11oz-black-denim (tensile 2 C, weft along the spandex; bending 64.2e-6 to 97e-6); "
+           "thickness: Li, Kaufman, Jiang 2021" +
+           kChosen},
       {"interlock", 0.187, 69.0, 33.0, 36.9, 20e-6, kChosenDamping, kChosenFriction, 0.7e-3,
-       wang + "gray-interlock (tensile 2 C at zero strain: about ten times stiffer by 17 % strain, "
-              "which is not modelled; bending 14.3e-6 to 24.7e-6); thickness chosen" + kChosen},
+       wang +
+           "gray-interlock (tensile 2 C at zero strain: about ten times stiffer by 17 % strain, "
+           "which is not modelled; bending 14.3e-6 to 24.7e-6); thickness chosen" +
+           kChosen},
       {"polyester", 0.128, 4054.0, 4004.0, 19.2, 41e-6, kChosenDamping, kChosenFriction, 0.252e-3,
-       wang + "white-dots-on-blk (tensile: a lower bound, the data are saturated there; bending "
-              "31.3e-6 to 51.7e-6); thickness: Penava et al. 2014" + kChosen},
+       wang +
+           "white-dots-on-blk (tensile: a lower bound, the data are saturated there; bending "
+           "31.3e-6 to 51.7e-6); thickness: Penava et al. 2014" +
+           kChosen},
       {"silk", 0.083, 1790.0, 774.0, 51.0, 3e-6, kChosenDamping, kChosenFriction, 0.18e-3,
        cipc + "; bending: textbook range (Kawabata 1980), not measured on this fabric" + kChosen},
   };

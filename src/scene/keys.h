@@ -9,14 +9,14 @@ namespace cloth_sim::keys {
 
 using Keys = std::vector<std::string>;
 
-inline const Keys kScene{"cloth",  "solver",  "gravity", "wind", "drag", "obstacles",
-                         "clamps", "tearing", "phases",  "seed"};
+inline const Keys kScene{"cloth",     "solver", "gravity", "wind",   "drag",
+                         "obstacles", "clamps", "tearing", "phases", "seed"};
 
 inline const Keys kPose{"position", "rpy", "orientation"};
 
-inline const Keys kCloth{"size",     "particles",   "pose",          "random_offset", "velocity",
-                         "fabric",   "raw_springs", "particle_mass", "shear",         "bending",
-                         "pins"};
+inline const Keys kCloth{"size",     "particles", "pose",        "random_offset",
+                         "velocity", "fabric",    "raw_springs", "particle_mass",
+                         "shear",    "bending",   "pins"};
 inline const Keys kFabric{"preset",  "areal_density", "tensile_warp", "tensile_weft", "shear",
                           "bending", "damping",       "friction",     "thickness"};
 inline const Keys kRawSprings{"structural", "shear", "bend", "per_stretch", "dashpot"};
@@ -24,16 +24,16 @@ inline const Keys kRawSprings{"structural", "shear", "bend", "per_stretch", "das
 inline const Keys kSolver{"method", "dt"};
 inline const Keys kWind{"velocity", "density", "drag_coefficient"};
 
-inline const Keys kPlane{"type",     "position", "rpy",             "orientation",
-                         "velocity", "friction", "tangential_decay"};
-inline const Keys kSphere{"type",     "radius",   "position", "rpy", "orientation",
-                          "velocity", "friction", "tangential_decay"};
-inline const Keys kBox{"type",     "size",     "position", "rpy", "orientation",
-                       "velocity", "friction", "tangential_decay"};
+inline const Keys kPlane{"type",     "position",        "rpy", "orientation", "velocity",
+                         "friction", "tangential_decay"};
+inline const Keys kSphere{"type",        "radius",   "position", "rpy",
+                          "orientation", "velocity", "friction", "tangential_decay"};
+inline const Keys kBox{"type",        "size",     "position", "rpy",
+                       "orientation", "velocity", "friction", "tangential_decay"};
 
-inline const Keys kClamp{"pose",       "patch",         "plate_size", "gap_open",
-                         "gap_closed", "closing_speed", "max_speed",  "max_angular_speed",
-                         "max_acceleration"};
+inline const Keys kClamp{
+    "pose",          "patch",     "plate_size",        "gap_open",        "gap_closed",
+    "closing_speed", "max_speed", "max_angular_speed", "max_acceleration"};
 inline const Keys kPatch{"particle", "radius"};
 
 inline const Keys kTearing{"enabled", "ratio", "seam"};

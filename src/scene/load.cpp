@@ -46,16 +46,15 @@ void readSurroundings(const SceneNode& root, Scene& scene) {
   if (const auto seed = root.find("seed")) scene.seed = seed->seed();
 }
 
-void completeSolver(SolverSpec& solver) {
-  solver.parameters = completeParameters(findSolver(solver.method), solver.parameters);
-}
-
 Scene readScene(const SceneNode& root) {
   root.expectKeys(keys::kScene);
   Scene scene;
   readCloth(root.need("cloth", "a map"), scene.cloth);
-  if (const auto solver = root.find("solver")) readSolver(*solver, scene.solver);
-  completeSolver(scene.solver);
+  if (const auto solver = root.find("solver")) {
+    readSolver(*solver, scene.solver);
+  } else {
+    scene.solver.parameters = completeParameters(findSolver(scene.solver.method), {});
+  }
   readSurroundings(root, scene);
   if (const auto obstacles = root.find("obstacles")) {
     readObstacles(*obstacles, scene.cloth.fabric.friction, scene.obstacles);

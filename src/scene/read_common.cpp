@@ -33,8 +33,8 @@ void checkOnCloth(const SceneNode& node, const Vec2& point, const ClothSpec& clo
                       point.y() >= -cellV && point.y() <= cloth.height + cellV;
   if (inside) return;
   node.refuse("expected a point [u, v] of the cloth, u from 0 to " + shortNumber(cloth.width) +
-              " and v from 0 to " + shortNumber(cloth.height) + " (got [" +
-              shortNumber(point.x()) + ", " + shortNumber(point.y()) + "])");
+              " and v from 0 to " + shortNumber(cloth.height) + " (got [" + shortNumber(point.x()) +
+              ", " + shortNumber(point.y()) + "])");
 }
 
 }  // namespace
@@ -80,7 +80,8 @@ TearRatios readRatios(const SceneNode& node) {
   TearRatios ratios{never, never, never};
   if (node.isMap()) {
     node.expectKeys(keys::kRatio);
-    for (int kind = 0; kind < kSpringKinds; ++kind) node.read(keys::kRatio[kind], ratios[kind], range);
+    for (int kind = 0; kind < kSpringKinds; ++kind)
+      node.read(keys::kRatio[kind], ratios[kind], range);
   } else {
     ratios.fill(node.number(range));
   }

@@ -59,7 +59,8 @@ void readClampAction(const SceneNode& node, const ClampSpec& clamp, ClampAction&
 }
 
 /// In the order of the scene's clamps; what is said of one replaces what is said of all.
-void readClampActions(const SceneNode& node, const Scene& scene, std::vector<ClampAction>& actions) {
+void readClampActions(const SceneNode& node, const Scene& scene,
+                      std::vector<ClampAction>& actions) {
   std::vector<std::string> names = clampNames(scene);
   names.push_back("all");
   for (const SceneNode& entry : node.entries()) checkKnown(entry, "clamp", names);
@@ -92,7 +93,8 @@ void readPhaseTearing(const SceneNode& node, PhaseSpec& phase) {
 }
 
 /// A path, or a list of paths: there, the first point of the first path is a list too.
-void readNotches(const SceneNode& node, const ClothSpec& cloth, std::vector<MaterialPath>& notches) {
+void readNotches(const SceneNode& node, const ClothSpec& cloth,
+                 std::vector<MaterialPath>& notches) {
   const std::string what = "a list of points [u, v], or a list of such lists";
   const std::vector<SceneNode> items = node.list(what);
   if (items.empty()) node.expected(what);
@@ -113,8 +115,8 @@ void readMeanSpeed(const SceneNode& node, PhaseConditions& until) {
 void readClampCondition(const SceneNode& node, const Scene& scene, PhaseConditions& until) {
   if (scene.clamps.empty()) node.refuse("there are no clamps in the scene to wait for");
   const auto add = [&until](const SceneNode& item) {
-    bool* const condition = item.choice<bool*>(
-        {{"at_target", &until.clampsAtTarget}, {"closed", &until.clampsClosed}});
+    bool* const condition =
+        item.choice<bool*>({{"at_target", &until.clampsAtTarget}, {"closed", &until.clampsClosed}});
     *condition = true;
   };
   if (!node.isList()) return add(node);
@@ -160,8 +162,9 @@ PhaseSpec readPhase(const SceneNode& node, const Scene& scene) {
 void readPhases(const SceneNode& node, const Scene& scene, std::vector<PhaseSpec>& phases) {
   for (const SceneNode& item : node.list("a list of phases")) {
     PhaseSpec phase = readPhase(item, scene);
-    const bool twice = std::any_of(phases.begin(), phases.end(),
-                                   [&](const PhaseSpec& other) { return other.name == phase.name; });
+    const bool twice = std::any_of(phases.begin(), phases.end(), [&](const PhaseSpec& other) {
+      return other.name == phase.name;
+    });
     if (twice) item.refuse("expected a name that no other phase has");
     phases.push_back(std::move(phase));
   }

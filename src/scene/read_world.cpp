@@ -11,12 +11,14 @@ namespace {
 constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
 constexpr int kMaxPatchRadius = 1024;              // [particles]
 
-const std::vector<SolverParameter>& parametersOf(const SceneNode& node, const std::string& method) {
-  try {
-    return findSolver(method).parameters;
-  } catch (const std::invalid_argument& error) {
-    node.refuse(error.what());
-  }
+const SolverInfo& readMethod(const SceneNode& node, SolverSpec& solver) {
+  const auto method = node.find("method");
+  if (!method) return findSolver(solver.method);
+  std::vector<std::pair<std::string, const SolverInfo*>> known;
+  for (const SolverInfo& info : solverRegistry()) known.emplace_back(info.name, &info);
+  const SolverInfo& info = *method->choice(known);
+  solver.method = info.name;
+  return info;
 }
 
 void readParameter(const SceneNode& node, const SolverParameter& parameter,
@@ -24,20 +26,21 @@ void readParameter(const SceneNode& node, const SolverParameter& parameter,
   const auto value = node.find(parameter.name);
   if (!value) return;
   parameters[parameter.name] =
-      parameter.integer ? static_cast<double>(
-                              value->integer(static_cast<std::int64_t>(parameter.minimum),
-                                             static_cast<std::int64_t>(parameter.maximum)))
-                        : value->number({parameter.minimum, parameter.maximum, false, false});
+      parameter.integer
+          ? static_cast<double>(value->integer(static_cast<std::int64_t>(parameter.minimum),
+                                               static_cast<std::int64_t>(parameter.maximum)))
+          : value->number({parameter.minimum, parameter.maximum, false, false});
 }
 
 Shape readShape(const SceneNode& node) {
   enum class Type { kPlane, kSphere, kBoard, kBounds };
   const std::string what = "one of plane, sphere, board, bounds";
   if (!node.isMap()) node.expected("a map with a type");
-  switch (node.need("type", what).choice<Type>({{"plane", Type::kPlane},
-                                                {"sphere", Type::kSphere},
-                                                {"board", Type::kBoard},
-                                                {"bounds", Type::kBounds}})) {
+  switch (node.need("type", what)
+              .choice<Type>({{"plane", Type::kPlane},
+                             {"sphere", Type::kSphere},
+                             {"board", Type::kBoard},
+                             {"bounds", Type::kBounds}})) {
     case Type::kPlane:
       node.expectKeys(keys::kPlane);
       return PlaneShape{};
@@ -136,13 +139,19 @@ ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
 
 void readSolver(const SceneNode& node, SolverSpec& solver) {
   if (!node.isMap()) node.expected("a map with a method");
-  if (const auto method = node.find("method")) solver.method = method->word("the name of a method");
-  const std::vector<SolverParameter>& known = parametersOf(node, solver.method);
+  const SolverInfo& info = readMethod(node, solver);
   keys::Keys allowed = keys::kSolver;
-  for (const SolverParameter& parameter : known) allowed.push_back(parameter.name);
+  for (const SolverParameter& parameter : info.parameters) allowed.push_back(parameter.name);
   node.expectKeys(allowed);
   node.read("dt", solver.dt, kTimeStep);
-  for (const SolverParameter& parameter : known) readParameter(node, parameter, solver.parameters);
+  for (const SolverParameter& parameter : info.parameters) {
+    readParameter(node, parameter, solver.parameters);
+  }
+  try {
+    solver.parameters = completeParameters(info, solver.parameters);
+  } catch (const std::invalid_argument& error) {
+    node.refuse(error.what());
+  }
 }
 
 Wind readWind(const SceneNode& node) {

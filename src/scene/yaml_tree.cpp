@@ -29,7 +29,8 @@ class Converter {
   YamlValue convert(const YAML::Node& node, int depth) {
     YamlValue value;
     value.line = node.Mark().line + 1;
-    if (depth > kMaxDepth || ++count_ > kMaxValues) fail(value.line, "nested too deeply or too big");
+    if (depth > kMaxDepth || ++count_ > kMaxValues)
+      fail(value.line, "nested too deeply or too big");
     if (node.IsScalar()) {
       value.kind = YamlValue::Kind::kScalar;
       value.text = node.Scalar();
@@ -157,7 +158,9 @@ void applyOverride(const std::string& text, const std::string& file, YamlValue& 
     parent = target;
     target = descend(*parent, part);
     if (target == nullptr) {
-      throw SceneError(file + ": " + what + ": there is no '" + oneLine(part) + "' to set");
+      throw SceneError(
+          file + ": " + what + ": there is no '" + oneLine(part) + "', as what it is in " +
+          (parent->kind == YamlValue::Kind::kList ? "is a list without one" : "is a single value"));
     }
   }
   YamlValue value = parseYaml(text.substr(equals + 1), file + ": " + what);

@@ -12,13 +12,13 @@ struct YamlValue {
   enum class Kind { kNull, kScalar, kList, kMap };
 
   Kind kind = Kind::kNull;
-  std::string key;                ///< under which it stands in its map; else ""
-  std::string text;               ///< of a scalar
-  bool quoted = false;            ///< the scalar stands in quotes, so it is no number
-  bool overridden = false;        ///< it comes from an override, not from the file
-  int keyLine = 0;                ///< of its key, from 1; 0: not in the file
-  int line = 0;                   ///< of its beginning, from 1; 0: not in the file
-  std::vector<YamlValue> items;   ///< of a list or map, in the order of the file
+  std::string key;               ///< under which it stands in its map; else ""
+  std::string text;              ///< of a scalar
+  bool quoted = false;           ///< the scalar stands in quotes, so it is no number
+  bool overridden = false;       ///< it comes from an override, not from the file
+  int keyLine = 0;               ///< of its key, from 1; 0: not in the file
+  int line = 0;                  ///< of its beginning, from 1; 0: not in the file
+  std::vector<YamlValue> items;  ///< of a list or map, in the order of the file
 
   /// The value under a key of a map; nullptr if there is none, or this is no map.
   const YamlValue* find(const std::string& name) const;

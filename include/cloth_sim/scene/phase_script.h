@@ -2,6 +2,10 @@
 /// \file Runs the phases of a scene: which one is on, and when it is over. It reads observations
 /// and returns what to do; it never touches the simulation.
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "cloth_sim/scene/scene.h"
 
 namespace cloth_sim {
@@ -22,12 +26,16 @@ struct PhaseRecord {
   std::string name;
   double start = 0.0;         ///< [s]
   std::optional<double> end;  ///< [s]; absent while it runs
-  bool timedOut = false;
+  bool timedOut = false;      ///< it had conditions, and they did not come to hold in time
 };
 
 enum class ScriptStatus { kIdle, kRunning, kDone, kFailed };
 
 /// A cursor over the phases of a scene.
+///
+/// How a phase ends: as soon as all its conditions hold; or at its time-out, which without
+/// conditions is just how long it lasts, and with conditions goes on or fails as the phase says. A
+/// phase with neither lasts until `jump`. Conditions are looked at before the time-out.
 class PhaseScript {
  public:
   explicit PhaseScript(std::vector<PhaseSpec> phases);
@@ -51,16 +59,18 @@ class PhaseScript {
 
  private:
   const PhaseSpec* begin(std::size_t index, double time);
+  const PhaseSpec* beginNext(double time);
   void finish(double time, bool timedOut);
-  bool conditionsHold(const PhaseConditions& until, const PhaseObservation& now);
+  void watch(const PhaseObservation& now);
+  bool conditionsHold(const PhaseConditions& until, const PhaseObservation& now) const;
 
   std::vector<PhaseSpec> phases_;
   std::size_t index_ = 0;
   ScriptStatus status_ = ScriptStatus::kIdle;
   std::vector<PhaseRecord> history_;
   double phaseStart_ = 0.0;
-  std::optional<double> slowSince_;  ///< when the mean speed last went below the phase's limit
-  bool touched_ = false;
+  std::optional<double> slowSince_;  ///< since when the mean speed is below the phase's limit
+  bool touched_ = false;             ///< some particle touched an obstacle in this phase
 };
 
 }  // namespace cloth_sim

@@ -18,37 +18,38 @@ struct PinSpec {
 };
 
 struct ClothSpec {
-  int columns = 64;  ///< particles along u, 2 ... 2048
-  int rows = 64;     ///< particles along v
+  int columns = 64;     ///< particles along u, 2 ... 2048
+  int rows = 64;        ///< particles along v
   double width = 1.0;   ///< along u [m]
   double height = 1.0;  ///< along v [m]
   /// Of the middle of the cloth. At the identity orientation u runs along x and v along y.
   Pose pose;
-  Vec3 randomOffset = Vec3::Zero();  ///< half-range of a seeded uniform shift of the whole cloth [m]
-  Vec3 velocity = Vec3::Zero();      ///< [m/s]
+  Vec3 randomOffset =
+      Vec3::Zero();              ///< half-range of a seeded uniform shift of the whole cloth [m]
+  Vec3 velocity = Vec3::Zero();  ///< [m/s]
   Fabric fabric;
-  std::optional<RawSprings> raw;         ///< springs by constants instead of by the fabric
-  std::optional<double> particleMass;    ///< [kg] instead of the fabric's areal density
+  std::optional<RawSprings> raw;       ///< springs by constants instead of by the fabric
+  std::optional<double> particleMass;  ///< [kg] instead of the fabric's areal density
   SpringSelection springs;
   std::vector<PinSpec> pins;
 };
 
 struct SolverSpec {
   std::string method = "xpbd";
-  double dt = 1.0 / 60.0;     ///< of one simulation step [s]
+  double dt = 1.0 / 60.0;       ///< of one simulation step [s]
   SolverParameters parameters;  ///< complete
 };
 
 /// What must hold for a phase to end: all that are given, at the same time.
 struct PhaseConditions {
-  std::optional<double> elapsed;             ///< since the phase began [s]
-  std::optional<double> meanSpeedBelow;      ///< [m/s] ...
-  double meanSpeedFor = 0.0;                 ///< ... for this long without a break [s]
-  bool contact = false;                      ///< some particle has touched an obstacle in this phase
-  bool clampsAtTarget = false;               ///< every clamp stands at its target
-  bool clampsClosed = false;                 ///< every clamp told to close in this script is closed
-  std::optional<int> piecesAtLeast;          ///< connected pieces of cloth
-  std::optional<int> brokenAtLeast;          ///< springs failed in all
+  std::optional<double> elapsed;         ///< since the phase began [s]
+  std::optional<double> meanSpeedBelow;  ///< [m/s] ...
+  double meanSpeedFor = 0.0;             ///< ... for this long without a break [s]
+  bool contact = false;                  ///< some particle has touched an obstacle in this phase
+  bool clampsAtTarget = false;           ///< every clamp stands at its target
+  bool clampsClosed = false;             ///< every clamp told to close in this script is closed
+  std::optional<int> piecesAtLeast;      ///< connected pieces of cloth
+  std::optional<int> brokenAtLeast;      ///< springs failed in all
 
   bool none() const;
 };
@@ -56,12 +57,12 @@ struct PhaseConditions {
 /// What a phase tells one clamp when it begins.
 struct ClampAction {
   std::string clamp;
-  bool attach = false;               ///< go to the middle of its patch, where the cloth is now
-  std::optional<bool> grasp;         ///< true: close; false: release
-  std::optional<Vec3> moveBy;        ///< target: where its target is now, plus this [m]
-  std::optional<Vec3> moveTo;        ///< target position [m]
-  std::optional<Quat> orientation;   ///< target orientation
-  std::optional<double> speed;       ///< limit on the linear speed while this phase lasts [m/s]
+  bool attach = false;              ///< go to the middle of its patch, where the cloth is now
+  std::optional<bool> grasp;        ///< true: close; false: release
+  std::optional<Vec3> moveBy;       ///< target: where its target is now, plus this [m]
+  std::optional<Vec3> moveTo;       ///< target position [m]
+  std::optional<Quat> orientation;  ///< target orientation
+  std::optional<double> speed;      ///< limit on the linear speed while this phase lasts [m/s]
 };
 
 struct ObstacleAction {
@@ -88,7 +89,7 @@ struct Scene {
   ClothSpec cloth;
   SolverSpec solver;
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);
-  double drag = 0.0;         ///< [1/s]
+  double drag = 0.0;  ///< [1/s]
   std::optional<Wind> wind;
   std::vector<Obstacle> obstacles;
   std::vector<ClampSpec> clamps;
