@@ -1,7 +1,7 @@
 #pragma once
 /// \file How many threads the core may use.
 
-#include <functional>
+#include <memory>
 
 namespace cloth_sim {
 
@@ -16,7 +16,7 @@ class ThreadLimit {
 
  private:
   struct Impl;
-  Impl* impl_;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace cloth_sim

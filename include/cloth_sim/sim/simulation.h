@@ -7,6 +7,7 @@
 #include "cloth_sim/sim/command.h"
 #include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/solver/solver.h"
+#include "cloth_sim/surgery/apply.h"
 
 namespace cloth_sim {
 
@@ -16,10 +17,9 @@ namespace cloth_sim {
 /// the number of threads.
 class Simulation {
  public:
+  /// \throws std::invalid_argument if the scene contradicts itself (loadScene finds that earlier,
+  ///         with a better message).
   explicit Simulation(Scene scene);
-  ~Simulation();
-  Simulation(const Simulation&) = delete;
-  Simulation& operator=(const Simulation&) = delete;
 
   /// Advances by `scene().solver.dt`. Does nothing once it has failed.
   void step();
@@ -31,15 +31,21 @@ class Simulation {
   const Model& model() const { return model_; }
   const State& state() const { return state_; }
   const std::vector<Clamp>& clamps() const { return clamps_; }
+  const ColliderSet& colliders() const { return colliders_; }
+  const Contacts& contacts() const { return contacts_; }
   const PhaseScript& script() const { return script_; }
   const BrokenCounts& broken() const { return broken_; }
+  const StepReport& lastReport() const { return report_; }
   int pieces() const { return pieces_; }
   double time() const { return state_.t; }
   std::uint64_t stepCount() const { return stepCount_; }
-  /// The largest structural or shear stretch seen so far at the end of any step.
-  double maxStretchSeen() const { return maxStretchSeen_; }
   bool failed() const { return !failure_.empty(); }
   const std::string& failure() const { return failure_; }
+
+  /// Largest structural or shear stretch now; remembers the largest that it was asked for.
+  double observeMaxStretch();
+  /// The largest stretch that `observeMaxStretch` has seen.
+  double maxStretchSeen() const { return maxStretchSeen_; }
 
   /// Failures since the last call, in order; they are also counted in `broken`.
   std::vector<FailureEvent> takeEvents();
@@ -48,15 +54,19 @@ class Simulation {
   std::shared_ptr<const Snapshot> snapshot();
 
  private:
-  void build();
   void runScript();
-  void beginPhase(const PhaseSpec& phase);
   void moveClamps();
-  void gatherKinematics();
   void detectContacts();
   void solve();
   void readClamps();
-  void openSurface();
+  void tear();
+
+  PhaseObservation observe() const;
+  void beginPhase(const PhaseSpec& phase);
+  void act(const ClampAction& action, Clamp& clamp);
+  void operate(const std::vector<Opening>& openings, FailureCause cause);
+  void count(const FailureEvent& event);
+  void fail(const std::string& why);
 
   CommandResult carryOut(const SetClampTarget& command);
   CommandResult carryOut(const SetGrasp& command);
@@ -66,6 +76,7 @@ class Simulation {
   CommandResult carryOut(const SetTearing& command);
   CommandResult carryOut(const Reset& command);
   Clamp* findClamp(const std::string& name);
+  std::shared_ptr<const Topology> makeTopology() const;
 
   Scene scene_;
   Model model_;
@@ -77,12 +88,14 @@ class Simulation {
   ColliderSet colliders_;
   Contacts contacts_;
   std::unique_ptr<Solver> solver_;
+  StepReport report_;
   PhaseScript script_;
-  TearingSettings tearing_;
+  Tearing tearing_;
   BrokenCounts broken_;
   std::vector<FailureEvent> events_;
   std::shared_ptr<const Topology> topology_;
-  std::vector<std::array<VertexId, 2>> originalBoundary_;
+  VertexData<VertexId> origin_;  ///< the vertex of the undamaged mesh that each came from
+  std::vector<std::array<VertexId, 2>> originalBoundary_;  ///< ascending
   int pieces_ = 1;
   std::uint64_t stepCount_ = 0;
   double maxStretchSeen_ = 1.0;

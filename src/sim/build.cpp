@@ -1,0 +1,88 @@
+#include "cloth_sim/sim/build.h"
+
+#include <algorithm>
+#include <random>
+
+namespace cloth_sim {
+namespace {
+
+/// Uniform in [-1, 1), the same on every platform (distributions of <random> are not).
+double symmetricUniform(std::mt19937_64& generator) {
+  return 2.0 * static_cast<double>(generator() >> 11) * 0x1.0p-53 - 1.0;
+}
+
+Vec3 randomOffset(const Vec3& range, std::uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  Vec3 offset;
+  for (int axis = 0; axis < 3; ++axis) offset[axis] = range[axis] * symmetricUniform(generator);
+  return offset;
+}
+
+}  // namespace
+
+Model buildModel(const ClothSpec& spec) {
+  Model model;
+  model.grid = Grid{spec.columns, spec.rows, spec.width, spec.height};
+  model.mesh = makeGridMesh(*model.grid);
+  model.fabric = spec.fabric;
+  model.springs = spec.raw ? SpringNetwork(model.mesh, *spec.raw, spec.springs)
+                           : SpringNetwork(model.mesh, spec.fabric, spec.springs);
+  model.mass = spec.particleMass
+                   ? VertexData<double>(model.mesh.vertexCount(), *spec.particleMass)
+                   : lumpedMasses(model.mesh, spec.fabric.arealDensity);
+  return model;
+}
+
+State initialState(const ClothSpec& spec, const Model& model, std::uint64_t seed) {
+  const auto count = static_cast<std::size_t>(model.particleCount());
+  State state;
+  state.x = VertexData<Vec3>(count, Vec3::Zero());
+  state.v = VertexData<Vec3>(count, spec.velocity);
+  const Vec3 offset = randomOffset(spec.randomOffset, seed);
+  for (VertexId v = 0; v < model.particleCount(); ++v) {
+    const Vec2 centred = model.mesh.material(v) - 0.5 * Vec2(spec.width, spec.height);
+    state.x[v] = spec.pose.toWorld(Vec3(centred.x(), centred.y(), 0.0)) + offset;
+  }
+  return state;
+}
+
+std::vector<KinematicTarget> pinTargets(const ClothSpec& spec, const Model& model,
+                                        const State& state) {
+  std::vector<KinematicTarget> pins;
+  for (const PinSpec& pin : spec.pins) {
+    const VertexId v = model.grid->vertex(pin.column, pin.row);
+    pins.push_back({v, state.x[v], Vec3::Zero()});
+  }
+  const auto before = [](const KinematicTarget& a, const KinematicTarget& b) {
+    return a.vertex < b.vertex;
+  };
+  const auto same = [](const KinematicTarget& a, const KinematicTarget& b) {
+    return a.vertex == b.vertex;
+  };
+  std::sort(pins.begin(), pins.end(), before);
+  pins.erase(std::unique(pins.begin(), pins.end(), same), pins.end());
+  return pins;
+}
+
+ColliderSet buildColliders(const Scene& scene) {
+  ColliderSet colliders;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    colliders.add(obstacle, 0.5 * scene.cloth.fabric.thickness);
+  }
+  return colliders;
+}
+
+std::vector<std::array<VertexId, 2>> boundaryEdges(const TriangleMesh& mesh) {
+  std::vector<std::array<VertexId, 2>> edges;
+  for (const Face& face : mesh.faces()) {
+    for (int k = 0; k < 3; ++k) {
+      const VertexId a = face[k];
+      const VertexId b = face[(k + 1) % 3];
+      if (mesh.facesOnEdge(a, b)[1] == kNone) edges.push_back({std::min(a, b), std::max(a, b)});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+}  // namespace cloth_sim

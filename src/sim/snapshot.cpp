@@ -1,0 +1,79 @@
+#include "cloth_sim/sim/snapshot.h"
+
+#include <algorithm>
+
+#include "cloth_sim/sim/build.h"
+#include "cloth_sim/sim/simulation.h"
+
+namespace cloth_sim {
+namespace {
+
+ClampSnapshot capture(const Clamp& clamp) {
+  ClampSnapshot shot;
+  shot.name = clamp.spec().name;
+  shot.pose = clamp.pose();
+  shot.plateSize = clamp.spec().plateSize;
+  shot.gap = clamp.gap();
+  shot.state = clamp.state();
+  shot.held = static_cast<int>(clamp.held().size());
+  shot.wrench = clamp.wrench();
+  return shot;
+}
+
+std::string phaseName(const PhaseScript& script) {
+  return script.history().empty() ? "" : script.history().back().name;
+}
+
+}  // namespace
+
+std::shared_ptr<const Snapshot> Simulation::snapshot() {
+  if (!topology_) topology_ = makeTopology();
+  auto shot = std::make_shared<Snapshot>();
+  shot->time = time();
+  shot->step = stepCount_;
+  shot->topology = topology_;
+  shot->positions = state_.x.values();
+  for (const Clamp& clamp : clamps_) shot->clamps.push_back(capture(clamp));
+  for (const Collider& collider : colliders_.all()) {
+    shot->obstacles.push_back(collider.obstacle());
+    shot->obstacles.back().pose = collider.poseAt(time());
+  }
+  shot->phase = phaseName(script_);
+  shot->script = script_.status();
+  shot->particles = model_.particleCount();
+  shot->faces = model_.mesh.faceCount();
+  for (int kind = 0; kind < kSpringKinds; ++kind) {
+    shot->springs[kind] = model_.springs.count(static_cast<SpringKind>(kind));
+  }
+  shot->broken = broken_;
+  shot->pieces = pieces_;
+  shot->mass = totalMass(model_);
+  shot->restArea = model_.mesh.totalRestArea();
+  shot->energies = energies(model_, state_, controls_.gravity);
+  shot->meanSpeed = meanSpeed(state_);
+  shot->maxStretch = observeMaxStretch();
+  shot->failed = failed();
+  shot->failure = failure_;
+  return shot;
+}
+
+std::shared_ptr<const Topology> Simulation::makeTopology() const {
+  auto topology = std::make_shared<Topology>();
+  topology->revision = model_.mesh.revision();
+  topology->faces = model_.mesh.faces();
+  topology->material = model_.mesh.material();
+  for (const Spring& spring : model_.springs.slots()) {
+    if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
+    topology->links.push_back({spring.a, spring.b, spring.restLength});
+  }
+  for (const auto& edge : boundaryEdges(model_.mesh)) {
+    std::array<VertexId, 2> before{origin_[edge[0]], origin_[edge[1]]};
+    std::sort(before.begin(), before.end());
+    const bool wasBoundary =
+        std::binary_search(originalBoundary_.begin(), originalBoundary_.end(), before);
+    if (!wasBoundary) topology->tornEdges.push_back(edge);
+  }
+  return topology;
+}
+
+}  // namespace cloth_sim

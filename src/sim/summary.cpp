@@ -1,0 +1,92 @@
+#include "cloth_sim/sim/summary.h"
+
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace cloth_sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string hex(std::uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016" PRIx64, value);
+  return text;
+}
+
+Json phasesJson(const PhaseScript& script) {
+  Json phases = Json::array();
+  for (const PhaseRecord& record : script.history()) {
+    phases.push_back({{"name", record.name},
+                      {"start_s", number(record.start)},
+                      {"end_s", record.end ? number(*record.end) : Json(nullptr)},
+                      {"timed_out", record.timedOut}});
+  }
+  return phases;
+}
+
+Json brokenJson(const BrokenCounts& broken) {
+  return {{"total", broken.total},         {"structural", broken.byKind[0]},
+          {"shear", broken.byKind[1]},     {"bend", broken.byKind[2]},
+          {"torn", broken.torn},           {"cut", broken.cut}};
+}
+
+Json springsJson(const SpringNetwork& springs) {
+  return {{"active", springs.count()},
+          {"structural", springs.count(SpringKind::kStructural)},
+          {"shear", springs.count(SpringKind::kShear)},
+          {"bend", springs.count(SpringKind::kBend)}};
+}
+
+std::string statusOf(const Simulation& simulation) {
+  if (simulation.failed()) return "failed";
+  return simulation.script().status() == ScriptStatus::kRunning ? "interrupted" : "done";
+}
+
+}  // namespace
+
+InitialFigures initialFigures(const Simulation& simulation) {
+  return {totalMass(simulation.model()), simulation.model().mesh.totalRestArea()};
+}
+
+std::string summaryJson(const Simulation& simulation, const InitialFigures& initial,
+                        double wallTime) {
+  const Scene& scene = simulation.scene();
+  const Model& model = simulation.model();
+  const State& state = simulation.state();
+  const Energies energy = energies(model, state, scene.gravity);
+  Json json;
+  json["scene"] = scene.name;
+  json["solver"] = scene.solver.method;
+  json["method_params"] = scene.solver.parameters;
+  json["method_params"]["dt"] = number(scene.solver.dt);
+  json["status"] = statusOf(simulation);
+  json["failure"] = simulation.failure();
+  json["particles"] = model.particleCount();
+  json["faces"] = model.mesh.faceCount();
+  json["springs"] = springsJson(model.springs);
+  json["broken"] = brokenJson(simulation.broken());
+  json["pieces"] = simulation.pieces();
+  json["mass_kg"] = number(totalMass(model));
+  json["rest_area_m2"] = number(model.mesh.totalRestArea());
+  json["initial_mass_kg"] = number(initial.mass);
+  json["initial_rest_area_m2"] = number(initial.restArea);
+  json["phases"] = phasesJson(simulation.script());
+  json["sim_time_s"] = number(simulation.time());
+  json["wall_time_s"] = number(wallTime);
+  json["real_time_factor"] = number(simulation.time() / wallTime);
+  json["max_strain"] = number(simulation.maxStretchSeen() - 1.0);
+  json["energy_j"] = {{"kinetic", number(energy.kinetic)},
+                      {"elastic", number(energy.elastic)},
+                      {"gravity", number(energy.gravity)}};
+  json["state_hash"] = hex(stateHash(model, state));
+  json["finite"] = isFinite(state);
+  json["seed"] = scene.seed;
+  return json.dump(2);
+}
+
+}  // namespace cloth_sim
