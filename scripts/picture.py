@@ -1,0 +1,429 @@
+#!/usr/bin/env python3
+"""Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
+
+usage: picture.py BAG --out PNG [--scene SCENE.yaml] [--times T,T,...] [--view AZIMUTH,ELEVATION]
+
+One panel per phase, at the phase's end (or one per time given with --times), and a last one with
+the springs that failed and the strain over time. The cloth is coloured by strain, its back is of
+another colour, edges that tearing made are dark red. Topics are found by their type, so the bag may
+be cloth_run's or one recorded from the node.
+"""
+import argparse
+import math
+import sys
+
+import matplotlib
+matplotlib.use('Agg')
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
+import numpy as np  # noqa: E402
+import rosbag  # noqa: E402
+
+FRONT = LinearSegmentedColormap.from_list('front', ['#7fb2d9', '#3f7fb5', '#f2c14e', '#d7263d'])
+BACK = LinearSegmentedColormap.from_list('back', ['#e3d3bd', '#c7a980', '#f2c14e', '#d7263d'])
+FULL_STRAIN = 0.2  # [-] where the colours end
+TORN = np.array([0.45, 0.02, 0.06])
+BOARD = np.array([0.80, 0.79, 0.76])
+BALL = np.array([0.45, 0.62, 0.45])
+STEEL = np.array([0.30, 0.32, 0.36])
+BACKGROUND = np.array([0.965, 0.97, 0.975])
+TO_LIGHT = np.array([0.25, -0.45, 0.86])
+
+
+# ---- the bag -------------------------------------------------------------------------------------
+
+class Run:
+    """What a bag holds of one run: figures at all times, shapes at the times asked for."""
+
+    def __init__(self, path):
+        self.bag = rosbag.Bag(path)
+        self.topic_of = {info.msg_type: name
+                         for name, info in self.bag.get_type_and_topic_info().topics.items()}
+        for needed in ('cloth_sim/ClothFrame', 'cloth_sim/ClothTopology', 'cloth_sim/ClothState'):
+            if needed not in self.topic_of:
+                sys.exit(f'error: {path} has no messages of type {needed}')
+        self.states = [(stamp, message) for _, message, stamp in self._read('ClothState')]
+        self.topologies = {message.revision: Topology(message)
+                           for _, message, _ in self._read('ClothTopology')}
+        if not self.states:
+            sys.exit(f'error: {path} has no message of type cloth_sim/ClothState')
+
+    def _read(self, kind, **limits):
+        return self.bag.read_messages(topics=[self.topic_of['cloth_sim/' + kind]], **limits)
+
+    def phase_ends(self):
+        """[(name, index of the phase's last state)]; without phases, four equal parts."""
+        names = [state.phase for _, state in self.states]
+        if not any(names):
+            last = len(names) - 1
+            return [('', round(last * part / 4)) for part in range(5)]
+        ends = [(name, i) for i, name in enumerate(names)
+                if name and (i + 1 == len(names) or names[i + 1] != name)]
+        return ends
+
+    def state_at(self, time):
+        return min(range(len(self.states)), key=lambda i: abs(self.states[i][1].time - time))
+
+    def shape(self, index):
+        """The frame nearest to a state: (positions, topology)."""
+        stamp, state = self.states[index]
+        best = None
+        for margin in (0.1, 1.0, 1e6):
+            around = dict(start_time=_shift(stamp, -margin), end_time=_shift(stamp, margin))
+            frames = [message for _, message, _ in self._read('ClothFrame', **around)
+                      if message.revision in self.topologies]
+            if frames:
+                best = min(frames, key=lambda frame: abs(frame.time - state.time))
+                break
+        if best is None:
+            sys.exit('error: the bag has no frame that belongs to one of its topologies')
+        points = np.array(best.positions, dtype=float).reshape(-1, 3)
+        return points, self.topologies[best.revision]
+
+
+def _shift(stamp, seconds):
+    moved = stamp.to_sec() + seconds
+    return type(stamp).from_sec(min(max(moved, 0.0), 4e9))
+
+
+class Topology:
+    def __init__(self, message):
+        self.faces = np.array(message.triangles, dtype=np.int64).reshape(-1, 3)
+        self.uv = np.array(message.uv, dtype=float).reshape(-1, 2)
+        self.torn = np.array(message.torn_edges, dtype=np.int64).reshape(-1, 2)
+
+    def strain(self, points):
+        """Largest principal stretch of each face, less 1."""
+        a, b, c = (self.faces[:, k] for k in range(3))
+        rest = np.stack([self.uv[b] - self.uv[a], self.uv[c] - self.uv[a]], axis=2)
+        now = np.stack([points[b] - points[a], points[c] - points[a]], axis=2)
+        usable = np.abs(np.linalg.det(rest)) > 1e-14
+        rest[~usable] = np.eye(2)
+        gradient = now @ np.linalg.inv(rest)
+        largest = np.linalg.eigvalsh(gradient.transpose(0, 2, 1) @ gradient)[:, 1]
+        return np.where(usable, np.sqrt(np.maximum(largest, 0.0)) - 1.0, 0.0)
+
+
+# ---- what stands around --------------------------------------------------------------------------
+
+def quaternion_matrix(q):
+    x, y, z, w = q
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def pose_of(pose):
+    q = pose.orientation
+    return (np.array([pose.position.x, pose.position.y, pose.position.z]),
+            quaternion_matrix((q.x, q.y, q.z, q.w)))
+
+
+def box(size, position, rotation, cells=24):
+    """Triangles (n, 3, 3) of a box, each side as a grid."""
+    steps = np.linspace(-0.5, 0.5, cells + 1)
+    u, v = (grid.ravel() for grid in np.meshgrid(steps[:-1], steps[:-1], indexing='ij'))
+    h = steps[1] - steps[0]
+    sides = []
+    for axis in range(3):
+        for sign in (-0.5, 0.5):
+            corners = []
+            for du, dv in ((0, 0), (h, 0), (h, h), (0, h)):
+                corner = np.empty((u.size, 3))
+                corner[:, axis] = sign
+                corner[:, (axis + 1) % 3] = u + du
+                corner[:, (axis + 2) % 3] = v + dv
+                corners.append(corner)
+            p, q, r, s = corners if sign > 0 else corners[::-1]
+            sides += [np.stack([p, q, r], axis=1), np.stack([p, r, s], axis=1)]
+    return (np.concatenate(sides) * size) @ rotation.T + position
+
+
+def ball(radius, position, parts=48):
+    polar, around = np.meshgrid(np.linspace(0, math.pi, parts // 2 + 1),
+                                np.linspace(0, 2 * math.pi, parts + 1), indexing='ij')
+    points = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around),
+                       np.cos(polar)], axis=2) * radius + position
+    a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
+    return np.concatenate([np.stack([a, b, c], axis=2).reshape(-1, 3, 3),
+                           np.stack([a, c, d], axis=2).reshape(-1, 3, 3)])
+
+
+def obstacles_of(scene_path):
+    """[(triangles, colour)] of what the scene file names; what cannot be drawn is left out."""
+    if not scene_path:
+        return []
+    import yaml
+    with open(scene_path) as file:
+        scene = yaml.safe_load(file) or {}
+    entries = scene.get('obstacles') or []
+    if isinstance(entries, dict):
+        entries = [dict(value or {}, name=key) for key, value in entries.items()]
+    solids = []
+    for entry in entries:
+        where = np.array(entry.get('position', entry.get('center', (0, 0, 0))), dtype=float)
+        turn = quaternion_matrix(entry.get('orientation', (0, 0, 0, 1)))
+        kind = str(entry.get('type', entry.get('shape', '')))
+        if kind == 'sphere':
+            solids.append((ball(float(entry.get('radius', 0.1)), where), BALL))
+        elif kind in ('box', 'board', 'table'):
+            size = np.array(entry.get('size', (1, 1, 0.02)), dtype=float)
+            solids.append((box(size, where, turn), BOARD))
+        elif kind in ('plane', 'ground'):
+            solids.append((box(np.array([3.0, 3.0, 0.01]), where - turn[:, 2] * 0.005, turn), BOARD))
+    return solids
+
+
+def clamp_plates(state, plate=(0.06, 0.06, 0.008)):
+    solids = []
+    for clamp in state.clamps:
+        position, rotation = pose_of(clamp.pose)
+        for side in (-1, 1):
+            offset = rotation[:, 2] * side * (clamp.gap / 2 + plate[2] / 2)
+            solids.append((box(np.array(plate), position + offset, rotation, cells=4), STEEL))
+    return solids
+
+
+# ---- drawing -------------------------------------------------------------------------------------
+
+class Camera:
+    """Perspective, looking at `target` from `distance`, z up."""
+
+    def __init__(self, target, distance, azimuth, elevation, width, height):
+        a, e = math.radians(azimuth), math.radians(elevation)
+        back = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
+        right = np.cross([0, 0, 1.0], back)
+        right /= np.linalg.norm(right)
+        self.axes = np.stack([right, np.cross(back, right), back])
+        self.eye = target + distance * back
+        self.width, self.height = width, height
+        self.focal = 1.9 * max(width, height)
+
+    def project(self, points):
+        """Pixel x, pixel y, depth."""
+        local = (points - self.eye) @ self.axes.T
+        depth = np.maximum(-local[..., 2], 1e-3)
+        return np.stack([self.width / 2 + self.focal * local[..., 0] / depth,
+                         self.height / 2 - self.focal * local[..., 1] / depth, depth], axis=-1)
+
+
+def covered(screen, width, height):
+    """The pixels whose middle lies in a triangle: (triangle, x, y, barycentric weights).
+
+    screen: (n, 3, 2 or more) corners in pixels. Triangles are handled together by the size of their
+    bounding box.
+    """
+    corners = screen[..., :2]
+    low = np.clip(np.floor(corners.min(axis=1)), 0, (width, height)).astype(int)
+    high = np.clip(np.ceil(corners.max(axis=1)), 0, (width, height)).astype(int)
+    size = high - low
+    sides = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024, 1 << 14])
+    size = sides[np.searchsorted(sides, size)]
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    usable = (size > 0).all(axis=1) & (np.abs(area) > 1e-9)
+    found = []
+    for w, h in np.unique(size[usable], axis=0):
+        members = np.flatnonzero(usable & (size == (w, h)).all(axis=1))
+        for part in np.array_split(members, -(-len(members) * w * h // 4000000)):
+            p, base = corners[part], low[part]
+            x = base[:, :1] + np.tile(np.arange(w), h)
+            y = base[:, 1:] + np.repeat(np.arange(h), w)
+            weights = []
+            for k in (1, 2):  # the weight of corner k: its share of the area
+                start, end = p[:, (k + 1) % 3], p[:, (k + 2) % 3]
+                ex, ey = ((end - start) / area[part, None]).T[..., None]
+                weights.append(ex * (y + 0.5 - start[:, 1:]) - ey * (x + 0.5 - start[:, :1]))
+            first = 1.0 - weights[0] - weights[1]
+            hit = ((first >= 0) & (weights[0] >= 0) & (weights[1] >= 0)
+                   & (x < width) & (y < height))
+            row = np.nonzero(hit)[0]
+            found.append((part[row], x[hit], y[hit],
+                          np.stack([first[hit], weights[0][hit], weights[1][hit]], axis=1)))
+    return tuple(np.concatenate(column) for column in zip(*found))
+
+
+class Surfaces:
+    """Triangles with a colour, a normal per corner, and whether the cloth's shadow falls on them."""
+
+    def __init__(self):
+        self.parts = []
+
+    def add(self, triangles, colour, normals=None, shaded=True):
+        if normals is None:
+            flat = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+            normals = np.repeat(flat[:, None], 3, axis=1)
+        colours = np.broadcast_to(colour, (len(triangles), 3))
+        self.parts.append((triangles, colours, normals, np.full(len(triangles), shaded)))
+
+    def render(self, camera, shadow):
+        """(colour, depth) of every pixel."""
+        triangles, colours, normals, shaded = (np.concatenate(part) for part in zip(*self.parts))
+        screen = camera.project(triangles)
+        which, x, y, weights = covered(screen, camera.width, camera.height)
+        nearness = np.einsum('sk,sk->s', weights, 1.0 / screen[which, :, 2])
+        pixel = y * camera.width + x
+        order = np.argsort(nearness)  # of those put in one place, the last stays: the nearest
+        front = np.full(camera.width * camera.height, -1)
+        front[pixel[order]] = order
+        seen = np.flatnonzero(front >= 0)
+        hit = front[seen]
+
+        which, nearness = which[hit], nearness[hit]
+        weights = weights[hit] / screen[which, :, 2] / nearness[:, None]  # in space
+        world = np.einsum('sk,skd->sd', weights, triangles[which])
+        normal = np.einsum('sk,skd->sd', weights, normals[which])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+        away = np.einsum('sd,sd->s', normal, camera.eye - world) < 0
+        normal[away] *= -1
+        light = lighting(normal) * np.where(shaded[which], shadow.factor(world), 1.0)
+
+        colour = np.tile(BACKGROUND, (len(front), 1))
+        colour[seen] = np.clip(colours[which] * light[:, None], 0, 1)
+        depth = np.full(len(front), np.inf)
+        depth[seen] = 1.0 / nearness
+        shape = (camera.height, camera.width)
+        return colour.reshape(shape + (3,)), depth.reshape(shape)
+
+
+def lighting(normal):
+    light = TO_LIGHT / np.linalg.norm(TO_LIGHT)
+    return 0.50 + 0.42 * np.maximum(normal @ light, 0.0) + 0.12 * (0.5 + 0.5 * normal[:, 2])
+
+
+class Shadow:
+    """What lies straight below the cloth, softened."""
+
+    CELLS = 240
+
+    def __init__(self, triangles):
+        flat = triangles.reshape(-1, 3)
+        self.low = flat[:, :2].min(axis=0) - 0.1
+        self.scale = self.CELLS / (flat[:, :2].max(axis=0) + 0.1 - self.low).max()
+        which, x, y, weights = covered((triangles[..., :2] - self.low) * self.scale,
+                                       self.CELLS, self.CELLS)
+        height = np.einsum('sk,sk->s', weights, triangles[which, :, 2])
+        order = np.argsort(height)
+        self.top = np.full((self.CELLS, self.CELLS), -np.inf)
+        self.top[x[order], y[order]] = height[order]
+        cover = np.isfinite(self.top).astype(float)
+        for _ in range(3):
+            cover = sum(np.roll(cover, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9
+        self.cover = cover
+
+    def factor(self, world):
+        cell = ((world[:, :2] - self.low) * self.scale).astype(int)
+        inside = ((cell >= 0) & (cell < self.CELLS)).all(axis=1)
+        cell = np.clip(cell, 0, self.CELLS - 1)
+        top = self.top[cell[:, 0], cell[:, 1]]
+        below = ~np.isfinite(top) | (world[:, 2] < top - 1e-4)
+        return np.where(inside & below, 1.0 - 0.35 * self.cover[cell[:, 0], cell[:, 1]], 1.0)
+
+
+def vertex_normals(points, faces):
+    flat = np.cross(points[faces[:, 1]] - points[faces[:, 0]],
+                    points[faces[:, 2]] - points[faces[:, 0]])
+    normals = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(normals, faces[:, k], flat)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12), flat
+
+
+def draw(points, topology, solids, camera):
+    surfaces = Surfaces()
+    for triangles, colour in solids:
+        surfaces.add(triangles, colour)
+    faces = topology.faces
+    corners = points[faces]
+    normals, flat = vertex_normals(points, faces)
+    level = np.clip(topology.strain(points) / FULL_STRAIN, 0.0, 1.0)
+    faces_us = np.einsum('fd,fd->f', flat, camera.eye - corners.mean(axis=1)) > 0
+    colour = np.where(faces_us[:, None], FRONT(level)[:, :3], BACK(level)[:, :3])
+    surfaces.add(corners, colour, normals=normals[faces], shaded=False)
+    image, depth = surfaces.render(camera, Shadow(corners))
+    draw_lines(image, depth, camera.project(points[topology.torn]))
+    # Four pixels averaged into one.
+    return (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / 4
+
+
+def draw_lines(image, depth, ends):
+    """Lines (n, 2, 3) on the screen, three pixels thick, where nothing is in front of them."""
+    along = np.linspace(0, 1, 24)[None, :, None]
+    line = (ends[:, :1] * (1 - along) + ends[:, 1:] * along).reshape(-1, 3)
+    for dx, dy in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+        x, y = (line[:, :2] + (dx, dy)).astype(int).T
+        inside = (x >= 0) & (x < depth.shape[1]) & (y >= 0) & (y < depth.shape[0])
+        x, y, z = x[inside], y[inside], line[inside, 2]
+        visible = z < depth[y, x] + 0.01
+        image[y[visible], x[visible]] = TORN
+
+
+def plot_figures(axes, run):
+    times = [state.time for _, state in run.states]
+    axes.plot(times, [state.broken.total for _, state in run.states], color='#d7263d')
+    axes.set_xlabel('simulated time [s]')
+    axes.set_ylabel('failed springs', color='#d7263d')
+    strain = axes.twinx()
+    strain.plot(times, [state.max_strain for _, state in run.states], color='#3f7fb5', lw=0.8)
+    strain.set_ylabel('largest strain [-]', color='#3f7fb5')
+    axes.set_ylim(bottom=0)
+    strain.set_ylim(bottom=0)
+    last = None
+    for time, (_, state) in zip(times, run.states):
+        if state.phase != last:
+            axes.axvline(time, color='0.85', lw=0.8, zorder=0)
+            last = state.phase
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parser.add_argument('bag')
+    parser.add_argument('--out', required=True, help='the PNG to write')
+    parser.add_argument('--scene', help='the scene file, for its obstacles')
+    parser.add_argument('--times', help='simulated times [s] instead of the ends of the phases')
+    parser.add_argument('--view', default='-62,24', help='azimuth,elevation of the eye [deg]')
+    parser.add_argument('--size', default='560x460', help='of one panel [pixels]')
+    args = parser.parse_args()
+
+    run = Run(args.bag)
+    if args.times:
+        moments = [('', run.state_at(float(time))) for time in args.times.split(',')]
+    else:
+        moments = run.phase_ends()
+    shapes = [run.shape(index) for _, index in moments]
+    solids = obstacles_of(args.scene)
+
+    seen = np.concatenate([points for points, _ in shapes])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    target, reach = (low + high) / 2, np.linalg.norm(high - low) / 2
+    azimuth, elevation = (float(part) for part in args.view.split(','))
+    width, height = (int(part) for part in args.size.split('x'))
+    # Twice the size: the image is averaged down.
+    camera = Camera(target, 4.1 * reach, azimuth, elevation, 2 * width, 2 * height)
+
+    only_one = args.times is not None and len(moments) == 1
+    panels = len(moments) + (0 if args.times else 1)
+    columns = min(panels, 4)
+    rows = -(-panels // columns)
+    figure = plt.figure(figsize=(columns * width / 100, rows * (height + (0 if only_one else 40)) / 100),
+                        facecolor='white')
+    for number, ((name, index), (points, topology)) in enumerate(zip(moments, shapes)):
+        state = run.states[index][1]
+        axes = figure.add_subplot(rows, columns, number + 1)
+        axes.imshow(draw(points, topology, solids + clamp_plates(state), camera))
+        axes.set_axis_off()
+        if not only_one:
+            title = f'{number + 1}  {name}' if name else f'{number + 1}'
+            axes.set_title(f'{title}   {state.time:.2f} s', fontsize=11, loc='left')
+    if only_one:
+        figure.subplots_adjust(0, 0, 1, 1)
+    else:
+        figure.tight_layout(pad=0.6)
+        if panels > len(moments):
+            axes = figure.add_subplot(rows, columns, panels)
+            plot_figures(axes, run)
+            figure.tight_layout(pad=0.6)
+    figure.savefig(args.out, dpi=100)
+
+
+if __name__ == '__main__':
+    main()
