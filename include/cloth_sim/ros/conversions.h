@@ -1,0 +1,55 @@
+#pragma once
+/// \file Core values <-> messages. Pure functions; no node, no master.
+
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <geometry_msgs/WrenchStamped.h>
+#include <ros/time.h>
+
+#include <vector>
+
+#include "cloth_sim/BrokenSprings.h"
+#include "cloth_sim/ClothFrame.h"
+#include "cloth_sim/ClothState.h"
+#include "cloth_sim/ClothTopology.h"
+#include "cloth_sim/PhaseInfo.h"
+#include "cloth_sim/TearEvents.h"
+#include "cloth_sim/ros/simulation_thread.h"
+
+namespace cloth_sim {
+
+geometry_msgs::Point toPoint(const Vec3& value);
+geometry_msgs::Vector3 toVector(const Vec3& value);
+geometry_msgs::Quaternion toQuaternion(const Quat& value);
+geometry_msgs::Pose toPoseMessage(const Pose& value);
+Vec3 fromPoint(const geometry_msgs::Point& value);
+Quat fromQuaternion(const geometry_msgs::Quaternion& value);
+
+/// A wrench about the clamp's origin in the clamp's axes [N, N m]; the core has the world's axes.
+geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp);
+
+/// "cloth/clamp_left" for the clamp "left" of the node "/cloth".
+std::string clampFrameId(const std::string& nodeName, const std::string& clamp);
+
+ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header& header);
+/// Fills `message`, whose buffer is reused.
+void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFrame& message);
+ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header);
+PhaseInfo toPhaseInfo(const PhaseRecord& record);
+TearEvents toEventsMessage(const std::vector<FailureEvent>& events, const std_msgs::Header& header);
+geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,
+                                            const std::string& world, const std::string& frame);
+
+/// Where springs failed since the start or the last reset.
+class FailureLog {
+ public:
+  void add(const std::vector<FailureEvent>& events);
+  void clear() { positions_.clear(); }
+  /// The places seen so far with the counts of `snapshot`.
+  BrokenSprings toMessage(const BrokenCounts& counts, const std_msgs::Header& header) const;
+
+ private:
+  std::vector<float> positions_;  ///< x y z of each [m]
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,34 @@
+#pragma once
+/// \file The node's command topics. Bad input is warned about, not more often than twice a second,
+/// and has no effect.
+
+#include <geometry_msgs/PoseStamped.h>
+#include <ros/node_handle.h>
+#include <ros/subscriber.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/String.h>
+
+#include <vector>
+
+#include "cloth_sim/CutStroke.h"
+#include "cloth_sim/ros/requests.h"
+#include "cloth_sim/ros/simulation_thread.h"
+
+namespace cloth_sim {
+
+class Inputs {
+ public:
+  Inputs(ros::NodeHandle& privateNode, const RequestChecker& checker, SimulationThread& simulation);
+
+ private:
+  void onCutStroke(const CutStroke& stroke);
+  void onPhase(const std_msgs::String& phase);
+  /// \param topic  for messages to people.
+  void submit(const std::string& topic, const Request& request);
+
+  const RequestChecker& checker_;
+  SimulationThread& simulation_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,20 @@
+#pragma once
+/// \file Lists of names in messages for people.
+
+#include <string>
+#include <vector>
+
+namespace cloth_sim {
+
+/// "left, right"; "none" if there are none.
+std::string joinNames(const std::vector<std::string>& names);
+
+/// The known name that needs the fewest single-letter edits to become `name`; "" if all are
+/// further away than half its length.
+std::string nearestName(const std::string& name, const std::vector<std::string>& known);
+
+/// "unknown clamp 'lef' (known: left, right)"
+std::string unknownName(const std::string& what, const std::string& name,
+                        const std::vector<std::string>& known);
+
+}  // namespace cloth_sim

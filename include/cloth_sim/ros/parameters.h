@@ -1,0 +1,37 @@
+#pragma once
+/// \file The node's private parameters.
+
+#include <ros/node_handle.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace cloth_sim {
+
+/// One line: which parameter, what was expected, what came.
+class ParameterError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Defaults are the documented ones (docs/ros_api.md).
+struct NodeParameters {
+  std::string scene = "tear_seam";   ///< file, or name under config/scenes
+  std::vector<std::string> set;      ///< "dotted.key=value" overrides of the scene
+  std::string worldFrame = "world";  ///< tf frame of all world quantities
+  double rateMarkers = 30.0;         ///< of ~markers, >= 0; 0: never [Hz]
+  double rateFrame = 60.0;           ///< of ~frame, >= 0; 0: never [Hz]
+  double rateState = 30.0;           ///< of ~state, wrenches and tf, > 0 [Hz]
+  double realTimeFactor = 1.0;       ///< simulated over wall time, >= 0; 0: as fast as it can
+  int threads = 0;                   ///< of the simulation, >= 0; 0: one per processor
+  bool paused = false;               ///< at the start
+  double strainRange = 0.2;          ///< strain of the last colour of the markers, > 0 [-]
+  bool twoSided = true;              ///< markers show the back of the cloth in its own colour
+};
+
+/// Reads and checks the private parameters. Unknown ones are warned about.
+/// \throws ParameterError
+NodeParameters readParameters(const ros::NodeHandle& privateNode);
+
+}  // namespace cloth_sim

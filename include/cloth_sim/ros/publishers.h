@@ -1,0 +1,87 @@
+#pragma once
+/// \file What the node sends, from a thread of its own: stepping never waits for it.
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/ros/markers.h"
+#include "cloth_sim/ros/parameters.h"
+
+namespace cloth_sim {
+
+/// Sends every topic of the node, tf and diagnostics, each at its rate. What nobody subscribes to
+/// is not computed.
+class Publishers {
+ public:
+  Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
+             SimulationThread& simulation);
+  ~Publishers();
+  Publishers(const Publishers&) = delete;
+  Publishers& operator=(const Publishers&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// When something is to be sent: at most at its rate, and only if there is something new or
+  /// someone new, or nothing was sent for a second.
+  struct Schedule {
+    explicit Schedule(double hz) : rate(hz) {}
+    bool due(Clock::time_point now, std::uint64_t observation, std::uint32_t subscribers);
+
+    double rate = 0.0;                  ///< [Hz]; 0: never
+    Clock::time_point last;             ///< when it was sent
+    std::uint64_t lastObservation = 0;  ///< what was sent
+    std::uint32_t lastSubscribers = 0;
+  };
+
+  void run();
+  void tick();
+  void sendTopology(const Observation& observation);
+  void sendEvents(const Observation& observation);
+  void sendPhase(const Observation& observation);
+  void sendState(const Observation& observation);
+  void sendClamps(const Observation& observation);
+  void sendFrame(const Observation& observation);
+  void sendMarkers(const Observation& observation);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  double wantedRate() const;
+
+  NodeParameters parameters_;
+  SimulationThread& simulation_;
+  std::string nodeName_;
+  ros::Publisher markers_;
+  ros::Publisher topology_;
+  ros::Publisher frame_;
+  ros::Publisher state_;
+  ros::Publisher brokenSprings_;
+  ros::Publisher tearEvents_;
+  ros::Publisher phase_;
+  std::vector<ros::Publisher> wrenches_;  ///< by clamp, in the scene's order
+  tf2_ros::TransformBroadcaster broadcaster_;
+  diagnostic_updater::Updater updater_;
+
+  Schedule markersSchedule_;
+  Schedule frameSchedule_;
+  Schedule stateSchedule_;
+  MarkerBuilder builder_;
+  ClothFrame frameMessage_;
+  FailureLog failures_;
+  std_msgs::Header header_;  ///< of everything sent in this tick
+  std::shared_ptr<const Topology> sentTopology_;
+  std::string sentPhase_;
+  int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
+  std::uint64_t resetsSeen_ = 0;
+  Observation diagnosed_;
+
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;  // last: starts when everything above is there
+};
+
+}  // namespace cloth_sim

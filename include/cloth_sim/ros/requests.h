@@ -1,0 +1,58 @@
+#pragma once
+/// \file The border: what comes in by message is checked here and becomes a command, or a message
+/// that says why not. Nothing that fails a check reaches the simulation.
+
+#include <geometry_msgs/PoseStamped.h>
+
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "cloth_sim/CutStroke.h"
+#include "cloth_sim/Refine.h"
+#include "cloth_sim/scene/scene.h"
+#include "cloth_sim/sim/command.h"
+
+namespace cloth_sim {
+
+/// Why a request is refused, in one sentence.
+struct Refusal {
+  std::string message;
+};
+using Request = std::variant<Command, Refusal>;
+
+/// Turns a pose in a tf frame into the world frame.
+/// \throws std::runtime_error if the frame is unknown at the asked time.
+using WorldTransform = std::function<Pose(const Pose&, const std_msgs::Header&)>;
+
+/// Checks requests against what a scene has.
+class RequestChecker {
+ public:
+  RequestChecker(const Scene& scene, WorldTransform toWorld);
+
+  Request clampPose(const std::string& clamp, const geometry_msgs::PoseStamped& pose) const;
+  Request grasp(const std::string& clamp, bool grasp) const;
+  Request phase(const std::string& phase) const;
+  /// Empty if the number of steps can be asked for.
+  std::string steps(std::uint32_t count) const;
+  /// Empty if the stroke is well formed; its engine decides the rest.
+  std::string stroke(const CutStroke& stroke) const;
+  /// Empty if the request is well formed.
+  std::string refinement(const Refine::Request& request) const;
+  /// Empty if `name` can be the name of a saved state: no path, nothing hidden.
+  std::string stateName(const std::string& name) const;
+
+  const std::vector<std::string>& clamps() const { return clamps_; }
+  const std::vector<std::string>& phases() const { return phases_; }
+
+ private:
+  std::string points(const std_msgs::Header& header,
+                     const std::vector<geometry_msgs::Point>& points) const;
+
+  std::vector<std::string> clamps_;
+  std::vector<std::string> phases_;
+  WorldTransform toWorld_;
+};
+
+}  // namespace cloth_sim

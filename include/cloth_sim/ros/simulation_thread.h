@@ -1,0 +1,148 @@
+#pragma once
+/// \file The thread that owns the simulation: commands go in, immutable observations come out.
+/// No ROS in here.
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <thread>
+
+#include "cloth_sim/sim/simulation.h"
+
+namespace cloth_sim {
+
+/// How a simulation is run.
+struct RunSettings {
+  double realTimeFactor = 1.0;  ///< simulated over wall time, >= 0; 0: as fast as it can
+  bool paused = false;          ///< at the start
+  int threads = 0;              ///< of the core's loops; 0: as many as the machine has
+};
+
+/// What others may see of a run. A copy is cheap: the snapshot is shared.
+struct Observation {
+  std::shared_ptr<const Snapshot> snapshot;
+  std::vector<PhaseRecord> phases;
+  bool paused = false;
+  double realTimeFactor = 0.0;        ///< over the last half second or so [-]
+  double stepTime = 0.0;              ///< wall time of one step, mean over the same time [s]
+  std::uint64_t resets = 0;           ///< since the start
+  std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
+  std::uint64_t number = 0;           ///< grows with every observation
+};
+
+/// The answer to a request for steps.
+struct StepResult {
+  CommandResult result;
+  std::uint64_t step = 0;  ///< steps since the start or the last reset
+  double time = 0.0;       ///< [s]
+};
+
+/// Runs a `Simulation` in a thread of its own, at a set pace or as fast as it can. All its methods
+/// may be called from any thread; none waits for a step except `execute` and the future of
+/// `requestSteps`.
+class SimulationThread {
+ public:
+  static constexpr std::size_t kMaxWaiting = 1000;  ///< commands in the mailbox
+  static constexpr int kMaxSteps = 1000000;         ///< of one request
+
+  using Answer = std::function<void(const CommandResult&)>;
+
+  /// \throws what the constructor of `Simulation` throws.
+  SimulationThread(Scene scene, const RunSettings& settings);
+  ~SimulationThread();
+  SimulationThread(const SimulationThread&) = delete;
+  SimulationThread& operator=(const SimulationThread&) = delete;
+
+  /// Stops the thread after the step it is in. Whoever waits gets an answer. Called by the
+  /// destructor; may be called before.
+  void stop();
+
+  /// Puts a command into the mailbox; it is carried out between two steps.
+  /// \param answer  called from the simulation thread with the result; must not block.
+  void post(Command command, Answer answer = {});
+
+  /// Posts a command and waits until it was carried out or refused. A command that was not taken
+  /// up within `timeout` is withdrawn.
+  CommandResult execute(Command command, std::chrono::milliseconds timeout);
+
+  void setPaused(bool paused);
+
+  /// Pauses, and makes `steps` steps as fast as it can.
+  std::future<StepResult> requestSteps(int steps);
+
+  /// How often observations are wanted, in wall time [Hz]. They are also made after commands,
+  /// after requested steps, and when the simulation has failed.
+  void setObservationRate(double rate) { observationRate_ = rate; }
+
+  /// The latest; its snapshot is never null.
+  Observation observe() const;
+
+  /// Springs that failed since the last call, in order. One caller only.
+  std::vector<FailureEvent> takeEvents();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  struct Envelope {
+    Command command;
+    Answer answer;
+    std::shared_ptr<std::atomic<bool>> withdrawn;  ///< null: cannot be
+  };
+  struct StepJob {
+    int left = 0;
+    std::promise<StepResult> promise;
+  };
+
+  bool enqueue(Envelope envelope);
+  void run(int threads);
+  void takeRequests();
+  void carryOut(Envelope& envelope);
+  bool mayStep() const;
+  void stepOnce();
+  void countJobStep();
+  void answerJobs(const CommandResult& result);
+  void waitForWork();
+  void waitForPace();
+  void measure(Clock::duration busy);
+  void startMeasuring();
+  void publish();
+  bool hasRequests() const;
+
+  // Used by the simulation thread only.
+  Simulation simulation_;
+  RunSettings settings_;
+  std::deque<StepJob> jobs_;
+  std::deque<Envelope> taken_;
+  Clock::time_point nextStep_;
+  Clock::time_point lastObservation_;
+  Clock::time_point windowStart_;
+  Clock::duration windowBusy_{};
+  double windowTime_ = 0.0;  ///< simulated time of the start of the window [s]
+  int windowSteps_ = 0;
+  double realTimeFactor_ = 0.0;
+  double stepTime_ = 0.0;
+  std::uint64_t resets_ = 0;
+  bool failureShown_ = false;
+
+  std::atomic<double> observationRate_{30.0};
+
+  mutable std::mutex requestMutex_;
+  std::condition_variable requestsArrived_;
+  std::deque<Envelope> mailbox_;
+  std::deque<StepJob> newJobs_;
+  bool paused_ = false;
+  bool stopping_ = false;
+  std::uint64_t dropped_ = 0;
+
+  mutable std::mutex outputMutex_;
+  Observation observation_;
+  std::vector<FailureEvent> events_;
+
+  std::thread thread_;  // last: starts when everything above is there
+};
+
+}  // namespace cloth_sim

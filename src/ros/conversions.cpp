@@ -1,0 +1,237 @@
+#include "cloth_sim/ros/conversions.h"
+
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+SpringCounts toCounts(const std::array<int, kSpringKinds>& byKind) {
+  SpringCounts counts;
+  counts.structural = byKind[static_cast<int>(SpringKind::kStructural)];
+  counts.shear = byKind[static_cast<int>(SpringKind::kShear)];
+  counts.bend = byKind[static_cast<int>(SpringKind::kBend)];
+  counts.total = counts.structural + counts.shear + counts.bend;
+  return counts;
+}
+
+std::uint8_t toScriptCode(ScriptStatus status) {
+  switch (status) {
+    case ScriptStatus::kRunning:
+      return ClothState::SCRIPT_RUNNING;
+    case ScriptStatus::kDone:
+      return ClothState::SCRIPT_DONE;
+    case ScriptStatus::kFailed:
+      return ClothState::SCRIPT_FAILED;
+    case ScriptStatus::kIdle:
+      break;
+  }
+  return ClothState::SCRIPT_IDLE;
+}
+
+std::uint8_t toStateCode(ClampState state) {
+  switch (state) {
+    case ClampState::kClosing:
+      return ClampStatus::CLOSING;
+    case ClampState::kClosed:
+      return ClampStatus::CLOSED;
+    case ClampState::kOpen:
+      break;
+  }
+  return ClampStatus::OPEN;
+}
+
+ClampStatus toClampStatus(const ClampSnapshot& clamp) {
+  ClampStatus status;
+  status.name = clamp.name;
+  status.pose = toPoseMessage(clamp.pose);
+  status.state = toStateCode(clamp.state);
+  status.gap = clamp.gap;
+  status.held = clamp.held;
+  status.wrench = clampFrameWrench(clamp);
+  return status;
+}
+
+TearEvent toEvent(const FailureEvent& event) {
+  TearEvent message;
+  message.time = event.time;
+  message.position = toPoint(event.position);
+  message.material = {event.material.x(), event.material.y()};
+  message.kind = static_cast<std::uint8_t>(event.kind);
+  message.cause = event.cause == FailureCause::kCut ? TearEvent::CUT : TearEvent::TORN;
+  message.strain = event.stretch - 1.0;
+  message.overloaded = event.overloaded;
+  return message;
+}
+
+static_assert(static_cast<int>(SpringKind::kStructural) == int{TearEvent::STRUCTURAL} &&
+                  static_cast<int>(SpringKind::kShear) == int{TearEvent::SHEAR} &&
+                  static_cast<int>(SpringKind::kBend) == int{TearEvent::BEND},
+              "TearEvent numbers the kinds as the core does");
+
+}  // namespace
+
+geometry_msgs::Point toPoint(const Vec3& value) {
+  geometry_msgs::Point point;
+  point.x = value.x();
+  point.y = value.y();
+  point.z = value.z();
+  return point;
+}
+
+geometry_msgs::Vector3 toVector(const Vec3& value) {
+  geometry_msgs::Vector3 vector;
+  vector.x = value.x();
+  vector.y = value.y();
+  vector.z = value.z();
+  return vector;
+}
+
+geometry_msgs::Quaternion toQuaternion(const Quat& value) {
+  geometry_msgs::Quaternion quaternion;
+  quaternion.x = value.x();
+  quaternion.y = value.y();
+  quaternion.z = value.z();
+  quaternion.w = value.w();
+  return quaternion;
+}
+
+geometry_msgs::Pose toPoseMessage(const Pose& value) {
+  geometry_msgs::Pose pose;
+  pose.position = toPoint(value.position);
+  pose.orientation = toQuaternion(value.orientation);
+  return pose;
+}
+
+Vec3 fromPoint(const geometry_msgs::Point& value) { return {value.x, value.y, value.z}; }
+
+Quat fromQuaternion(const geometry_msgs::Quaternion& value) {
+  return {value.w, value.x, value.y, value.z};
+}
+
+geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp) {
+  const Quat toClamp = clamp.pose.orientation.conjugate();
+  geometry_msgs::Wrench wrench;
+  wrench.force = toVector(toClamp * clamp.wrench.force);
+  wrench.torque = toVector(toClamp * clamp.wrench.torque);
+  return wrench;
+}
+
+std::string clampFrameId(const std::string& nodeName, const std::string& clamp) {
+  const std::size_t start = nodeName.find_first_not_of('/');
+  return (start == std::string::npos ? "" : nodeName.substr(start) + "/") + "clamp_" + clamp;
+}
+
+ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header& header) {
+  ClothTopology message;
+  message.header = header;
+  message.revision = topology.revision;
+  message.triangles.reserve(3 * topology.faces.size());
+  for (const Face& face : topology.faces) {
+    message.triangles.insert(message.triangles.end(), face.begin(), face.end());
+  }
+  message.uv.reserve(2 * topology.material.size());
+  for (const Vec2& uv : topology.material) {
+    message.uv.push_back(static_cast<float>(uv.x()));
+    message.uv.push_back(static_cast<float>(uv.y()));
+  }
+  for (const auto& edge : topology.tornEdges) {
+    message.torn_edges.insert(message.torn_edges.end(), edge.begin(), edge.end());
+  }
+  return message;
+}
+
+void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFrame& message) {
+  message.header = header;
+  message.revision = snapshot.topology->revision;
+  message.step = snapshot.step;
+  message.time = snapshot.time;
+  message.positions.resize(3 * snapshot.positions.size());
+  float* out = message.positions.data();
+  for (const Vec3& position : snapshot.positions) {
+    for (int axis = 0; axis < 3; ++axis) *out++ = static_cast<float>(position[axis]);
+  }
+}
+
+ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header) {
+  const Snapshot& snapshot = *observation.snapshot;
+  ClothState message;
+  message.header = header;
+  message.step = snapshot.step;
+  message.time = snapshot.time;
+  message.revision = snapshot.topology->revision;
+  message.phase = snapshot.phase;
+  message.script = toScriptCode(snapshot.script);
+  message.particles = snapshot.particles;
+  message.faces = snapshot.faces;
+  message.pieces = snapshot.pieces;
+  message.springs = toCounts(snapshot.springs);
+  message.broken = toCounts(snapshot.broken.byKind);
+  message.broken_torn = snapshot.broken.torn;
+  message.broken_cut = snapshot.broken.cut;
+  message.mass = snapshot.mass;
+  message.rest_area = snapshot.restArea;
+  message.kinetic_energy = snapshot.energies.kinetic;
+  message.elastic_energy = snapshot.energies.elastic;
+  message.gravity_energy = snapshot.energies.gravity;
+  message.mean_speed = snapshot.meanSpeed;
+  message.max_strain = snapshot.maxStretch - 1.0;
+  message.paused = observation.paused;
+  message.failed = snapshot.failed;
+  message.failure = snapshot.failure;
+  message.real_time_factor = observation.realTimeFactor;
+  message.step_time = observation.stepTime;
+  for (const ClampSnapshot& clamp : snapshot.clamps) {
+    message.clamps.push_back(toClampStatus(clamp));
+  }
+  return message;
+}
+
+PhaseInfo toPhaseInfo(const PhaseRecord& record) {
+  PhaseInfo info;
+  info.name = record.name;
+  info.start = record.start;
+  info.end = record.end.value_or(std::numeric_limits<double>::quiet_NaN());
+  info.timed_out = record.timedOut;
+  return info;
+}
+
+TearEvents toEventsMessage(const std::vector<FailureEvent>& events,
+                           const std_msgs::Header& header) {
+  TearEvents message;
+  message.header = header;
+  message.events.reserve(events.size());
+  for (const FailureEvent& event : events) message.events.push_back(toEvent(event));
+  return message;
+}
+
+geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,
+                                            const std::string& world, const std::string& frame) {
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = stamp;
+  transform.header.frame_id = world;
+  transform.child_frame_id = frame;
+  transform.transform.translation = toVector(clamp.pose.position);
+  transform.transform.rotation = toQuaternion(clamp.pose.orientation);
+  return transform;
+}
+
+void FailureLog::add(const std::vector<FailureEvent>& events) {
+  for (const FailureEvent& event : events) {
+    for (int axis = 0; axis < 3; ++axis) {
+      positions_.push_back(static_cast<float>(event.position[axis]));
+    }
+  }
+}
+
+BrokenSprings FailureLog::toMessage(const BrokenCounts& counts,
+                                    const std_msgs::Header& header) const {
+  BrokenSprings message;
+  message.header = header;
+  message.counts = toCounts(counts.byKind);
+  message.torn = counts.torn;
+  message.cut = counts.cut;
+  message.positions = positions_;
+  return message;
+}
+
+}  // namespace cloth_sim

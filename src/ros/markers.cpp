@@ -1,0 +1,278 @@
+#include "cloth_sim/ros/markers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "cloth_sim/ros/conversions.h"
+
+namespace cloth_sim {
+namespace {
+
+using visualization_msgs::Marker;
+using Colour = std_msgs::ColorRGBA;
+
+constexpr double kPlateThickness = 0.006;  ///< as drawn [m]
+constexpr double kPlaneExtent = 4.0;       ///< of an infinite plane, as drawn [m]
+constexpr double kSheetThickness = 0.01;   ///< of the same [m]
+constexpr double kTornWidth = 0.005;       ///< of a torn edge [m]
+constexpr double kBoundsWidth = 0.004;     ///< of the lines of bounds [m]
+constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
+constexpr double kTextClearance = 0.12;    ///< of the text above the cloth [m]
+constexpr std::size_t kMapSize = 7;
+
+// The upper three quarters of matplotlib's viridis: its dark end would hide the shading.
+constexpr std::array<std::array<float, 3>, kMapSize> kStrainMap{{{0.230f, 0.322f, 0.546f},
+                                                                 {0.173f, 0.449f, 0.558f},
+                                                                 {0.128f, 0.567f, 0.551f},
+                                                                 {0.158f, 0.684f, 0.502f},
+                                                                 {0.369f, 0.789f, 0.383f},
+                                                                 {0.678f, 0.864f, 0.190f},
+                                                                 {0.993f, 0.906f, 0.144f}}};
+
+Colour colour(float r, float g, float b, float a = 1.0f) {
+  Colour result;
+  result.r = r;
+  result.g = g;
+  result.b = b;
+  result.a = a;
+  return result;
+}
+
+Colour blend(const Colour& from, const Colour& to, float fraction) {
+  return colour(from.r + fraction * (to.r - from.r), from.g + fraction * (to.g - from.g),
+                from.b + fraction * (to.b - from.b), from.a + fraction * (to.a - from.a));
+}
+
+Colour clampColour(ClampState state) {
+  switch (state) {
+    case ClampState::kClosing:
+      return colour(0.95f, 0.65f, 0.15f);
+    case ClampState::kClosed:
+      return colour(0.80f, 0.25f, 0.22f);
+    case ClampState::kOpen:
+      break;
+  }
+  return colour(0.55f, 0.58f, 0.62f);
+}
+
+/// Light from above and a little from the side, soft all around the surface (half Lambert): rviz
+/// does not light a list with colours of its own.
+float brightness(const Eigen::Vector3f& normal) {
+  static const Eigen::Vector3f light = Eigen::Vector3f(0.45f, -0.35f, 0.82f).normalized();
+  const float half = 0.5f + 0.5f * normal.dot(light);
+  return 0.30f + 0.75f * half * half;
+}
+
+Colour shaded(const Colour& base, float factor) {
+  return colour(std::min(1.0f, base.r * factor), std::min(1.0f, base.g * factor),
+                std::min(1.0f, base.b * factor));
+}
+
+void setScale(Marker& marker, double x, double y, double z) {
+  marker.scale.x = x;
+  marker.scale.y = y;
+  marker.scale.z = z;
+}
+
+/// Without points there is nothing to draw, and some versions of rviz crash on it.
+void deleteIfEmpty(Marker& marker) {
+  if (marker.points.empty()) marker.action = Marker::DELETE;
+}
+
+}  // namespace
+
+Colour strainColour(double fraction) {
+  const double inMap = std::clamp(fraction, 0.0, 1.0) * (kMapSize - 1);
+  const auto index = std::min(static_cast<std::size_t>(inMap), kMapSize - 2);
+  const auto& low = kStrainMap[index];
+  const auto& high = kStrainMap[index + 1];
+  return blend(colour(low[0], low[1], low[2]), colour(high[0], high[1], high[2]),
+               static_cast<float>(inMap - static_cast<double>(index)));
+}
+
+std::string statusLine(const Snapshot& snapshot) {
+  std::array<char, 256> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "%s  t = %.2f s\n%d particles, pieces %d\nbroken %d (torn %d, cut %d)  strain %.2f%s",
+      snapshot.phase.empty() ? "no script" : snapshot.phase.c_str(), snapshot.time,
+      snapshot.particles, snapshot.pieces, snapshot.broken.total, snapshot.broken.torn,
+      snapshot.broken.cut, snapshot.maxStretch - 1.0, snapshot.failed ? "\nFAILED" : "");
+  return text.data();
+}
+
+MarkerBuilder::MarkerBuilder(MarkerStyle style) : style_(std::move(style)) {}
+
+const visualization_msgs::MarkerArray& MarkerBuilder::build(const Snapshot& snapshot,
+                                                            const ros::Time& stamp) {
+  stamp_ = stamp;
+  used_ = 0;
+  addCloth(snapshot);
+  addTornEdges(snapshot);
+  for (const Obstacle& obstacle : snapshot.obstacles) addObstacle(obstacle);
+  for (const ClampSnapshot& clamp : snapshot.clamps) addClamp(clamp);
+  addText(snapshot);
+  array_.markers.resize(used_);
+  return array_;
+}
+
+/// The next marker of the array, with its buffers of last time. A scene always uses the same
+/// ones, so the id is the place in the array.
+Marker& MarkerBuilder::next(const char* space, int type) {
+  if (used_ == array_.markers.size()) array_.markers.emplace_back();
+  Marker& marker = array_.markers[used_];
+  marker.header.frame_id = style_.frame;
+  marker.header.stamp = stamp_;
+  marker.ns = space;
+  marker.id = static_cast<int>(used_++);
+  marker.type = type;
+  marker.action = Marker::ADD;
+  marker.pose = toPoseMessage(Pose());
+  setScale(marker, 1.0, 1.0, 1.0);
+  marker.color = colour(1.0f, 1.0f, 1.0f);
+  return marker;
+}
+
+void MarkerBuilder::computeNormals(const Snapshot& snapshot) {
+  normals_.assign(snapshot.positions.size(), Eigen::Vector3f::Zero());
+  for (const Face& face : snapshot.topology->faces) {
+    const Vec3& a = snapshot.positions[face[0]];
+    const Vec3 normal = (snapshot.positions[face[1]] - a).cross(snapshot.positions[face[2]] - a);
+    for (const VertexId v : face) normals_[v] += normal.cast<float>();
+  }
+  for (Eigen::Vector3f& normal : normals_) {
+    const float length = normal.norm();
+    normal = length > 0.0f ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
+  }
+}
+
+void MarkerBuilder::computeStrain(const Snapshot& snapshot) {
+  strain_.assign(snapshot.positions.size(), 0.0f);
+  for (const Topology::Link& link : snapshot.topology->links) {
+    const double length = (snapshot.positions[link.b] - snapshot.positions[link.a]).norm();
+    const auto strain = static_cast<float>(length / link.restLength - 1.0);
+    strain_[link.a] = std::max(strain_[link.a], strain);
+    strain_[link.b] = std::max(strain_[link.b], strain);
+  }
+}
+
+void MarkerBuilder::addCloth(const Snapshot& snapshot) {
+  computeNormals(snapshot);
+  computeStrain(snapshot);
+  addSide(snapshot, true);
+  if (style_.twoSided) addSide(snapshot, false);
+}
+
+/// One side of the surface: the particles moved out along the normals, shaded for that side.
+void MarkerBuilder::addSide(const Snapshot& snapshot, bool front) {
+  static const Colour lining = colour(0.86f, 0.74f, 0.62f);
+  const std::size_t count = snapshot.positions.size();
+  const double offset = (style_.twoSided ? style_.surfaceOffset : 0.0) * (front ? 1.0 : -1.0);
+  corners_.resize(count);
+  colours_.resize(count);
+  for (std::size_t v = 0; v < count; ++v) {
+    const Eigen::Vector3f outward = front ? normals_[v] : Eigen::Vector3f(-normals_[v]);
+    const Colour base = strainColour(strain_[v] / style_.strainRange);
+    colours_[v] = shaded(front ? base : blend(base, lining, 0.7f), brightness(outward));
+    corners_[v] = toPoint(snapshot.positions[v] + offset * normals_[v].cast<double>());
+  }
+  const std::vector<Face>& faces = snapshot.topology->faces;
+  Marker& marker = next(front ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
+  marker.points.resize(3 * faces.size());
+  marker.colors.resize(3 * faces.size());
+  std::size_t corner = 0;
+  for (const Face& face : faces) {
+    for (const VertexId v : face) {
+      marker.points[corner] = corners_[v];
+      marker.colors[corner++] = colours_[v];
+    }
+  }
+  deleteIfEmpty(marker);
+}
+
+void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {
+  Marker& marker = next("torn_edges", Marker::LINE_LIST);
+  marker.scale.x = kTornWidth;
+  marker.color = colour(0.90f, 0.05f, 0.25f);
+  marker.points.clear();
+  for (const auto& edge : snapshot.topology->tornEdges) {
+    for (const VertexId v : edge) marker.points.push_back(toPoint(snapshot.positions[v]));
+  }
+  deleteIfEmpty(marker);
+}
+
+void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
+  if (const auto* bounds = std::get_if<BoundsShape>(&obstacle.shape)) {
+    addBounds(obstacle, bounds->size);
+  } else if (const auto* sphere = std::get_if<SphereShape>(&obstacle.shape)) {
+    Marker& marker = next("obstacles", Marker::SPHERE);
+    marker.pose = toPoseMessage(obstacle.pose);
+    setScale(marker, 2.0 * sphere->radius, 2.0 * sphere->radius, 2.0 * sphere->radius);
+    marker.color = colour(0.82f, 0.45f, 0.28f);
+  } else if (const auto* box = std::get_if<BoxShape>(&obstacle.shape)) {
+    Marker& marker = next("obstacles", Marker::CUBE);
+    marker.pose = toPoseMessage(obstacle.pose);
+    setScale(marker, box->size.x(), box->size.y(), box->size.z());
+    marker.color = colour(0.66f, 0.52f, 0.38f);
+  } else {
+    Marker& marker = next("obstacles", Marker::CUBE);
+    Pose sheet = obstacle.pose;
+    sheet.position = obstacle.pose.toWorld(Vec3(0.0, 0.0, -0.5 * kSheetThickness));
+    marker.pose = toPoseMessage(sheet);
+    setScale(marker, kPlaneExtent, kPlaneExtent, kSheetThickness);
+    marker.color = colour(0.62f, 0.64f, 0.66f);
+  }
+}
+
+/// The twelve edges of the box that particles stay in.
+void MarkerBuilder::addBounds(const Obstacle& obstacle, const Vec3& size) {
+  Marker& marker = next("bounds", Marker::LINE_LIST);
+  marker.pose = toPoseMessage(obstacle.pose);
+  marker.scale.x = kBoundsWidth;
+  marker.color = colour(0.35f, 0.40f, 0.50f, 0.6f);
+  marker.points.clear();
+  for (int from = 0; from < 8; ++from) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int to = from | (1 << axis);
+      if (to == from) continue;
+      for (const int corner : {from, to}) {
+        const Vec3 sign(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+        marker.points.push_back(toPoint(sign.cwiseProduct(size)));
+      }
+    }
+  }
+}
+
+/// Two plates at their gap, in the colour of the clamp's state.
+void MarkerBuilder::addClamp(const ClampSnapshot& clamp) {
+  for (const double side : {-1.0, 1.0}) {
+    Marker& marker = next("clamps", Marker::CUBE);
+    Pose plate = clamp.pose;
+    const double height = side * 0.5 * (clamp.gap + kPlateThickness);
+    plate.position = clamp.pose.toWorld(Vec3(0.0, 0.0, height));
+    marker.pose = toPoseMessage(plate);
+    setScale(marker, clamp.plateSize.x(), clamp.plateSize.y(), kPlateThickness);
+    marker.color = clampColour(clamp.state);
+  }
+}
+
+void MarkerBuilder::addText(const Snapshot& snapshot) {
+  Marker& marker = next("text", Marker::TEXT_VIEW_FACING);
+  Vec3 low = Vec3::Zero();
+  Vec3 high = Vec3::Zero();
+  if (!snapshot.positions.empty()) low = high = snapshot.positions.front();
+  for (const Vec3& position : snapshot.positions) {
+    low = low.cwiseMin(position);
+    high = high.cwiseMax(position);
+  }
+  Vec3 place = 0.5 * (low + high);
+  place.z() = high.z() + kTextClearance;
+  marker.pose.position = toPoint(place);
+  marker.scale.z = kTextHeight;
+  marker.color = snapshot.failed ? colour(0.85f, 0.10f, 0.10f) : colour(0.12f, 0.14f, 0.18f);
+  marker.text = statusLine(snapshot);
+}
+
+}  // namespace cloth_sim

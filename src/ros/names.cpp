@@ -1,0 +1,52 @@
+#include "cloth_sim/ros/names.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace cloth_sim {
+namespace {
+
+/// Levenshtein's distance, one row at a time.
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string joinNames(const std::vector<std::string>& names) {
+  if (names.empty()) return "none";
+  std::string result = names.front();
+  for (std::size_t i = 1; i < names.size(); ++i) result += ", " + names[i];
+  return result;
+}
+
+std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
+  std::string nearest;
+  std::size_t best = name.size() / 2 + 1;
+  for (const std::string& candidate : known) {
+    const std::size_t distance = editDistance(name, candidate);
+    if (distance < best) {
+      best = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::string unknownName(const std::string& what, const std::string& name,
+                        const std::vector<std::string>& known) {
+  return "unknown " + what + " '" + name + "' (known: " + joinNames(known) + ")";
+}
+
+}  // namespace cloth_sim

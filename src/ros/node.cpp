@@ -1,0 +1,98 @@
+#include "cloth_sim/ros/node.h"
+
+#include <ros/init.h>
+#include <ros/names.h>
+#include <ros/spinner.h>
+#include <tf2_ros/buffer.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <iostream>
+
+#include "cloth_sim/ros/inputs.h"
+#include "cloth_sim/ros/publishers.h"
+#include "cloth_sim/ros/scene_path.h"
+#include "cloth_sim/ros/services.h"
+#include "cloth_sim/scene/load.h"
+
+namespace cloth_sim {
+namespace {
+
+constexpr int kBadInput = 2;
+constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not hold up the other services
+constexpr double kTfTimeout = 0.2;   ///< for a transform that is about to arrive [s]
+
+Scene loadNodeScene(const NodeParameters& parameters) {
+  Scene scene = loadScene(resolveScene(parameters.scene), parameters.set);
+  for (const ClampSpec& clamp : scene.clamps) {
+    std::string error;
+    if (clamp.name.find('/') != std::string::npos || !ros::names::validate(clamp.name, error)) {
+      throw SceneError(parameters.scene +
+                       ": clamps: expected names that ROS topics can have (got '" + clamp.name +
+                       "')");
+    }
+  }
+  return scene;
+}
+
+/// Looks poses up in tf; those in the world frame already need none.
+WorldTransform worldTransform(const tf2_ros::Buffer& buffer, const std::string& world) {
+  return [&buffer, world](const Pose& pose, const std_msgs::Header& header) -> Pose {
+    if (header.frame_id.empty()) throw std::runtime_error("header.frame_id is empty");
+    if (header.frame_id == world || header.frame_id == "/" + world) return pose;
+    const geometry_msgs::TransformStamped found =
+        buffer.lookupTransform(world, header.frame_id, header.stamp, ros::Duration(kTfTimeout));
+    const geometry_msgs::Vector3& shift = found.transform.translation;
+    const Pose frame{Vec3(shift.x, shift.y, shift.z),
+                     fromQuaternion(found.transform.rotation).normalized()};
+    return {frame.toWorld(pose.position), (frame.orientation * pose.orientation).normalized()};
+  };
+}
+
+/// Everything that lives as long as the node does; members are taken down in reverse order.
+class Node {
+ public:
+  Node(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
+       const Scene& scene)
+      : listener_(buffer_),
+        checker_(scene, worldTransform(buffer_, parameters.worldFrame)),
+        simulation_(scene, {parameters.realTimeFactor, parameters.paused, parameters.threads}),
+        publishers_(node, privateNode, parameters, simulation_),
+        services_(privateNode,
+                  {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame},
+                  checker_, simulation_),
+        inputs_(privateNode, checker_, simulation_) {}
+
+  /// Lets callbacks that wait for the simulation go.
+  void stop() { simulation_.stop(); }
+
+ private:
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_;
+  RequestChecker checker_;
+  SimulationThread simulation_;
+  Publishers publishers_;
+  Services services_;
+  Inputs inputs_;
+};
+
+}  // namespace
+
+int runNode(int argc, char** argv) {
+  try {
+    ros::init(argc, argv, "cloth");
+    ros::NodeHandle handle;
+    ros::NodeHandle privateHandle("~");
+    const NodeParameters parameters = readParameters(privateHandle);
+    Node node(handle, privateHandle, parameters, loadNodeScene(parameters));
+    ros::AsyncSpinner spinner(kCallbackThreads);
+    spinner.start();
+    ros::waitForShutdown();
+    node.stop();
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "cloth_node: " << error.what() << std::endl;
+    return kBadInput;
+  }
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,148 @@
+#include "cloth_sim/ros/parameters.h"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "cloth_sim/ros/names.h"
+
+namespace cloth_sim {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+constexpr double kMaxRate = 1000.0;    ///< [Hz]
+constexpr double kMaxFactor = 1000.0;  ///< of real time [-]
+constexpr int kMaxThreads = 1024;
+
+/// Range of a number.
+struct Range {
+  double low = 0.0;
+  double high = 0.0;
+  bool lowIsIn = true;
+
+  bool holds(double value) const {
+    return std::isfinite(value) && value <= high && (lowIsIn ? value >= low : value > low);
+  }
+  std::string text() const {
+    std::ostringstream text;
+    text << (lowIsIn ? ">= " : "> ") << low << " and <= " << high;
+    return text.str();
+  }
+};
+
+/// Reads private parameters one by one, remembering their names.
+class Reader {
+ public:
+  explicit Reader(const ros::NodeHandle& node) : node_(node) {}
+
+  void read(const std::string& name, std::string& value) {
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() != XmlRpcValue::TypeString) fail(name, "a string", raw);
+    value = static_cast<std::string>(raw);
+    if (value.empty()) fail(name, "a string that is not empty", raw);
+  }
+
+  void read(const std::string& name, bool& value) {
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() != XmlRpcValue::TypeBoolean) fail(name, "true or false", raw);
+    value = static_cast<bool>(raw);
+  }
+
+  void read(const std::string& name, const Range& range, double& value) {
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() == XmlRpcValue::TypeInt) {
+      value = static_cast<int>(raw);
+    } else if (raw.getType() == XmlRpcValue::TypeDouble) {
+      value = static_cast<double>(raw);
+    } else {
+      fail(name, "a number " + range.text(), raw);
+    }
+    if (!range.holds(value)) fail(name, "a number " + range.text(), raw);
+  }
+
+  void read(const std::string& name, const Range& range, int& value) {
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() != XmlRpcValue::TypeInt || !range.holds(static_cast<int>(raw))) {
+      fail(name, "a whole number " + range.text(), raw);
+    }
+    value = static_cast<int>(raw);
+  }
+
+  void read(const std::string& name, std::vector<std::string>& value) {
+    static const char* const expected = "a list of strings \"dotted.key=value\"";
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() != XmlRpcValue::TypeArray) fail(name, expected, raw);
+    for (int i = 0; i < raw.size(); ++i) {
+      if (raw[i].getType() != XmlRpcValue::TypeString) fail(name, expected, raw);
+      value.push_back(static_cast<std::string>(raw[i]));
+    }
+  }
+
+  /// Warns about private parameters that nobody reads.
+  void warnAboutOthers() const {
+    std::vector<std::string> names;
+    node_.getParamNames(names);
+    const std::string prefix = node_.getNamespace() + "/";
+    for (const std::string& full : names) {
+      if (full.compare(0, prefix.size(), prefix) != 0) continue;
+      const std::string name = full.substr(prefix.size());
+      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+      const std::string nearest = nearestName(name, known_);
+      ROS_WARN_STREAM("unknown parameter "
+                      << full << " has no effect"
+                      << (nearest.empty() ? "; known are: " + joinNames(known_)
+                                          : "; did you mean " + nearest + "?"));
+    }
+  }
+
+  void allow(const std::string& name) { known_.push_back(name); }
+
+ private:
+  bool find(const std::string& name, XmlRpcValue& value) {
+    allow(name);
+    return node_.getParam(name, value);
+  }
+
+  [[noreturn]] void fail(const std::string& name, const std::string& expected,
+                         const XmlRpcValue& value) const {
+    std::ostringstream text;
+    text << node_.resolveName(name) << ": expected " << expected << " (got ";
+    value.write(text);
+    text << ")";
+    throw ParameterError(text.str());
+  }
+
+  const ros::NodeHandle& node_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace
+
+NodeParameters readParameters(const ros::NodeHandle& privateNode) {
+  NodeParameters result;
+  Reader reader(privateNode);
+  reader.read("scene", result.scene);
+  reader.read("set", result.set);
+  reader.read("world_frame", result.worldFrame);
+  reader.read("rate_markers", Range{0.0, kMaxRate}, result.rateMarkers);
+  reader.read("rate_frame", Range{0.0, kMaxRate}, result.rateFrame);
+  reader.read("rate_state", Range{0.0, kMaxRate, false}, result.rateState);
+  reader.read("real_time_factor", Range{0.0, kMaxFactor}, result.realTimeFactor);
+  reader.read("threads", Range{0.0, kMaxThreads}, result.threads);
+  reader.read("paused", result.paused);
+  reader.read("strain_range", Range{0.0, 100.0, false}, result.strainRange);
+  reader.read("two_sided", result.twoSided);
+  reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
+  reader.warnAboutOthers();
+  return result;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,203 @@
+#include "cloth_sim/ros/publishers.h"
+
+#include <ros/this_node.h>
+#include <std_msgs/String.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace cloth_sim {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::duration_cast;
+
+constexpr double kKeepAlive = 1.0;     ///< longest silence of a topic with subscribers [s]
+constexpr double kMinWanted = 10.0;    ///< least rate of observations: for tf and diagnostics [Hz]
+constexpr double kTickMargin = 0.5;    ///< of a tick: being early by less counts as in time [-]
+constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which it is a warning [-]
+
+}  // namespace
+
+Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
+                       const NodeParameters& parameters, SimulationThread& simulation)
+    : parameters_(parameters),
+      simulation_(simulation),
+      nodeName_(ros::this_node::getName()),
+      updater_(node, privateNode, ros::this_node::getName()),
+      markersSchedule_(parameters.rateMarkers),
+      frameSchedule_(parameters.rateFrame),
+      stateSchedule_(parameters.rateState),
+      builder_([&] {
+        MarkerStyle style;
+        style.frame = parameters.worldFrame;
+        style.strainRange = parameters.strainRange;
+        style.twoSided = parameters.twoSided;
+        return style;
+      }()) {
+  ros::NodeHandle& own = privateNode;
+  markers_ = own.advertise<visualization_msgs::MarkerArray>("markers", 1);
+  topology_ = own.advertise<ClothTopology>("topology", 10, true);
+  frame_ = own.advertise<ClothFrame>("frame", 10);
+  state_ = own.advertise<ClothState>("state", 10);
+  brokenSprings_ = own.advertise<BrokenSprings>("broken_springs", 10, true);
+  tearEvents_ = own.advertise<TearEvents>("tear_events", 1000);
+  phase_ = own.advertise<std_msgs::String>("phase", 10, true);
+  for (const ClampSnapshot& clamp : simulation.observe().snapshot->clamps) {
+    wrenches_.push_back(
+        own.advertise<geometry_msgs::WrenchStamped>("clamps/" + clamp.name + "/wrench", 10));
+  }
+  updater_.setHardwareID("none");
+  updater_.add("simulation", this, &Publishers::diagnose);
+  thread_ = std::thread([this] { run(); });
+}
+
+Publishers::~Publishers() {
+  stopping_ = true;
+  thread_.join();
+}
+
+bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
+                               std::uint32_t subscribers) {
+  if (rate <= 0.0 || subscribers == 0) {
+    lastSubscribers = 0;
+    return false;
+  }
+  const double silence = duration<double>(now - last).count();
+  const bool news = observation != lastObservation && (silence + 1e-3) * rate >= 1.0;
+  const bool newcomer = subscribers > lastSubscribers;
+  if (!news && !newcomer && silence < kKeepAlive) return false;
+  last = now;
+  lastObservation = observation;
+  lastSubscribers = subscribers;
+  return true;
+}
+
+/// How often observations are needed for those who listen now [Hz].
+double Publishers::wantedRate() const {
+  double rate = std::max(kMinWanted, parameters_.rateState);
+  if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
+  if (markers_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateMarkers);
+  return rate;
+}
+
+void Publishers::run() {
+  Clock::time_point next = Clock::now();
+  while (!stopping_) {
+    const double rate = wantedRate();
+    simulation_.setObservationRate(rate);
+    tick();
+    // Twice as often as needed, so that no observation waits for a whole period.
+    next += duration_cast<Clock::duration>(duration<double>(kTickMargin / rate));
+    next = std::max(next, Clock::now());
+    std::this_thread::sleep_until(next);
+  }
+}
+
+void Publishers::tick() {
+  const Observation observation = simulation_.observe();
+  header_.stamp = ros::Time::now();
+  header_.frame_id = parameters_.worldFrame;
+  sendTopology(observation);
+  sendEvents(observation);
+  sendPhase(observation);
+  const Clock::time_point now = Clock::now();
+  const std::uint64_t number = observation.number;
+  // The state is always sent: tf and the wrenches go with it.
+  if (stateSchedule_.due(now, number, 1 + state_.getNumSubscribers())) {
+    sendState(observation);
+    sendClamps(observation);
+  }
+  if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
+  if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
+  diagnosed_ = observation;
+  updater_.update();
+}
+
+void Publishers::sendTopology(const Observation& observation) {
+  const std::shared_ptr<const Topology>& topology = observation.snapshot->topology;
+  if (topology == sentTopology_) return;
+  topology_.publish(toTopologyMessage(*topology, header_));
+  sentTopology_ = topology;
+}
+
+void Publishers::sendEvents(const Observation& observation) {
+  if (observation.resets != resetsSeen_) {
+    resetsSeen_ = observation.resets;
+    failures_.clear();
+    sentBroken_ = -1;
+  }
+  const std::vector<FailureEvent> events = simulation_.takeEvents();
+  if (!events.empty()) {
+    failures_.add(events);
+    tearEvents_.publish(toEventsMessage(events, header_));
+  }
+  const BrokenCounts& broken = observation.snapshot->broken;
+  if (broken.total == sentBroken_) return;
+  sentBroken_ = broken.total;
+  brokenSprings_.publish(failures_.toMessage(broken, header_));
+}
+
+void Publishers::sendPhase(const Observation& observation) {
+  const std::string& phase = observation.snapshot->phase;
+  if (phase == sentPhase_) return;
+  sentPhase_ = phase;
+  std_msgs::String message;
+  message.data = phase;
+  phase_.publish(message);
+}
+
+void Publishers::sendState(const Observation& observation) {
+  if (state_.getNumSubscribers() > 0) state_.publish(toStateMessage(observation, header_));
+}
+
+void Publishers::sendClamps(const Observation& observation) {
+  const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
+  std::vector<geometry_msgs::TransformStamped> transforms;
+  for (std::size_t i = 0; i < clamps.size(); ++i) {
+    const std::string frame = clampFrameId(nodeName_, clamps[i].name);
+    transforms.push_back(toTransform(clamps[i], header_.stamp, parameters_.worldFrame, frame));
+    if (wrenches_[i].getNumSubscribers() == 0) continue;
+    geometry_msgs::WrenchStamped message;
+    message.header.stamp = header_.stamp;
+    message.header.frame_id = frame;
+    message.wrench = clampFrameWrench(clamps[i]);
+    wrenches_[i].publish(message);
+  }
+  if (!transforms.empty()) broadcaster_.sendTransform(transforms);
+}
+
+void Publishers::sendFrame(const Observation& observation) {
+  fillFrame(*observation.snapshot, header_, frameMessage_);
+  frame_.publish(frameMessage_);
+}
+
+void Publishers::sendMarkers(const Observation& observation) {
+  markers_.publish(builder_.build(*observation.snapshot, header_.stamp));
+}
+
+void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const Snapshot& snapshot = *diagnosed_.snapshot;
+  const double asked = parameters_.realTimeFactor;
+  if (snapshot.failed) {
+    status.summary(DiagnosticStatus::ERROR, "failed: " + snapshot.failure);
+  } else if (diagnosed_.paused) {
+    status.summary(DiagnosticStatus::OK, "paused");
+  } else if (diagnosed_.realTimeFactor < kSlowFraction * asked && diagnosed_.stepTime > 0.0) {
+    status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
+  } else {
+    status.summary(DiagnosticStatus::OK, "running");
+  }
+  status.add("real-time factor", diagnosed_.realTimeFactor);
+  status.add("real-time factor asked for", asked);
+  status.add("step time [s]", diagnosed_.stepTime);
+  status.add("simulated time [s]", snapshot.time);
+  status.add("max strain", snapshot.maxStretch - 1.0);
+  status.add("phase", snapshot.phase);
+  status.add("pieces", snapshot.pieces);
+  status.add("broken springs", snapshot.broken.total);
+  status.add("dropped commands", diagnosed_.droppedCommands);
+}
+
+}  // namespace cloth_sim
