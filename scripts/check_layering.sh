@@ -11,7 +11,10 @@ cd "${1:-"$(dirname "${BASH_SOURCE[0]}")/.."}"
 core_folders=(mesh cloth solver contact clamp surgery scene sim)
 # ros/..., any *_msgs/... and the ROS libraries; our own generated messages (cloth_sim/Frame.h) and
 # our own ROS-side folders.
-forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]((ros|[a-z0-9_]+_msgs|std_srvs|tf2?|tf2_[a-z_]+|rosbag|rviz|roslib|diagnostic_updater|dynamic_reconfigure|interactive_markers|actionlib|message_filters|pluginlib)/|cloth_sim/(ros|rviz|tools|node)/|cloth_sim/[A-Z])'
+libraries='rosbag|rviz|roslib|tf2?|tf2_[a-z_]+|diagnostic_updater|dynamic_reconfigure'
+libraries+='|interactive_markers|actionlib|message_filters|pluginlib'
+forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
+forbidden+="((ros|[a-z0-9_]+_msgs|std_srvs|$libraries)/|cloth_sim/(ros|rviz|tools|node)/|cloth_sim/[A-Z])"
 
 paths=()
 for folder in "${core_folders[@]}"; do

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
 
-usage: picture.py BAG --out PNG [--scene SCENE.yaml] [--times T,T,...] [--view AZIMUTH,ELEVATION]
+usage: picture.py BAG --out=PNG [--scene=SCENE.yaml] [--times=T,T,...] [--size=WxH]
+                  [--view=AZIMUTH,ELEVATION]
 
 One panel per phase, at the phase's end (or one per time given with --times), and a last one with
 the springs that failed and the strain over time. The cloth is coloured by strain, its back is of
@@ -149,39 +150,59 @@ def ball(radius, position, parts=48):
                            np.stack([a, c, d], axis=2).reshape(-1, 3, 3)])
 
 
-def obstacles_of(scene_path):
-    """[(triangles, colour)] of what the scene file names; what cannot be drawn is left out."""
-    if not scene_path:
-        return []
-    import yaml
-    with open(scene_path) as file:
-        scene = yaml.safe_load(file) or {}
-    entries = scene.get('obstacles') or []
-    if isinstance(entries, dict):
-        entries = [dict(value or {}, name=key) for key, value in entries.items()]
-    solids = []
-    for entry in entries:
-        where = np.array(entry.get('position', entry.get('center', (0, 0, 0))), dtype=float)
-        turn = quaternion_matrix(entry.get('orientation', (0, 0, 0, 1)))
-        kind = str(entry.get('type', entry.get('shape', '')))
-        if kind == 'sphere':
-            solids.append((ball(float(entry.get('radius', 0.1)), where), BALL))
-        elif kind in ('box', 'board', 'table'):
-            size = np.array(entry.get('size', (1, 1, 0.02)), dtype=float)
-            solids.append((box(size, where, turn), BOARD))
-        elif kind in ('plane', 'ground'):
-            solids.append((box(np.array([3.0, 3.0, 0.01]), where - turn[:, 2] * 0.005, turn), BOARD))
-    return solids
+def rotation_of(entry):
+    if 'rpy' in entry:
+        r, p, y = entry['rpy']
+        halves = [(math.cos(a / 2), math.sin(a / 2)) for a in (r, p, y)]
+        (cr, sr), (cp, sp), (cy, sy) = halves
+        return quaternion_matrix((sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
+                                  cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy))
+    return quaternion_matrix(entry.get('orientation', (0, 0, 0, 1)))
 
 
-def clamp_plates(state, plate=(0.06, 0.06, 0.008)):
-    solids = []
-    for clamp in state.clamps:
+class SceneFile:
+    """The solids that a scene file names; the cloth itself comes from the bag."""
+
+    def __init__(self, path):
+        self.obstacles, self.plates = [], {}
+        if not path:
+            return
+        import yaml
+        with open(path) as file:
+            scene = yaml.safe_load(file) or {}
+        self.obstacles = list((scene.get('obstacles') or {}).values())
+        self.plates = {name: clamp.get('plate_size')
+                       for name, clamp in (scene.get('clamps') or {}).items()}
+
+    def solids(self, state):
+        """[(triangles, colour)] at the time of a state."""
+        found = []
+        for entry in self.obstacles:
+            found += self._obstacle(entry, state.time)
+        for clamp in state.clamps:
+            found += self._clamp(clamp)
+        return found
+
+    @staticmethod
+    def _obstacle(entry, time):
+        where = np.array(entry.get('position', (0, 0, 0)), dtype=float)
+        where += np.array(entry.get('velocity', (0, 0, 0)), dtype=float) * time
+        turn = rotation_of(entry)
+        if entry['type'] == 'sphere':
+            return [(ball(float(entry['radius']), where), BALL)]
+        if entry['type'] == 'board':
+            return [(box(np.array(entry['size'], dtype=float), where, turn), BOARD)]
+        if entry['type'] == 'plane':
+            ground = np.array([3.0, 3.0, 0.01])
+            return [(box(ground, where - turn[:, 2] * ground[2] / 2, turn), BOARD)]
+        return []  # bounds have nothing to see
+
+    def _clamp(self, clamp):
+        size = np.array([*(self.plates.get(clamp.name) or (0.06, 0.06)), 0.008])
         position, rotation = pose_of(clamp.pose)
         for side in (-1, 1):
-            offset = rotation[:, 2] * side * (clamp.gap / 2 + plate[2] / 2)
-            solids.append((box(np.array(plate), position + offset, rotation, cells=4), STEEL))
-    return solids
+            offset = rotation[:, 2] * side * (clamp.gap + size[2]) / 2
+            yield box(size, position + offset, rotation, cells=4), STEEL
 
 
 # ---- drawing -------------------------------------------------------------------------------------
@@ -217,7 +238,8 @@ def covered(screen, width, height):
     low = np.clip(np.floor(corners.min(axis=1)), 0, (width, height)).astype(int)
     high = np.clip(np.ceil(corners.max(axis=1)), 0, (width, height)).astype(int)
     size = high - low
-    sides = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024, 1 << 14])
+    sides = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256])
+    sides = np.append(sides[sides < max(width, height)], max(width, height))
     size = sides[np.searchsorted(sides, size)]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     usable = (size > 0).all(axis=1) & (np.abs(area) > 1e-9)
@@ -243,7 +265,7 @@ def covered(screen, width, height):
 
 
 class Surfaces:
-    """Triangles with a colour, a normal per corner, and whether the cloth's shadow falls on them."""
+    """Triangles with a colour, a normal per corner, and whether the cloth shades them."""
 
     def __init__(self):
         self.parts = []
@@ -378,7 +400,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('bag')
     parser.add_argument('--out', required=True, help='the PNG to write')
-    parser.add_argument('--scene', help='the scene file, for its obstacles')
+    parser.add_argument('--scene', help='the scene file, for its obstacles and clamps')
     parser.add_argument('--times', help='simulated times [s] instead of the ends of the phases')
     parser.add_argument('--view', default='-62,24', help='azimuth,elevation of the eye [deg]')
     parser.add_argument('--size', default='560x460', help='of one panel [pixels]')
@@ -390,7 +412,7 @@ def main():
     else:
         moments = run.phase_ends()
     shapes = [run.shape(index) for _, index in moments]
-    solids = obstacles_of(args.scene)
+    scene = SceneFile(args.scene)
 
     seen = np.concatenate([points for points, _ in shapes])
     low, high = seen.min(axis=0), seen.max(axis=0)
@@ -402,14 +424,16 @@ def main():
 
     only_one = args.times is not None and len(moments) == 1
     panels = len(moments) + (0 if args.times else 1)
-    columns = min(panels, 4)
+    # The fewest empty places; four beside each other where it is all the same.
+    columns = min(panels, 4) if panels <= 4 else min((4, 3, 5), key=lambda n: -panels % n)
     rows = -(-panels // columns)
-    figure = plt.figure(figsize=(columns * width / 100, rows * (height + (0 if only_one else 40)) / 100),
-                        facecolor='white')
+    title_height = 0 if only_one else 40
+    figure = plt.figure(facecolor='white', figsize=(columns * width / 100,
+                                                    rows * (height + title_height) / 100))
     for number, ((name, index), (points, topology)) in enumerate(zip(moments, shapes)):
         state = run.states[index][1]
         axes = figure.add_subplot(rows, columns, number + 1)
-        axes.imshow(draw(points, topology, solids + clamp_plates(state), camera))
+        axes.imshow(draw(points, topology, scene.solids(state), camera))
         axes.set_axis_off()
         if not only_one:
             title = f'{number + 1}  {name}' if name else f'{number + 1}'

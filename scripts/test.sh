@@ -5,8 +5,8 @@ usage() {
   cat <<USAGE
 usage: scripts/test.sh [--quick] [--sanitize=LIST]
 
-Builds everything in the catkin workspace .ws at the repository's root, and runs every test. Installs
-what is missing of ROS and the libraries first (as root or with sudo).
+Builds everything in the catkin workspace .ws at the repository's root, and runs every test.
+Installs what is missing of ROS and the libraries first (as root or with sudo).
 
   --quick           only the tests that need no ROS master: seconds instead of minutes
   --sanitize=LIST   build with sanitizers (address, undefined or address,undefined; or thread), in a

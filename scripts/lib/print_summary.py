@@ -23,7 +23,8 @@ def main():
     area_error = relative_error(run['rest_area_m2'], run['initial_rest_area_m2'])
     lines = [
         ('scene', f"{run['scene']}, method {run['solver']}"),
-        ('cloth', f"{run['particles']} particles, {run['faces']} faces, {springs['active']} springs"),
+        ('cloth', f"{run['particles']} particles, {run['faces']} faces, "
+                  f"{springs['active']} springs"),
         ('pieces', f"{run['pieces']}"),
         ('broken springs', f"{broken['total']} (structural {broken['structural']}, shear "
                            f"{broken['shear']}, bend {broken['bend']}; torn {broken['torn']}, "
