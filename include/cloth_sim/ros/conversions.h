@@ -14,7 +14,7 @@
 #include "cloth_sim/ClothTopology.h"
 #include "cloth_sim/PhaseInfo.h"
 #include "cloth_sim/TearEvents.h"
-#include "cloth_sim/ros/simulation_thread.h"
+#include "cloth_sim/ros/observation.h"
 
 namespace cloth_sim {
 

@@ -13,6 +13,7 @@
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
 #include "cloth_sim/ros/parameters.h"
+#include "cloth_sim/ros/simulation_thread.h"
 
 namespace cloth_sim {
 

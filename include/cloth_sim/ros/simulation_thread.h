@@ -11,6 +11,7 @@
 #include <mutex>
 #include <thread>
 
+#include "cloth_sim/ros/observation.h"
 #include "cloth_sim/sim/simulation.h"
 
 namespace cloth_sim {
@@ -20,18 +21,6 @@ struct RunSettings {
   double realTimeFactor = 1.0;  ///< simulated over wall time, >= 0; 0: as fast as it can
   bool paused = false;          ///< at the start
   int threads = 0;              ///< of the core's loops; 0: as many as the machine has
-};
-
-/// What others may see of a run. A copy is cheap: the snapshot is shared.
-struct Observation {
-  std::shared_ptr<const Snapshot> snapshot;
-  std::vector<PhaseRecord> phases;
-  bool paused = false;
-  double realTimeFactor = 0.0;        ///< over the last half second or so [-]
-  double stepTime = 0.0;              ///< wall time of one step, mean over the same time [s]
-  std::uint64_t resets = 0;           ///< since the start
-  std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
-  std::uint64_t number = 0;           ///< grows with every observation
 };
 
 /// The answer to a request for steps.

@@ -1,0 +1,40 @@
+#pragma once
+/// \file A run as a rosbag, without a node and without a master. No ROS in here: for tools.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloth_sim/ros/observation.h"
+
+namespace cloth_sim {
+
+/// Writes what the node "/cloth" would publish: /cloth/topology (latched, whenever a frame has a
+/// new revision), /cloth/frame, /cloth/state, /cloth/tear_events, /cloth/broken_springs,
+/// /cloth/phase, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
+/// 1 ns, since a stamp of 0 means "none" in ROS.
+///
+/// The bag grows as "<file>.active" and takes its name when it is complete.
+class BagWriter {
+ public:
+  /// \throws std::runtime_error if the file cannot be written.
+  explicit BagWriter(const std::string& file);
+  /// Leaves the ".active" file if `close` was not called.
+  ~BagWriter();
+  BagWriter(const BagWriter&) = delete;
+  BagWriter& operator=(const BagWriter&) = delete;
+
+  /// \param events  springs that failed since the last call, in order.
+  /// \throws std::runtime_error if the disk does not take it.
+  void write(const Observation& observation, const std::vector<FailureEvent>& events);
+
+  /// Completes the bag and gives it its name.
+  /// \throws std::runtime_error
+  void close();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cloth_sim

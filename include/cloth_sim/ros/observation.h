@@ -1,0 +1,24 @@
+#pragma once
+/// \file A snapshot of the cloth with the figures of the run that it belongs to. No ROS in here.
+
+#include <memory>
+#include <vector>
+
+#include "cloth_sim/scene/phase_script.h"
+#include "cloth_sim/sim/snapshot.h"
+
+namespace cloth_sim {
+
+/// What others may see of a run. A copy is cheap: the snapshot is shared.
+struct Observation {
+  std::shared_ptr<const Snapshot> snapshot;
+  std::vector<PhaseRecord> phases;
+  bool paused = false;
+  double realTimeFactor = 0.0;        ///< simulated over wall time, lately [-]
+  double stepTime = 0.0;              ///< wall time of one step, mean over the same time [s]
+  std::uint64_t resets = 0;           ///< since the start
+  std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
+  std::uint64_t number = 0;           ///< grows with every observation
+};
+
+}  // namespace cloth_sim

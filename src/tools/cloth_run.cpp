@@ -1,0 +1,330 @@
+/// \file cloth_run: runs a scene without ROS around it, as fast as it can. See docs/cloth_run.md.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "cloth_sim/ros/bag_writer.h"
+#include "cloth_sim/ros/scene_path.h"
+#include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/sim/summary.h"
+
+namespace cloth_sim {
+namespace {
+
+enum ExitCode { kDone = 0, kOutputLost = 1, kBadInput = 2, kFailed = 3, kSignalBase = 128 };
+
+constexpr double kDefaultDuration = 10.0;  ///< of what has no end of its own [s]
+constexpr double kBarPeriod = 0.1;         ///< of redrawing the bar, wall time [s]
+constexpr double kLinePeriod = 10.0;       ///< of plain lines within a phase, wall time [s]
+constexpr int kBarWidth = 24;              ///< [characters]
+
+struct Options {
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::optional<double> duration;  ///< [s]
+  std::string bag;                 ///< "": none
+  double bagRate = 30.0;           ///< of simulated time [Hz]
+  std::string summary;             ///< "": none; "-": standard output
+  int threads = 0;                 ///< 0: one per processor
+};
+
+/// A wrong command line or scene, or an output that cannot be written to from the start.
+class BadInput : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+volatile std::sig_atomic_t caughtSignal = 0;
+
+void onSignal(int signal) { caughtSignal = signal; }
+
+/// Fills `options`. \return an exit code if the program ends here.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  CLI::App app("Runs a cloth_sim scene headless, without a ROS master, as fast as it can.",
+               "cloth_run");
+  app.add_option("SCENE", options.scene,
+                 "scene file, or the name of one of the package's config/scenes")
+      ->required();
+  app.add_option("--set", options.overrides,
+                 "override of the scene, dotted.key=value (may be given again)")
+      ->allow_extra_args(false);
+  app.add_option("--duration", options.duration,
+                 "simulated time to run [s] (default: until the phases end; 10 without phases)")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--bag", options.bag, "rosbag to write");
+  app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1000.0));
+  app.add_option("--summary", options.summary, "JSON summary to write; - for standard output");
+  app.add_option("--threads", options.threads, "0: one per processor")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  app.footer(
+      "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
+      "1 the disk did not take the output; 128 + signal number if it was interrupted.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    throw BadInput(std::string(error.what()) + " (see cloth_run --help)");
+  }
+  return std::nullopt;
+}
+
+/// Shows where a run is: a bar on a terminal, otherwise a line now and then.
+class Progress {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Progress(std::optional<double> duration)
+      : duration_(duration), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
+
+  double wallTime() const {  ///< since the start [s]
+    return std::chrono::duration<double>(Clock::now() - start_).count();
+  }
+
+  void update(const Simulation& simulation) {
+    const double wall = wallTime();
+    const std::string phase = phaseOf(simulation);
+    const bool newPhase = phase != shownPhase_;
+    if (!newPhase && wall - shown_ < (terminal_ ? kBarPeriod : kLinePeriod)) return;
+    shown_ = wall;
+    shownPhase_ = phase;
+    show(simulation, wall);
+  }
+
+  void finish(const Simulation& simulation) {
+    show(simulation, wallTime());
+    if (terminal_) std::fputc('\n', stderr);
+  }
+
+  static std::string phaseOf(const Simulation& simulation) {
+    const auto& history = simulation.script().history();
+    return history.empty() ? "" : history.back().name;
+  }
+
+ private:
+  void show(const Simulation& simulation, double wall) const {
+    if (terminal_) std::fprintf(stderr, "\r[%s] ", bar(simulation).c_str());
+    const std::string phase = phaseOf(simulation);
+    std::fprintf(stderr, "%-10s t %6.2f s  real-time factor %5.2f  broken %d  pieces %d",
+                 phase.empty() ? "-" : phase.c_str(), simulation.time(),
+                 wall > 0.0 ? simulation.time() / wall : 0.0, simulation.broken().total,
+                 simulation.pieces());
+    std::fputs(terminal_ ? "\033[K" : "\n", stderr);
+    std::fflush(stderr);
+  }
+
+  /// By time if that is what ends the run, otherwise by phases.
+  std::string bar(const Simulation& simulation) const {
+    double done = 0.0;
+    if (duration_) {
+      done = *duration_ > 0.0 ? simulation.time() / *duration_ : 1.0;
+    } else if (simulation.script().status() == ScriptStatus::kDone) {
+      done = 1.0;
+    } else if (!simulation.script().history().empty()) {
+      done = (static_cast<double>(simulation.script().history().size()) - 1.0) /
+             static_cast<double>(simulation.scene().phases.size());
+    }
+    const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * kBarWidth);
+    return std::string(filled, '#') + std::string(kBarWidth - filled, '.');
+  }
+
+  std::optional<double> duration_;
+  bool terminal_ = false;
+  Clock::time_point start_;
+  double shown_ = -1e9;  ///< wall time of the last output [s]
+  std::string shownPhase_;
+};
+
+/// Writes frames at their rate, and whenever the phase changes.
+class Recorder {
+ public:
+  Recorder(const std::string& file, double rate) : writer_(file), period_(1.0 / rate) {}
+
+  void update(Simulation& simulation, double wallTime) {
+    const std::vector<FailureEvent> events = simulation.takeEvents();
+    events_.insert(events_.end(), events.begin(), events.end());
+    const std::string phase = Progress::phaseOf(simulation);
+    const double half = 0.5 * simulation.scene().solver.dt;
+    if (simulation.time() + half < next_ && phase == phase_) return;
+    phase_ = phase;
+    while (next_ <= simulation.time() + half) next_ += period_;
+    write(simulation, wallTime);
+  }
+
+  void finish(Simulation& simulation, double wallTime) {
+    if (written_ != simulation.stepCount() || !events_.empty()) write(simulation, wallTime);
+    writer_.close();
+  }
+
+ private:
+  void write(Simulation& simulation, double wallTime) {
+    Observation observation;
+    observation.snapshot = simulation.snapshot();
+    observation.phases = simulation.script().history();
+    const auto steps = static_cast<double>(simulation.stepCount());
+    observation.realTimeFactor = wallTime > 0.0 ? simulation.time() / wallTime : 0.0;
+    observation.stepTime = steps > 0.0 ? wallTime / steps : 0.0;
+    writer_.write(observation, events_);
+    events_.clear();
+    written_ = simulation.stepCount();
+  }
+
+  BagWriter writer_;
+  double period_;      ///< [s]
+  double next_ = 0.0;  ///< simulated time of the next frame [s]
+  std::string phase_;
+  std::vector<FailureEvent> events_;
+  std::optional<std::uint64_t> written_;  ///< step of the last frame
+};
+
+/// When a run is over.
+class EndOfRun {
+ public:
+  explicit EndOfRun(std::optional<double> duration) : duration_(duration) {}
+
+  bool reached(const Simulation& simulation) {
+    const PhaseScript& script = simulation.script();
+    if (caughtSignal != 0 || simulation.failed()) return true;
+    if (script.status() == ScriptStatus::kFailed) return true;
+    if (duration_) return passed(simulation, *duration_);
+    if (script.status() == ScriptStatus::kDone) return true;
+    if (script.status() == ScriptStatus::kIdle && !simulation.scene().phases.empty()) return false;
+    return isEndless(script) && passed(simulation, phaseStart(script) + kDefaultDuration);
+  }
+
+ private:
+  static bool passed(const Simulation& simulation, double time) {
+    return simulation.time() >= time - 0.5 * simulation.scene().solver.dt;
+  }
+  /// No script, or a phase that only a command would end.
+  static bool isEndless(const PhaseScript& script) {
+    const PhaseSpec* phase = script.current();
+    return phase == nullptr || (phase->until.none() && !phase->timeout);
+  }
+  static double phaseStart(const PhaseScript& script) {
+    return script.history().empty() ? 0.0 : script.history().back().start;
+  }
+
+  std::optional<double> duration_;
+};
+
+/// An output must not fail only after a long run.
+void checkWritable(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file)) {
+    throw BadInput(file + ": cannot be written");
+  }
+}
+
+/// Complete or not at all: under another name first.
+void writeSummary(const std::string& file, const std::string& text) {
+  if (file == "-") {
+    std::cout << text << std::endl;
+    return;
+  }
+  const std::string temporary = file + ".tmp" + std::to_string(getpid());
+  std::ofstream out(temporary);
+  out << text << '\n';
+  out.close();
+  if (!out || std::rename(temporary.c_str(), file.c_str()) != 0) {
+    std::remove(temporary.c_str());
+    throw std::runtime_error(file + ": cannot be written");
+  }
+}
+
+/// One line if something went wrong.
+int report(const Options& options, const Simulation& simulation) {
+  if (simulation.failed()) {
+    std::cerr << "cloth_run: " << options.scene
+              << ": the simulation failed at t = " << simulation.time()
+              << " s: " << simulation.failure() << std::endl;
+    return kFailed;
+  }
+  if (simulation.script().status() == ScriptStatus::kFailed) {
+    std::cerr << "cloth_run: " << options.scene << ": phase " << Progress::phaseOf(simulation)
+              << " ran into its time-out" << std::endl;
+    return kFailed;
+  }
+  if (caughtSignal != 0) {
+    std::cerr << "cloth_run: interrupted at t = " << simulation.time() << " s" << std::endl;
+    return kSignalBase + caughtSignal;
+  }
+  return kDone;
+}
+
+std::unique_ptr<Simulation> buildSimulation(const Options& options) {
+  try {
+    return std::make_unique<Simulation>(loadScene(resolveScene(options.scene), options.overrides));
+  } catch (const std::exception& error) {
+    throw BadInput(error.what());
+  }
+}
+
+std::unique_ptr<Recorder> openBag(const Options& options) {
+  if (options.bag.empty()) return nullptr;
+  try {
+    return std::make_unique<Recorder>(options.bag, options.bagRate);
+  } catch (const std::exception& error) {
+    throw BadInput(error.what());
+  }
+}
+
+int run(const Options& options) {
+  const int processors = static_cast<int>(std::thread::hardware_concurrency());
+  const ThreadLimit limit(options.threads > 0 ? options.threads : std::max(1, processors));
+  const std::unique_ptr<Simulation> simulation = buildSimulation(options);
+  if (!options.summary.empty() && options.summary != "-") checkWritable(options.summary);
+  const std::unique_ptr<Recorder> recorder = openBag(options);
+  const InitialFigures initial = initialFigures(*simulation);
+
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+  Progress progress(options.duration);
+  EndOfRun end(options.duration);
+  if (recorder) recorder->update(*simulation, 0.0);
+  while (!end.reached(*simulation)) {
+    simulation->step();
+    if (recorder) recorder->update(*simulation, progress.wallTime());
+    progress.update(*simulation);
+  }
+  const double wallTime = progress.wallTime();
+  progress.finish(*simulation);
+  if (recorder) recorder->finish(*simulation, wallTime);
+  if (!options.summary.empty()) {
+    writeSummary(options.summary, summaryJson(*simulation, initial, wallTime));
+  }
+  return report(options, *simulation);
+}
+
+}  // namespace
+}  // namespace cloth_sim
+
+int main(int argc, char** argv) {
+  using namespace cloth_sim;
+  try {
+    Options options;
+    if (const std::optional<int> code = parse(argc, argv, options)) return *code;
+    return run(options);
+  } catch (const BadInput& error) {
+    std::cerr << "cloth_run: " << error.what() << std::endl;
+    return kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "cloth_run: " << error.what() << std::endl;
+    return kOutputLost;
+  }
+}
