@@ -140,8 +140,8 @@ YamlValue parseYaml(const std::string& text, const std::string& file) {
     }
     return documents.empty() ? YamlValue() : Converter(file).convert(documents.front(), 0);
   } catch (const YAML::Exception& error) {
-    throw SceneError(file + ":" + std::to_string(error.mark.line + 1) +
-                     ": not valid YAML: " + oneLine(error.msg));
+    const std::string line = error.mark.line < 0 ? "" : ":" + std::to_string(error.mark.line + 1);
+    throw SceneError(file + line + ": not valid YAML: " + oneLine(error.msg));
   }
 }
 
