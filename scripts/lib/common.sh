@@ -54,7 +54,8 @@ packages_for() {
         echo g++ make cmake catkin python3 \
           libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcli11-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
-          libstd-msgs-dev libgeometry-msgs-dev libvisualization-msgs-dev libdiagnostic-msgs-dev \
+          ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
+          libvisualization-msgs-dev libdiagnostic-msgs-dev \
           libdiagnostic-updater-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
