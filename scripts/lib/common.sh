@@ -219,6 +219,12 @@ link_package() {
 build_workspace() {
   local workspace=$1 targets=$2 cache
   shift 2
+  mkdir -p "$workspace/log"
+  exec 9>"$workspace/log/lock"
+  if ! flock -n 9; then
+    say "build: another one is at work in $workspace; waiting for it"
+    flock 9
+  fi
   link_package "$workspace"
 
   cache=$workspace/build/CMakeCache.txt
@@ -229,7 +235,6 @@ build_workspace() {
 
   local jobs log=$workspace/log/build.log
   jobs=$(build_jobs)
-  mkdir -p "${log%/*}"
   say "build: $workspace, $jobs at a time (log: $log)"
   local command=(catkin_make -C "$workspace" -j"$jobs" -DPYTHON_EXECUTABLE=/usr/bin/python3
     "$@" --make-args)
@@ -237,7 +242,8 @@ build_workspace() {
   command+=($targets)
   local status=0
   # The messages of packages below us are of no interest, ours are; errors all are.
-  "${command[@]}" 2>&1 </dev/null | tee "$log" | show_build || status=$?
+  "${command[@]}" 2>&1 </dev/null 9>&- | tee "$log" | show_build || status=$?
+  exec 9>&-
   if [[ $status -ne 0 ]]; then
     grep -nE -A6 'error:|CMake Error|Error [0-9]+$' "$log" | tail -n 60 >&2 || true
     die "the build failed (whole log: $log)"
