@@ -1,0 +1,349 @@
+#!/usr/bin/python3
+"""Every service and topic of the node, with good and with bad input."""
+import math
+import os
+import sys
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Point, PoseStamped, TransformStamped, Vector3, WrenchStamped
+from std_msgs.msg import Bool, String
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
+
+from cloth_sim import msg, srv
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from polling import Listener, connected, wait_until  # noqa: E402
+
+SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
+                set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
+                save_state=srv.SaveState, load_state=srv.LoadState, get_state=srv.GetState)
+NAN = float('nan')
+
+
+def pose(x=0.0, y=0.0, z=0.6, frame='world', w=1.0):
+    message = PoseStamped()
+    message.header.frame_id = frame
+    message.pose.position = Point(x, y, z)
+    message.pose.orientation.w = w
+    return message
+
+
+BAD_POSES = dict(nan=pose(x=NAN), infinite=pose(z=math.inf), not_unit=pose(w=0.5),
+                 zero_quaternion=pose(w=0.0), nan_quaternion=pose(w=NAN),
+                 unknown_frame=pose(frame='nowhere'), no_frame=pose(frame=''))
+
+
+def stroke(points=((-0.1, 0.0, 0.5), (0.1, 0.0, 0.5)), direction=(0, 0, -1), frame='world',
+           half_width=0.0):
+    message = msg.CutStroke()
+    message.header.frame_id = frame
+    message.points = [Point(*point) for point in points]
+    message.direction = Vector3(*direction)
+    message.half_width = half_width
+    return message
+
+
+BAD_STROKES = dict(empty=stroke(points=()), single=stroke(points=((0, 0, 0),)),
+                   nan=stroke(points=((0, 0, NAN), (1, 0, 0))), no_direction=stroke(direction=(0, 0, 0)),
+                   unknown_frame=stroke(frame='nowhere'), negative=stroke(half_width=-0.1))
+
+
+class ApiTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.call = {}
+        for name, kind in SERVICES.items():
+            rospy.wait_for_service('/cloth/' + name, 30.0)
+            cls.call[name] = rospy.ServiceProxy('/cloth/' + name, kind, persistent=True)
+
+    def setUp(self):
+        self.accepted('pause', True)
+        self.accepted('reset')
+
+    def accepted(self, name, *arguments):
+        reply = self.call[name](*arguments)
+        self.assertTrue(reply.success, '%s: %s' % (name, reply.message))
+        self.assertNotEqual(reply.message, '')
+        return reply
+
+    def refused(self, name, *arguments, says=''):
+        """Refused with a message, and nothing has changed."""
+        before = self.state()
+        reply = self.call[name](*arguments)
+        self.assertFalse(reply.success, '%s accepted bad input' % name)
+        self.assertIn(says, reply.message)
+        self.assertNotEqual(reply.message, '')
+        after = self.state()
+        before.header = after.header
+        self.assertEqual(before, after)
+        return reply.message
+
+    def state(self):
+        return self.call['get_state']().state
+
+    def clamp(self, name):
+        return next(clamp for clamp in self.state().clamps if clamp.name == name)
+
+    # ---- services --------------------------------------------------------------------------------
+
+    def test_get_state(self):
+        reply = self.accepted('get_state')
+        self.assertEqual(reply.scene, 'bench')
+        self.assertEqual(reply.clamps, ['left', 'right'])
+        self.assertEqual(reply.phases, ['wait', 'notch', 'stop'])
+        self.assertAlmostEqual(reply.dt, 1.0 / 60.0)
+        self.assertEqual(reply.state.particles, 17 * 17)
+        self.assertEqual(reply.state.faces, 2 * 16 * 16)
+        self.assertEqual(reply.state.pieces, 1)
+        self.assertTrue(reply.state.paused)
+        self.assertFalse(reply.state.failed)
+        self.assertAlmostEqual(reply.state.rest_area, 0.16, places=9)
+        self.assertEqual(reply.state.springs.total, reply.state.springs.structural +
+                         reply.state.springs.shear + reply.state.springs.bend)
+
+    def test_step(self):
+        reply = self.accepted('step', 5)
+        self.assertEqual(reply.step, 5)
+        self.assertAlmostEqual(reply.time, 5.0 / 60.0)
+        self.assertEqual(self.state().step, 5)
+        self.refused('step', 0, says='steps')
+        self.refused('step', 1000001, says='steps')
+
+    def test_pause(self):
+        self.accepted('pause', False)
+        wait_until(lambda: self.state().step > 10, 'steps')
+        self.accepted('pause', True)
+        self.accepted('step', 1)  # whatever step it was in is over
+        self.assertEqual(self.state().step, self.state().step)
+        self.assertTrue(self.state().paused)
+
+    def test_step_pauses_a_running_simulation(self):
+        self.accepted('pause', False)
+        step = self.accepted('step', 2).step
+        self.assertTrue(self.state().paused)
+        self.assertEqual(self.state().step, step)
+
+    def test_reset(self):
+        self.accepted('set_phase', 'notch')
+        self.accepted('step', 10)
+        self.assertGreater(self.state().broken.total, 0)
+        self.accepted('reset')
+        state = self.state()
+        self.assertEqual((state.step, state.time, state.broken.total), (0, 0.0, 0))
+
+    def test_set_clamp_pose(self):
+        self.accepted('set_clamp_pose', 'right', pose(0.3, 0.1, 0.7))
+        self.accepted('step', 300)
+        position = self.clamp('right').pose.position
+        for got, wanted in zip((position.x, position.y, position.z), (0.3, 0.1, 0.7)):
+            self.assertAlmostEqual(got, wanted, places=5)
+
+    def test_set_clamp_pose_in_a_tf_frame(self):
+        link = TransformStamped(child_frame_id='hand')
+        link.header.frame_id = 'world'
+        link.transform.translation = Vector3(0.0, 0.0, 0.25)
+        link.transform.rotation.w = 1.0
+        publisher = connected('/tf_static', TFMessage, latch=True)
+        publisher.publish([link])
+        wait_until(lambda: self.call['set_clamp_pose']('right', pose(0.2, 0.0, 0.5, 'hand')).success,
+                   'the frame hand')
+        self.accepted('step', 300)
+        self.assertAlmostEqual(self.clamp('right').pose.position.z, 0.75, places=5)
+
+    def test_set_clamp_pose_refuses(self):
+        self.refused('set_clamp_pose', 'middle', pose(), says='left, right')
+        self.refused('set_clamp_pose', '', pose())
+        for name, bad in BAD_POSES.items():
+            with self.subTest(name):
+                self.refused('set_clamp_pose', 'right', bad)
+
+    def test_grasp(self):
+        self.accepted('grasp', 'left', True)
+        self.assertEqual(self.clamp('left').state, msg.ClampStatus.CLOSING)
+        self.accepted('step', 60)
+        clamp = self.clamp('left')
+        self.assertEqual(clamp.state, msg.ClampStatus.CLOSED)
+        self.assertEqual(clamp.held, 9)  # the patch of radius 1
+        self.accepted('grasp', 'left', False)
+        self.accepted('step', 1)
+        self.assertEqual(self.clamp('left').held, 0)
+        self.refused('grasp', 'middle', True, says='middle')
+
+    def test_set_phase(self):
+        self.accepted('set_phase', 'stop')
+        self.assertEqual(self.state().phase, 'stop')
+        self.refused('set_phase', 'fly', says='wait, notch, stop')
+        self.refused('set_phase', '')
+
+    def test_cut_says_that_it_is_not_there(self):
+        self.refused('cut', stroke(), says='not available')
+        for name, bad in BAD_STROKES.items():
+            with self.subTest(name):
+                self.assertNotIn('not available', self.refused('cut', bad))
+
+    def test_refine_says_that_it_is_not_there(self):
+        header = stroke().header
+        point = [Point(0.0, 0.0, 0.5)]
+        self.refused('refine', header, point, 0.1, 0.01, says='not available')
+        self.refused('refine', header, [], 0.1, 0.01, says='empty')
+        self.refused('refine', header, point, NAN, 0.01, says='radius')
+        self.refused('refine', header, point, 0.1, 0.0, says='edge_length')
+        self.refused('refine', stroke(frame='nowhere').header, point, 0.1, 0.01, says='nowhere')
+
+    def test_save_and_load_say_that_they_are_not_there(self):
+        for name in ('save_state', 'load_state'):
+            self.refused(name, 'before', says='not available')
+            self.assertNotIn('not available', self.refused(name, '../before'))
+            self.refused(name, '')
+
+    # ---- topics in -------------------------------------------------------------------------------
+
+    def test_clamp_command(self):
+        publisher = connected('/cloth/clamps/right/command', PoseStamped)
+        start = self.clamp('right').pose.position
+        for bad in BAD_POSES.values():
+            publisher.publish(bad)
+        publisher.publish(pose(0.3, 0.1, 0.7))
+
+        def arrived():
+            self.accepted('step', 10)
+            return abs(self.clamp('right').pose.position.x - 0.3) < 1e-5
+        self.assertNotAlmostEqual(start.x, 0.3)
+        wait_until(arrived, 'the clamp to arrive')
+
+    def test_bad_clamp_commands_change_nothing(self):
+        publisher = connected('/cloth/clamps/right/command', PoseStamped)
+        before = self.clamp('right').pose
+        with Listener('/rosout', __import__('rosgraph_msgs.msg').msg.Log) as log:
+            wait_until(lambda: log.subscriber.get_num_connections() > 0, 'rosout')
+
+            def warned():
+                for bad in BAD_POSES.values():
+                    publisher.publish(bad)
+                return any('clamps/right/command: refused' in entry.msg for entry in log.messages)
+            wait_until(warned, 'a warning')
+        self.accepted('step', 20)
+        self.assertEqual(self.clamp('right').pose, before)
+
+    def test_clamp_grasp(self):
+        publisher = connected('/cloth/clamps/left/grasp', Bool)
+        publisher.publish(True)
+        wait_until(lambda: self.clamp('left').state == msg.ClampStatus.CLOSING, 'closing')
+        publisher.publish(False)
+        wait_until(lambda: self.clamp('left').state == msg.ClampStatus.OPEN, 'opening')
+
+    def test_phase_command(self):
+        publisher = connected('/cloth/phase_command', String)
+        publisher.publish('fly')
+        publisher.publish('')
+        publisher.publish('stop')
+        wait_until(lambda: self.state().phase == 'stop', 'the phase')
+
+    def test_cut_stroke(self):
+        publisher = connected('/cloth/cut_stroke', msg.CutStroke)
+        before = self.state()
+        for each in list(BAD_STROKES.values()) + [stroke()]:
+            publisher.publish(each)
+        self.accepted('step', 1)
+        self.assertEqual(self.state().broken, before.broken)
+
+    # ---- topics out ------------------------------------------------------------------------------
+
+    def test_topology_and_frame_belong_together(self):
+        with Listener('/cloth/topology', msg.ClothTopology) as topologies, \
+                Listener('/cloth/frame', msg.ClothFrame) as frames:
+            topology = topologies.wait()
+            frame = frames.wait(lambda f: f.revision == topology.revision)
+            self.assertEqual(len(topology.triangles), 3 * 2 * 16 * 16)
+            self.assertEqual(len(topology.uv), 2 * 17 * 17)
+            self.assertEqual(len(frame.positions), 3 * 17 * 17)
+            self.assertEqual(max(topology.triangles), 17 * 17 - 1)
+            self.assertEqual(frame.header.frame_id, 'world')
+            self.assertEqual(len(topology.torn_edges), 0)
+
+            self.accepted('set_phase', 'notch')
+            self.accepted('step', 5)
+            torn = topologies.wait(lambda t: t.revision > topology.revision)
+            frame = frames.wait(lambda f: f.revision == torn.revision and f.step == 5)
+            self.assertGreater(len(frame.positions), 3 * 17 * 17)
+            self.assertEqual(len(torn.uv) // 2, len(frame.positions) // 3)
+            self.assertGreater(len(torn.torn_edges), 0)
+
+    def test_broken_springs_and_tear_events(self):
+        with Listener('/cloth/broken_springs', msg.BrokenSprings) as broken, \
+                Listener('/cloth/tear_events', msg.TearEvents) as events:
+            self.assertEqual(broken.wait().counts.total, 0)
+            wait_until(lambda: events.subscriber.get_num_connections() > 0, 'tear_events')
+            self.accepted('set_phase', 'notch')
+            self.accepted('step', 5)
+            total = self.state().broken.total
+            self.assertGreater(total, 0)
+            last = broken.wait(lambda b: b.counts.total == total)
+            self.assertEqual(len(last.positions), 3 * total)
+            self.assertEqual((last.cut, last.torn), (total, 0))
+            wait_until(lambda: sum(len(m.events) for m in events.messages) >= total, 'events')
+            every = [event for m in events.messages for event in m.events]
+            self.assertEqual(len(every), total)  # each once
+            self.assertTrue(all(event.cause == msg.TearEvent.CUT for event in every))
+            self.assertTrue(all(abs(event.material[0] - 0.2) < 0.05 for event in every))
+            kinds = [event.kind for event in every]
+            self.assertEqual(kinds.count(msg.TearEvent.STRUCTURAL), last.counts.structural)
+            self.assertEqual(kinds.count(msg.TearEvent.SHEAR), last.counts.shear)
+            self.assertEqual(kinds.count(msg.TearEvent.BEND), last.counts.bend)
+
+    def test_state(self):
+        with Listener('/cloth/state', msg.ClothState) as states:
+            self.accepted('step', 30)
+            state = states.wait(lambda s: s.step == 30)
+            self.assertAlmostEqual(state.time, 0.5)
+            self.assertAlmostEqual(state.mass, state.rest_area * 0.15, delta=0.1)
+            self.assertGreater(state.kinetic_energy, 0.0)
+            self.assertEqual([clamp.name for clamp in state.clamps], ['left', 'right'])
+
+    def test_phase_is_latched(self):
+        self.accepted('set_phase', 'stop')
+        with Listener('/cloth/phase', String) as phases:
+            phases.wait(lambda phase: phase.data == 'stop')
+
+    def test_wrench_and_tf_of_a_clamp_that_holds_cloth(self):
+        self.accepted('grasp', 'left', True)
+        self.accepted('step', 120)
+        with Listener('/cloth/clamps/left/wrench', WrenchStamped) as wrenches, \
+                Listener('/tf', TFMessage) as transforms:
+            wrench = wrenches.wait()
+            self.assertEqual(wrench.header.frame_id, 'cloth/clamp_left')
+            self.assertGreater(abs(wrench.wrench.force.z), 0.0)
+            tf = transforms.wait(lambda m: m.transforms[0].child_frame_id == 'cloth/clamp_left')
+            self.assertEqual([t.child_frame_id for t in tf.transforms],
+                             ['cloth/clamp_left', 'cloth/clamp_right'])
+            position = self.clamp('left').pose.position
+            self.assertAlmostEqual(tf.transforms[0].transform.translation.z, position.z)
+
+    def test_diagnostics(self):
+        with Listener('/diagnostics', DiagnosticArray) as diagnostics:
+            status = diagnostics.wait(lambda m: 'simulation' in m.status[0].name).status[0]
+            keys = {value.key for value in status.values}
+            self.assertLessEqual({'real-time factor', 'step time [s]', 'max strain'}, keys)
+
+    def test_markers_are_complete_and_keep_their_rate(self):
+        self.accepted('pause', False)
+        with Listener('/cloth/markers', MarkerArray) as arrays:
+            wait_until(lambda: len(arrays.messages) >= 12, 'markers')
+            spaces = {marker.ns for marker in arrays.messages[-1].markers}
+            self.assertLessEqual({'cloth', 'cloth_back', 'obstacles', 'clamps', 'text'}, spaces)
+            stamps = [m.markers[0].header.stamp.to_sec() for m in arrays.messages[:12]]
+            # 10 Hz, less what scheduling may shift; the first may come at once.
+            self.assertGreater(stamps[-1] - stamps[1], 10 * 0.1 * 0.8)
+            for array in arrays.messages:
+                for marker in array.markers:
+                    if marker.type in (Marker.TRIANGLE_LIST, Marker.LINE_LIST):
+                        self.assertEqual(marker.action == Marker.DELETE, not marker.points)
+
+
+if __name__ == '__main__':
+    rospy.init_node('api_test')
+    rostest.rosrun('cloth_sim', 'api', ApiTest)

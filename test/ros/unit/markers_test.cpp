@@ -1,0 +1,201 @@
+/// \file Snapshot -> markers, without a node and without a master.
+
+#include "cloth_sim/ros/markers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace cloth_sim {
+namespace {
+
+using visualization_msgs::Marker;
+
+/// A flat n x n cloth of 1 m at z = 1, pulled to `stretch` along x.
+Snapshot flatCloth(int n, double stretch = 1.0) {
+  auto topology = std::make_shared<Topology>();
+  Snapshot snapshot;
+  const double h = 1.0 / (n - 1);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      topology->material.emplace_back(i * h, j * h);
+      snapshot.positions.emplace_back(stretch * i * h, j * h, 1.0);
+    }
+  }
+  for (int j = 0; j + 1 < n; ++j) {
+    for (int i = 0; i + 1 < n; ++i) {
+      const VertexId v = j * n + i;
+      topology->faces.push_back({v, v + 1, v + n + 1});
+      topology->faces.push_back({v, v + n + 1, v + n});
+      topology->links.push_back({v, v + 1, h});
+      topology->links.push_back({v, v + n, h});
+    }
+  }
+  snapshot.topology = topology;
+  snapshot.phase = "pull";
+  snapshot.particles = n * n;
+  return snapshot;
+}
+
+const Marker* find(const visualization_msgs::MarkerArray& array, const std::string& space) {
+  for (const Marker& marker : array.markers) {
+    if (marker.ns == space) return &marker;
+  }
+  return nullptr;
+}
+
+int count(const visualization_msgs::MarkerArray& array, const std::string& space) {
+  int result = 0;
+  for (const Marker& marker : array.markers) result += marker.ns == space ? 1 : 0;
+  return result;
+}
+
+TEST(Markers, ClothHasThreeColouredCornersPerFaceOnBothSides) {
+  MarkerBuilder builder{MarkerStyle()};
+  const auto& array = builder.build(flatCloth(5), ros::Time(1.0));
+  for (const char* side : {"cloth", "cloth_back"}) {
+    const Marker* cloth = find(array, side);
+    ASSERT_NE(cloth, nullptr) << side;
+    EXPECT_EQ(cloth->type, Marker::TRIANGLE_LIST);
+    EXPECT_EQ(cloth->action, Marker::ADD);
+    EXPECT_EQ(cloth->points.size(), 4u * 4u * 2u * 3u);
+    EXPECT_EQ(cloth->colors.size(), cloth->points.size());
+    EXPECT_EQ(cloth->header.frame_id, "world");
+  }
+}
+
+TEST(Markers, SidesLieOnEitherSideOfTheParticlesAndDifferInColour) {
+  MarkerStyle style;
+  style.surfaceOffset = 0.001;
+  MarkerBuilder builder(style);
+  const auto& array = builder.build(flatCloth(5), ros::Time(1.0));
+  const Marker* front = find(array, "cloth");
+  const Marker* back = find(array, "cloth_back");
+  EXPECT_NEAR(front->points[0].z, 1.001, 1e-9);  // the faces' normals point up
+  EXPECT_NEAR(back->points[0].z, 0.999, 1e-9);
+  EXPECT_GT(front->colors[0].g / front->colors[0].r, 1.2 * back->colors[0].g / back->colors[0].r);
+}
+
+TEST(Markers, OneSideIsSentIfOneIsAskedFor) {
+  MarkerStyle style;
+  style.twoSided = false;
+  MarkerBuilder builder(style);
+  const auto& array = builder.build(flatCloth(5), ros::Time(1.0));
+  EXPECT_EQ(find(array, "cloth_back"), nullptr);
+  EXPECT_EQ(find(array, "cloth")->points[0].z, 1.0);
+}
+
+TEST(Markers, StrainChangesTheColour) {
+  MarkerBuilder builder{MarkerStyle()};
+  const float atRest = find(builder.build(flatCloth(5), ros::Time(1.0)), "cloth")->colors[0].r;
+  const auto& stretched = builder.build(flatCloth(5, 1.2), ros::Time(1.0));
+  EXPECT_GT(find(stretched, "cloth")->colors[0].r, 2.0f * atRest);  // yellow, from blue
+}
+
+TEST(Markers, StrainMapIsMonotoneInBrightnessAndClamped) {
+  const auto brightness = [](double fraction) {
+    const std_msgs::ColorRGBA c = strainColour(fraction);
+    return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b;  // Rec. 709 luma
+  };
+  for (double f = 0.0; f < 0.99; f += 0.01) EXPECT_LT(brightness(f), brightness(f + 0.01));
+  EXPECT_EQ(brightness(-5.0), brightness(0.0));
+  EXPECT_EQ(brightness(7.0), brightness(1.0));
+}
+
+TEST(Markers, EmptyListsAreDeletedAndComeBack) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(5);
+  EXPECT_EQ(find(builder.build(snapshot, ros::Time(1.0)), "torn_edges")->action, Marker::DELETE);
+
+  auto torn = std::make_shared<Topology>(*snapshot.topology);
+  torn->tornEdges = {{0, 1}, {1, 2}};
+  snapshot.topology = torn;
+  const Marker* edges = find(builder.build(snapshot, ros::Time(1.0)), "torn_edges");
+  EXPECT_EQ(edges->action, Marker::ADD);
+  EXPECT_EQ(edges->type, Marker::LINE_LIST);
+  EXPECT_EQ(edges->points.size(), 4u);
+
+  Snapshot nothing;
+  nothing.topology = std::make_shared<Topology>();
+  const auto& array = builder.build(nothing, ros::Time(1.0));
+  for (const Marker& marker : array.markers) {
+    const bool list = marker.type == Marker::TRIANGLE_LIST || marker.type == Marker::LINE_LIST;
+    if (list) EXPECT_EQ(marker.action, Marker::DELETE) << marker.ns;
+  }
+}
+
+TEST(Markers, NamespaceAndIdStayTheSameFromCallToCall) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(5);
+  snapshot.clamps.resize(2);
+  const visualization_msgs::MarkerArray first = builder.build(snapshot, ros::Time(1.0));
+  const visualization_msgs::MarkerArray& second = builder.build(snapshot, ros::Time(2.0));
+  ASSERT_EQ(first.markers.size(), second.markers.size());
+  for (std::size_t i = 0; i < first.markers.size(); ++i) {
+    EXPECT_EQ(first.markers[i].ns, second.markers[i].ns);
+    EXPECT_EQ(first.markers[i].id, second.markers[i].id);
+    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(first.markers[i].id, first.markers[j].id);
+  }
+}
+
+TEST(Markers, ClampPlatesStandAtTheirGap) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(3);
+  ClampSnapshot clamp;
+  clamp.pose.position = Vec3(0.1, 0.2, 0.3);
+  clamp.plateSize = Vec2(0.06, 0.04);
+  clamp.gap = 0.12;
+  snapshot.clamps = {clamp};
+  const auto& array = builder.build(snapshot, ros::Time(1.0));
+  ASSERT_EQ(count(array, "clamps"), 2);
+  const Marker* lower = find(array, "clamps");
+  const Marker* upper = lower + 1;
+  // The inner faces are the gap apart.
+  EXPECT_NEAR(upper->pose.position.z - lower->pose.position.z, 0.12 + lower->scale.z, 1e-12);
+  EXPECT_NEAR(0.5 * (upper->pose.position.z + lower->pose.position.z), 0.3, 1e-12);
+  EXPECT_EQ(lower->scale.x, 0.06);
+}
+
+TEST(Markers, ObstaclesHaveTheirShapes) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(3);
+  Obstacle sphere, board, plane, bounds;
+  sphere.shape = SphereShape{0.1};
+  board.shape = BoxShape{Vec3(1.6, 1.6, 0.05)};
+  plane.shape = PlaneShape{};
+  bounds.shape = BoundsShape{Vec3(2.0, 2.0, 2.0)};
+  snapshot.obstacles = {sphere, board, plane, bounds};
+  const auto& array = builder.build(snapshot, ros::Time(1.0));
+  EXPECT_EQ(count(array, "obstacles"), 3);
+  EXPECT_EQ(find(array, "obstacles")->scale.x, 0.2);
+  EXPECT_EQ(find(array, "bounds")->points.size(), 24u);  // twelve edges
+}
+
+TEST(Markers, TextTellsPhaseCountsAndTime) {
+  Snapshot snapshot = flatCloth(3);
+  snapshot.time = 7.25;
+  snapshot.pieces = 2;
+  snapshot.broken.total = 14;
+  const std::string text = statusLine(snapshot);
+  for (const char* part : {"pull", "7.25", "pieces 2", "broken 14"}) {
+    EXPECT_THAT(text, testing::HasSubstr(part));
+  }
+}
+
+/// 30 messages a second of 16 384 particles must leave the processor to the simulation. Measured:
+/// a few milliseconds; the bound is for slow and busy machines.
+TEST(Markers, LargeClothTakesMilliseconds) {
+  MarkerBuilder builder{MarkerStyle()};
+  const Snapshot snapshot = flatCloth(128);
+  builder.build(snapshot, ros::Time(1.0));
+  const auto start = std::chrono::steady_clock::now();
+  constexpr int kRuns = 10;
+  for (int i = 0; i < kRuns; ++i) builder.build(snapshot, ros::Time(1.0));
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  RecordProperty("microseconds", static_cast<int>(1e6 * taken.count() / kRuns));
+  EXPECT_LT(taken.count() / kRuns, 0.05);
+}
+
+}  // namespace
+}  // namespace cloth_sim

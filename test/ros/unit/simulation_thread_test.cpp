@@ -1,0 +1,133 @@
+/// \file The mailbox and the pace of the simulation thread.
+
+#include "cloth_sim/ros/simulation_thread.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cloth_sim/scene/load.h"
+
+namespace cloth_sim {
+namespace {
+
+using std::chrono::seconds;
+using std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kTimeout{10000};
+
+const char* const kScene = R"(
+cloth: {size: [0.2, 0.2], particles: [5, 5], pins: [corner_00, corner_10]}
+clamps: {left: {pose: {position: [0.0, 0.0, 0.5]}}}
+phases: [{name: first}, {name: second}]
+)";
+
+Scene smallScene() { return parseScene(kScene, "test"); }
+
+RunSettings paused() { return {0.0, true, 1}; }
+
+template <typename Condition>
+bool eventually(Condition condition) {
+  const auto end = steady_clock::now() + seconds(10);
+  while (!condition()) {
+    if (steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+TEST(SimulationThread, PausedStaysAtTheStart) {
+  SimulationThread simulation(smallScene(), paused());
+  EXPECT_TRUE(simulation.observe().paused);
+  EXPECT_EQ(simulation.observe().snapshot->step, 0u);
+}
+
+TEST(SimulationThread, MakesExactlyTheStepsAskedFor) {
+  SimulationThread simulation(smallScene(), paused());
+  EXPECT_EQ(simulation.requestSteps(7).get().step, 7u);
+  const StepResult second = simulation.requestSteps(3).get();
+  EXPECT_TRUE(second.result.success);
+  EXPECT_EQ(second.step, 10u);
+  EXPECT_EQ(simulation.observe().snapshot->step, 10u);
+}
+
+TEST(SimulationThread, StepsOfTwoClientsAreAllMade) {
+  SimulationThread simulation(smallScene(), paused());
+  std::future<StepResult> first = simulation.requestSteps(50);
+  std::future<StepResult> second = simulation.requestSteps(20);
+  EXPECT_EQ(first.get().step, 50u);
+  EXPECT_EQ(second.get().step, 70u);
+}
+
+TEST(SimulationThread, AskingForStepsPauses) {
+  SimulationThread simulation(smallScene(), {0.0, false, 1});
+  simulation.requestSteps(1).get();
+  EXPECT_TRUE(simulation.observe().paused);
+  const std::uint64_t step = simulation.observe().snapshot->step;
+  EXPECT_EQ(simulation.requestSteps(1).get().step, step + 1);
+}
+
+TEST(SimulationThread, GoesOnWhenPauseEnds) {
+  SimulationThread simulation(smallScene(), paused());
+  simulation.setPaused(false);
+  EXPECT_TRUE(eventually([&] { return simulation.observe().snapshot->step > 5; }));
+}
+
+TEST(SimulationThread, WhoWaitsForACommandSeesItsEffect) {
+  SimulationThread simulation(smallScene(), paused());
+  EXPECT_TRUE(simulation.execute(SetPhase{"second"}, kTimeout).success);
+  EXPECT_EQ(simulation.observe().snapshot->phase, "second");
+  const CommandResult refused = simulation.execute(SetPhase{"third"}, kTimeout);
+  EXPECT_FALSE(refused.success);
+  EXPECT_NE(refused.message, "");
+  EXPECT_EQ(simulation.observe().snapshot->phase, "second");
+}
+
+TEST(SimulationThread, ResetGoesBackToTheStartAndIsCounted) {
+  SimulationThread simulation(smallScene(), paused());
+  simulation.requestSteps(5).get();
+  EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
+  const Observation now = simulation.observe();
+  EXPECT_EQ(now.snapshot->step, 0u);
+  EXPECT_EQ(now.snapshot->time, 0.0);
+  EXPECT_EQ(now.resets, 1u);
+}
+
+TEST(SimulationThread, ResultDoesNotDependOnHowItIsDriven) {
+  SimulationThread inOne(smallScene(), paused());
+  SimulationThread oneByOne(smallScene(), paused());
+  inOne.requestSteps(30).get();
+  for (int i = 0; i < 30; ++i) oneByOne.requestSteps(1).get();
+  EXPECT_EQ(inOne.observe().snapshot->positions, oneByOne.observe().snapshot->positions);
+}
+
+TEST(SimulationThread, FloodOfCommandsIsBoundedAndAnswered) {
+  SimulationThread simulation(smallScene(), {1.0, false, 1});
+  constexpr int kCommands = 5000;
+  std::atomic<int> answers{0};
+  for (int i = 0; i < kCommands; ++i) {
+    simulation.post(SetGrasp{"left", false}, [&](const CommandResult&) { ++answers; });
+  }
+  EXPECT_TRUE(eventually([&] { return answers == kCommands; }));
+}
+
+TEST(SimulationThread, KeepsThePaceItIsGiven) {
+  SimulationThread simulation(smallScene(), {1.0, false, 1});
+  const auto start = steady_clock::now();
+  ASSERT_TRUE(eventually([&] { return simulation.observe().snapshot->time >= 0.5; }));
+  const double wall = std::chrono::duration<double>(steady_clock::now() - start).count();
+  EXPECT_GT(wall,
+            0.4);  // it may be late on a busy machine, never early by more than an observation
+}
+
+TEST(SimulationThread, StoppingAnswersWhoWaits) {
+  SimulationThread simulation(smallScene(), paused());
+  std::future<StepResult> steps = simulation.requestSteps(SimulationThread::kMaxSteps);
+  simulation.stop();
+  const StepResult result = steps.get();
+  if (!result.result.success) EXPECT_THAT(result.result.message, testing::HasSubstr("shutting"));
+  EXPECT_FALSE(simulation.execute(Reset{}, kTimeout).success);
+  EXPECT_FALSE(simulation.requestSteps(1).get().result.success);
+}
+
+}  // namespace
+}  // namespace cloth_sim

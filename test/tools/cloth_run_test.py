@@ -1,0 +1,195 @@
+#!/usr/bin/python3
+"""The command line of cloth_run: exit statuses, messages, summary and bag. Needs no master."""
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import rosbag
+import rosunit
+
+BENCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'ros', 'bench.yaml')
+CLOTH_RUN = subprocess.check_output(
+    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+
+# Small, with a script that ends.
+QUICK = """
+cloth: {size: [0.2, 0.2], particles: [9, 9], pins: [corner_00, corner_10]}
+clamps: {left: {pose: {position: [0.0, 0.0, 0.5]}}}
+phases:
+  - {name: fall, timeout: 0.2, on_timeout: continue}
+  - {name: notch, notch: [[0.1, 0.0], [0.1, 0.1]], until: {elapsed: 0.2}}
+"""
+
+
+class ClothRunTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.scene = self.path('quick.yaml', QUICK)
+
+    def path(self, name, text=None):
+        path = os.path.join(self.folder.name, name)
+        if text is not None:
+            with open(path, 'w') as file:
+                file.write(text)
+        return path
+
+    def run_cloth(self, *arguments, timeout=120):
+        return subprocess.run([CLOTH_RUN, *arguments], capture_output=True, text=True,
+                              timeout=timeout)
+
+    def refused(self, *arguments, says=()):
+        result = self.run_cloth(*arguments)
+        self.assertEqual(result.returncode, 2, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for word in says:
+            self.assertIn(word, result.stderr)
+
+    def test_runs_the_script_to_its_end(self):
+        result = self.run_cloth(self.scene, '--summary', '-', '--threads', '1')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        summary = json.loads(result.stdout)
+        self.assertEqual([phase['name'] for phase in summary['phases']], ['fall', 'notch'])
+        self.assertAlmostEqual(summary['sim_time_s'], 0.4, delta=0.05)
+        self.assertEqual(summary['status'], 'done')
+        self.assertEqual(summary['failure'], '')
+        self.assertTrue(summary['finite'])
+        self.assertGreater(summary['broken']['cut'], 0)
+        self.assertIn('notch', result.stderr)  # plain progress: no terminal
+        self.assertNotIn('\r', result.stderr)
+
+    def test_duration_ends_it(self):
+        result = self.run_cloth(self.scene, '--summary', '-', '--duration', '0.1')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertAlmostEqual(json.loads(result.stdout)['sim_time_s'], 0.1, delta=1e-6)
+
+    def test_without_phases_it_runs_ten_seconds(self):
+        scene = self.path('still.yaml', 'cloth: {size: [0.2, 0.2], particles: [3, 3]}\n')
+        result = self.run_cloth(scene, '--summary', '-')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertAlmostEqual(json.loads(result.stdout)['sim_time_s'], 10.0, delta=0.02)
+
+    def test_overrides(self):
+        result = self.run_cloth('--set', 'cloth.particles=[5, 5]', self.scene, '--set',
+                                'cloth.fabric.areal_density=0.2', '--summary', '-', '--duration=0')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        summary = json.loads(result.stdout)
+        self.assertEqual(summary['particles'], 25)
+        self.assertAlmostEqual(summary['mass_kg'], 0.2 * 0.04, places=9)
+
+    def test_scene_by_name(self):
+        result = self.run_cloth('hang', '--summary', '-', '--duration', '0')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(json.loads(result.stdout)['scene'], 'hang')
+
+    def test_same_run_gives_the_same_hash(self):
+        hashes = {json.loads(self.run_cloth(self.scene, '--summary', '-', '--threads',
+                                            threads).stdout)['state_hash']
+                  for threads in ('1', '1', '2')}
+        self.assertEqual(len(hashes), 1)
+
+    def test_bad_scenes(self):
+        self.refused('no_such_scene', says=['no_such_scene', 'tear_seam'])
+        self.refused('/no/such/scene.yaml', says=['/no/such/scene.yaml'])
+        self.refused(self.path('a.yaml', 'cloth: {particels: [9, 9]}'),
+                     says=['a.yaml', 'particels', 'particles'])
+        self.refused(self.path('b.yaml', 'cloth: {particles: many}'), says=['b.yaml', 'particles'])
+        self.refused(self.path('c.yaml', 'cloth: {particles: [9, 9]}\ngravity: [0, 0'), says=['c.yaml'])
+        self.refused(self.scene, '--set', 'cloth.fabric.areal_density=-1',
+                     says=['quick.yaml', 'cloth.fabric.areal_density'])
+        self.refused(self.scene, '--set', 'cloth.particles=[1000000, 9]', says=['cloth.particles'])
+        self.refused(self.path('d.yaml', QUICK.replace('name: fall', 'name: fall, '
+                                                       'clamps: {middle: {grasp: true}}')),
+                     says=['d.yaml', 'middle', 'left'])
+
+    def test_bad_command_lines(self):
+        self.refused(says=['SCENE'])
+        self.refused(self.scene, '--duraton', '1', says=['--duraton'])
+        self.refused(self.scene, '--duration', 'long', says=['--duration'])
+        self.refused(self.scene, '--duration', '-1', says=['--duration'])
+        self.refused(self.scene, '--threads', '-1', says=['--threads'])
+        self.refused(self.scene, '--set', 'nothing', says=['nothing'])
+        self.refused(self.scene, '--summary', '/no/such/folder/x.json', says=['/no/such/folder'])
+        self.refused(self.scene, '--bag', '/no/such/folder/x.bag', says=['/no/such/folder'])
+
+    def test_help(self):
+        result = self.run_cloth('--help')
+        self.assertEqual(result.returncode, 0)
+        for option in ('--set', '--duration', '--bag', '--summary', '--threads'):
+            self.assertIn(option, result.stdout)
+
+    def test_failed_phase_is_3_and_the_summary_says_how(self):
+        scene = self.path('late.yaml', QUICK.replace('on_timeout: continue',
+                                                     'until: {pieces: 2}'))
+        summary = self.path('late.json')
+        result = self.run_cloth(scene, '--summary', summary)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn('fall', result.stderr.splitlines()[-1])
+        with open(summary) as file:
+            self.assertNotEqual(json.load(file)['status'], 'done')
+
+    def test_diverging_run_is_3_and_the_summary_says_how(self):
+        scene = self.path('stiff.yaml', QUICK + """
+solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
+""")
+        result = self.run_cloth(scene, '--summary', '-', '--duration', '10')
+        self.assertEqual(result.returncode, 3, result.stderr)
+        summary = json.loads(result.stdout)
+        self.assertNotEqual(summary['status'], 'done')
+        self.assertNotEqual(summary['failure'], '')
+        self.assertIn('failed', result.stderr.splitlines()[-1])
+
+    def test_bag(self):
+        bag = self.path('run.bag')
+        result = self.run_cloth(self.scene, '--bag', bag)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse(os.path.exists(bag + '.active'))
+        with rosbag.Bag(bag) as opened:
+            topics = opened.get_type_and_topic_info().topics
+            self.assertEqual(set(topics), {
+                '/cloth/topology', '/cloth/frame', '/cloth/state', '/cloth/tear_events',
+                '/cloth/broken_springs', '/cloth/phase', '/cloth/clamps/left/wrench', '/tf'})
+            messages = [(topic, message, stamp.to_sec())
+                        for topic, message, stamp in opened.read_messages()]
+        frames = [message for topic, message, _ in messages if topic == '/cloth/frame']
+        self.assertAlmostEqual(len(frames), 0.4 * 30 + 2, delta=3)  # 30 Hz, phase changes, the ends
+        sizes = {message.revision: len(message.uv) // 2
+                 for topic, message, _ in messages if topic == '/cloth/topology'}
+        self.assertGreater(len(sizes), 1)  # the notch
+        for frame in frames:
+            self.assertEqual(len(frame.positions), 3 * sizes[frame.revision])
+        phases = [message.data for topic, message, _ in messages if topic == '/cloth/phase']
+        self.assertEqual([phase for phase in phases if phase], ['fall', 'notch'])
+        states = [(message, stamp) for topic, message, stamp in messages if topic == '/cloth/state']
+        for state, stamp in states:
+            self.assertAlmostEqual(stamp, state.time, delta=1e-6)
+        events = [event for topic, message, _ in messages if topic == '/cloth/tear_events'
+                  for event in message.events]
+        self.assertEqual(len(events), states[-1][0].broken.total)
+        self.assertGreater(min(stamp for _, _, stamp in messages), 0.0)
+
+    def test_interrupted_run_ends_cleanly(self):
+        bag, summary = self.path('cut.bag'), self.path('cut.json')
+        process = subprocess.Popen([CLOTH_RUN, BENCH, '--duration', '100000', '--bag', bag,
+                                    '--summary', summary], stderr=subprocess.PIPE, text=True)
+        end = time.monotonic() + 30.0
+        active = bag + '.active'
+        while not (os.path.exists(active) and os.path.getsize(active) > 100000):
+            self.assertLess(time.monotonic(), end, 'the bag does not grow')
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 128 + signal.SIGINT, errors)
+        with open(summary) as file:
+            self.assertGreater(json.load(file)['sim_time_s'], 0.0)
+        with rosbag.Bag(bag) as opened:
+            self.assertGreater(opened.get_message_count('/cloth/frame'), 1)
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ['cut.bag', 'cut.json', 'quick.yaml'])
+
+
+if __name__ == '__main__':
+    rosunit.unitrun('cloth_sim', 'cloth_run_test', ClothRunTest)
