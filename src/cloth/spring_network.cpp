@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <map>
 
 namespace cloth_sim {
 namespace {
@@ -60,10 +60,47 @@ double bendStiffnessPerArea(double rigidity, double l) {
   return 16.0 * rigidity / (l * l * l * l * theta * theta);
 }
 
-auto key(const Spring& s) { return std::make_tuple(s.support[0], s.support[1], s.a, s.b); }
+/// What a spring stands on and joins, independent of the order of the ends.
+using SpringKey = std::array<VertexId, 4>;
 
-bool sameConstants(const Spring& s, const Spring& t) {
-  return s.stiffness == t.stiffness && s.damping == t.damping && s.restLength == t.restLength;
+SpringKey makeKey(VertexId s, VertexId t, VertexId a, VertexId b) {
+  return {std::min(s, t), std::max(s, t), std::min(a, b), std::max(a, b)};
+}
+
+SpringKey ownKey(const Spring& spring) {
+  return makeKey(spring.support[0], spring.support[1], spring.a, spring.b);
+}
+
+template <typename T>
+struct Keyed {
+  SpringKey key;
+  T value;
+  bool operator<(const Keyed& other) const { return key < other.key; }
+};
+
+/// What vertices were called before an edit.
+class Ancestors {
+ public:
+  explicit Ancestors(const MeshChanges& changes) {
+    for (const NewVertex& added : changes.newVertices) {
+      if (added.from[1] == kNone) source_.emplace(added.id, of(added.from[0]));
+    }
+  }
+  VertexId of(VertexId v) const {
+    const auto found = source_.find(v);
+    return found == source_.end() ? v : found->second;
+  }
+  SpringKey key(const Spring& s) const {
+    return makeKey(of(s.support[0]), of(s.support[1]), of(s.a), of(s.b));
+  }
+
+ private:
+  std::map<VertexId, VertexId> source_;
+};
+
+bool sameSpring(const Spring& s, const Spring& t) {
+  return s.a == t.a && s.b == t.b && s.support == t.support && s.stiffness == t.stiffness &&
+         s.damping == t.damping && s.restLength == t.restLength;
 }
 
 }  // namespace
@@ -253,76 +290,93 @@ double SpringNetwork::rawShare(const TriangleMesh& mesh, const std::vector<FaceI
 
 SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   standing_.resize(mesh.vertexCount());
-  const auto isTouched = [&](VertexId v) {
-    return std::binary_search(changes.touched.begin(), changes.touched.end(), v);
-  };
-  std::vector<std::int32_t> before;
-  std::vector<Spring> after;
-  std::vector<Spring> derived;
-  for (VertexId v : changes.touched) {
-    before.insert(before.end(), standing_[v].begin(), standing_[v].end());
-    derived.clear();
-    deriveAround(mesh, v, derived);
-    for (const Spring& spring : derived) {
-      if (spring.support[0] == v || !isTouched(spring.support[0])) after.push_back(spring);
-    }
+  const std::vector<std::int32_t> before = standingOnAny(changes.touched);
+  std::vector<Keyed<Spring>> after;
+  const Ancestors ancestors(changes);
+  for (const Spring& spring : deriveAroundAll(mesh, changes.touched)) {
+    after.push_back({ancestors.key(spring), spring});
   }
-  const auto byKey = [](const Spring& s, const Spring& t) { return key(s) < key(t); };
-  const auto slotByKey = [&](std::int32_t s, std::int32_t t) {
-    return key(slots_[s]) < key(slots_[t]);
-  };
-  std::sort(before.begin(), before.end());
-  before.erase(std::unique(before.begin(), before.end()), before.end());
-  std::sort(before.begin(), before.end(), slotByKey);
-  std::sort(after.begin(), after.end(), byKey);
+  std::vector<Keyed<std::int32_t>> old;
+  for (std::int32_t slot : before) old.push_back({ownKey(slots_[slot]), slot});
+  std::sort(old.begin(), old.end());
+  std::stable_sort(after.begin(), after.end());
 
+  // Both are sorted by what the springs were called before the edit: the first of several copies
+  // (the one that kept its ends, if any did) goes on in the slot.
   SpringChanges result;
-  std::vector<const Spring*> fresh;
-  std::size_t k = 0;
-  for (const Spring& spring : after) {
-    while (k < before.size() && key(slots_[before[k]]) < key(spring)) {
-      result.removed.push_back(before[k++]);
-    }
-    if (k < before.size() && key(slots_[before[k]]) == key(spring)) {
-      Spring& old = slots_[before[k]];
-      if (!sameConstants(old, spring)) result.modified.push_back(before[k]);
-      old = spring;
-      ++k;
+  std::vector<Spring> fresh;
+  auto at = old.begin();
+  for (const auto& [key, spring] : after) {
+    for (; at != old.end() && at->key < key; ++at) result.removed.push_back(at->value);
+    if (at != old.end() && at->key == key) {
+      if (!sameSpring(slots_[at->value], spring)) {
+        result.modified.push_back(at->value);
+        replace(at->value, spring);
+      }
+      ++at;
     } else {
-      fresh.push_back(&spring);
+      fresh.push_back(spring);
     }
   }
-  result.removed.insert(result.removed.end(), before.begin() + static_cast<std::ptrdiff_t>(k),
-                        before.end());
+  for (; at != old.end(); ++at) result.removed.push_back(at->value);
   std::sort(result.removed.begin(), result.removed.end());
+  std::sort(result.modified.begin(), result.modified.end());
   for (std::int32_t slot : result.removed) {
     result.removedSprings.push_back(slots_[slot]);
     erase(slot);
   }
-  for (const Spring* spring : fresh) result.added.push_back(insert(*spring));
-  std::sort(result.modified.begin(), result.modified.end());
+  for (const Spring& spring : fresh) result.added.push_back(insert(spring));
   return result;
+}
+
+std::vector<std::int32_t> SpringNetwork::standingOnAny(const std::vector<VertexId>& vertices) const {
+  std::vector<std::int32_t> slots;
+  for (VertexId v : vertices) slots.insert(slots.end(), standing_[v].begin(), standing_[v].end());
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  return slots;
+}
+
+std::vector<Spring> SpringNetwork::deriveAroundAll(const TriangleMesh& mesh,
+                                                   const std::vector<VertexId>& vertices) const {
+  std::vector<Spring> springs;
+  std::vector<Spring> derived;
+  for (VertexId v : vertices) {
+    derived.clear();
+    deriveAround(mesh, v, derived);
+    for (const Spring& spring : derived) {
+      const VertexId first = spring.support[0];
+      const bool foundThere =
+          first != v && std::binary_search(vertices.begin(), vertices.end(), first);
+      if (!foundThere) springs.push_back(spring);
+    }
+  }
+  return springs;
 }
 
 std::int32_t SpringNetwork::insert(const Spring& spring) {
   const auto slot = static_cast<std::int32_t>(slots_.size());
-  slots_.push_back(spring);
-  for (VertexId v : spring.support) {
-    if (v != kNone) standing_[v].push_back(slot);
-  }
+  slots_.emplace_back();
+  replace(slot, spring);
   ++count_[static_cast<int>(spring.kind)];
   return slot;
 }
 
 void SpringNetwork::erase(std::int32_t slot) {
-  Spring& spring = slots_[slot];
-  for (VertexId v : spring.support) {
+  --count_[static_cast<int>(slots_[slot].kind)];
+  replace(slot, Spring{});
+}
+
+void SpringNetwork::replace(std::int32_t slot, const Spring& spring) {
+  for (VertexId v : slots_[slot].support) {
     if (v == kNone) continue;
     std::vector<std::int32_t>& list = standing_[v];
     list.erase(std::find(list.begin(), list.end(), slot));
   }
-  --count_[static_cast<int>(spring.kind)];
-  spring = Spring{};
+  slots_[slot] = spring;
+  for (VertexId v : spring.support) {
+    if (v != kNone) standing_[v].push_back(slot);
+  }
 }
 
 }  // namespace cloth_sim

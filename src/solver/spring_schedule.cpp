@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace cloth_sim {
 namespace {
@@ -71,31 +72,48 @@ class Colouring {
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate(0, 0);
   originalSlots_ = static_cast<std::int32_t>(model.springs.slots().size());
+  std::vector<std::int32_t> all(originalSlots_);
+  std::iota(all.begin(), all.end(), 0);
   position_.assign(originalSlots_, kNone);
-  append(model, slotOf, colour(model, 0, originalSlots_));
+  append(model, slotOf, colour(model, all));
+  originalPosition_ = position_;
   originalPositions_ = size();
   originalBatches_ = batches_.size();
 }
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
                             const std::vector<std::int32_t>& slotOf) {
-  for (std::int32_t slot : changes.removed) {
-    if (slot < originalSlots_) stiffness[position_[slot]] = damping[position_[slot]] = 0.0;
-  }
-  for (std::int32_t slot : changes.modified) {
-    if (slot < originalSlots_) place(model.springs[slot], position_[slot], slotOf);
+  for (const auto* slots : {&changes.removed, &changes.modified, &changes.added}) {
+    for (std::int32_t slot : *slots) settle(model.springs[slot], slot, slotOf);
   }
   truncate(originalPositions_, originalBatches_);
-  const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
-  position_.resize(slots, kNone);
-  append(model, slotOf, colour(model, originalSlots_, slots));
+  position_.resize(model.springs.slots().size(), kNone);
+  append(model, slotOf, colour(model, {appended_.begin(), appended_.end()}));
 }
 
-SpringSchedule::Coloured SpringSchedule::colour(const Model& model, std::int32_t first,
-                                                std::int32_t last) const {
+void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
+                            const std::vector<std::int32_t>& slotOf) {
+  const std::int32_t home = slot < originalSlots_ ? originalPosition_[slot] : kNone;
+  const bool atHome = spring.exists() && home != kNone && endA[home] == slotOf[spring.a] &&
+                      endB[home] == slotOf[spring.b];
+  if (atHome) {
+    place(spring, home, slotOf);
+    position_[slot] = home;
+  } else if (home != kNone) {
+    stiffness[home] = damping[home] = 0.0;
+  }
+  if (spring.exists() && !atHome) {
+    appended_.insert(slot);
+  } else {
+    appended_.erase(slot);
+  }
+}
+
+SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
+                                                const std::vector<std::int32_t>& slots) const {
   Coloured colours;
   Colouring colouring(model.particleCount());
-  for (std::int32_t slot = first; slot < last; ++slot) {
+  for (std::int32_t slot : slots) {
     const Spring& spring = model.springs[slot];
     if (!spring.exists()) continue;
     const auto chosen =

@@ -39,12 +39,13 @@ SurgeryResult openSurface(Model& model, State& state, const std::vector<Opening>
   SurgeryResult result;
   MeshEditor editor(model.mesh);
   std::vector<std::int32_t> failed;
+  const bool overloaded = cause == FailureCause::kTear;
   for (const Opening& opening : openings) {
-    const FailureEvent event =
-        describe(model, state, model.springs[opening.spring], cause, cause == FailureCause::kTear);
     if (!editor.splitVertex(opening.vertex, stillAround(model.mesh, opening))) continue;
-    result.events.push_back(event);
-    failed.push_back(opening.spring);
+    for (std::int32_t slot : opening.springs) {
+      result.events.push_back(describe(model, state, model.springs[slot], cause, overloaded));
+      failed.push_back(slot);
+    }
   }
   result.changes.mesh = editor.finish();
   if (result.changes.mesh.empty()) return result;

@@ -1,7 +1,7 @@
 #include "cloth_sim/surgery/tearing.h"
 
 #include <algorithm>
-#include <unordered_set>
+#include <unordered_map>
 
 namespace cloth_sim {
 namespace {
@@ -29,7 +29,7 @@ std::optional<Opening> openingFor(const Model& model, std::int32_t slot, const S
     if (v == kNone || side(model.mesh.material(v)) < 0.0) continue;
     std::vector<FaceId> detach = facesReachingLeft(model.mesh, v, side);
     if (!detach.empty() && detach.size() < model.mesh.facesAround(v).size()) {
-      return Opening{v, std::move(detach), slot};
+      return Opening{v, std::move(detach), {slot}};
     }
   }
   return std::nullopt;
@@ -63,6 +63,25 @@ std::optional<Opening> openAcross(const Model& model, std::int32_t slot) {
   std::optional<Opening> first = towards(openAtA ? -1.0 : 1.0);
   return first ? first : towards(openAtA ? 1.0 : -1.0);
 }
+
+/// Openings in the order of the first spring that asked for each; later ones join it.
+class OpeningList {
+ public:
+  void add(std::optional<Opening> opening) {
+    if (!opening) return;
+    const auto [known, isNew] = byVertex_.try_emplace(opening->vertex, openings_.size());
+    if (isNew) {
+      openings_.push_back(std::move(*opening));
+    } else {
+      openings_[known->second].springs.push_back(opening->springs.front());
+    }
+  }
+  std::vector<Opening> take() { return std::move(openings_); }
+
+ private:
+  std::vector<Opening> openings_;
+  std::unordered_map<VertexId, std::size_t> byVertex_;
+};
 
 }  // namespace
 
@@ -102,28 +121,23 @@ std::vector<Opening> Tearing::plan(const Model& model, const State& state) const
     if (overload > 1.0) overloaded.emplace_back(-overload, slot);
   }
   std::sort(overloaded.begin(), overloaded.end());
-  std::unordered_set<VertexId> opened;
+  OpeningList list;
   for (const auto& [overload, slot] : overloaded) {
     const bool onSeam = settings_.seam && straddles(model, model.springs[slot], settings_.seam->path);
-    std::optional<Opening> opening =
-        onSeam ? openAlong(model, slot, settings_.seam->path) : openAcross(model, slot);
-    if (opening && opened.insert(opening->vertex).second) openings.push_back(std::move(*opening));
+    list.add(onSeam ? openAlong(model, slot, settings_.seam->path) : openAcross(model, slot));
   }
-  return openings;
+  return list.take();
 }
 
 std::vector<Opening> planNotch(const Model& model, const MaterialPath& path) {
-  std::vector<Opening> openings;
-  std::unordered_set<VertexId> opened;
+  OpeningList list;
   const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
   for (std::int32_t slot = 0; slot < slots; ++slot) {
     const Spring& spring = model.springs[slot];
     if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
-    if (!straddles(model, spring, path)) continue;
-    std::optional<Opening> opening = openAlong(model, slot, path);
-    if (opening && opened.insert(opening->vertex).second) openings.push_back(std::move(*opening));
+    if (straddles(model, spring, path)) list.add(openAlong(model, slot, path));
   }
-  return openings;
+  return list.take();
 }
 
 }  // namespace cloth_sim

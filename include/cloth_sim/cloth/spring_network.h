@@ -50,7 +50,7 @@ struct RawSprings {
 };
 
 /// How springs changed when the network followed an edit of its mesh. Slots are stable and are not
-/// used again.
+/// used again; a spring whose end was split goes on in its slot, as `modified`.
 struct SpringChanges {
   std::vector<std::int32_t> added;     ///< slots that came to be, ascending
   std::vector<std::int32_t> modified;  ///< slots whose constants or ends changed, ascending
@@ -107,8 +107,12 @@ class SpringNetwork {
                          const Spring& spring) const;
   double rawShare(const TriangleMesh& mesh, const std::vector<FaceId>& on,
                   const Spring& spring) const;
+  std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
+  std::vector<Spring> deriveAroundAll(const TriangleMesh& mesh,
+                                      const std::vector<VertexId>& vertices) const;
   std::int32_t insert(const Spring& spring);
   void erase(std::int32_t slot);
+  void replace(std::int32_t slot, const Spring& spring);
 
   SpringSelection selection_;
   Calibration calibration_;

@@ -1,6 +1,8 @@
 #pragma once
 /// \file The order in which sweeps visit springs, and their constants in that order.
 
+#include <set>
+
 #include "cloth_sim/cloth/model.h"
 
 namespace cloth_sim {
@@ -9,9 +11,9 @@ namespace cloth_sim {
 /// order, in vector lanes or on threads, with the same result.
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
-/// consecutive particles they form a run, which is swept without gathers. A spring that goes later
-/// stays in its place with zero stiffness, so runs stay whole; springs that an edit adds are
-/// appended, coloured among themselves. The schedule is a function of the slots of the network
+/// consecutive particles they form a run, which is swept without gathers. Where a spring has gone or
+/// its ends have changed, its place stays with zero stiffness, so runs stay whole; springs that an
+/// edit made or moved are appended, coloured among themselves. The schedule is a function of the slots of the network
 /// alone, not of the order of edits.
 class SpringSchedule {
  public:
@@ -46,7 +48,10 @@ class SpringSchedule {
  private:
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
-  Coloured colour(const Model& model, std::int32_t first, std::int32_t last) const;
+  Coloured colour(const Model& model, const std::vector<std::int32_t>& slots) const;
+  /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among the
+  /// appended ones; or nowhere, if it is gone.
+  void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void place(const Spring& spring, std::int32_t position, const std::vector<std::int32_t>& slotOf);
   void truncate(std::int32_t positions, std::size_t batches);
@@ -55,7 +60,9 @@ class SpringSchedule {
 
   std::vector<Batch> batches_;
   std::vector<std::int32_t> position_;  ///< by spring slot
-  std::int32_t originalSlots_ = 0;      ///< spring slots of the undamaged mesh
+  std::vector<std::int32_t> originalPosition_;  ///< by spring slot of the undamaged mesh
+  std::set<std::int32_t> appended_;             ///< spring slots after the original positions
+  std::int32_t originalSlots_ = 0;
   std::int32_t originalPositions_ = 0;
   std::size_t originalBatches_ = 0;
 };

@@ -48,7 +48,7 @@ struct FailureEvent {
 struct Opening {
   VertexId vertex = kNone;
   std::vector<FaceId> detach;
-  std::int32_t spring = kNone;  ///< the slot that failed
+  std::vector<std::int32_t> springs;  ///< slots of the springs that fail by it, the first decided
 };
 
 /// Finds the springs that fail, and how the surface opens for each.
