@@ -1,9 +1,11 @@
 #include "yaml_tree.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 #include "cloth_sim/scene/load.h"
 
@@ -64,6 +66,32 @@ class Converter {
   std::string file_;
   int count_ = 0;
 };
+
+/// Reads over a document.
+class Ignore : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// Whether something follows the first document, which YAML::Load would pass over in silence.
+/// Not by YAML::LoadAll: yaml-cpp 0.7 never returns from it if the text begins with a comma.
+bool goesOnAfterFirstDocument(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Ignore ignore;
+  return parser.HandleNextDocument(ignore) && parser.HandleNextDocument(ignore);
+}
 
 void markOverridden(YamlValue& value) {
   value.overridden = true;
@@ -133,12 +161,10 @@ YamlValue* YamlValue::find(const std::string& name) {
 
 YamlValue parseYaml(const std::string& text, const std::string& file) {
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      throw SceneError(file + ": expected one YAML document (got " +
-                       std::to_string(documents.size()) + ")");
+    if (goesOnAfterFirstDocument(text)) {
+      throw SceneError(file + ": expected one YAML document (got more after its end)");
     }
-    return documents.empty() ? YamlValue() : Converter(file).convert(documents.front(), 0);
+    return Converter(file).convert(YAML::Load(text), 0);
   } catch (const YAML::Exception& error) {
     const std::string line = error.mark.line < 0 ? "" : ":" + std::to_string(error.mark.line + 1);
     throw SceneError(file + line + ": not valid YAML: " + oneLine(error.msg));
