@@ -9,6 +9,8 @@
 
 namespace cloth_sim {
 
+struct MotionBounds;
+
 /// Everything below a plane through the collider's position; its z axis is the outward normal.
 struct PlaneShape {};
 /// A solid ball around the collider's position.
@@ -19,7 +21,8 @@ struct SphereShape {
 struct BoxShape {
   Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
 };
-/// The outside of a box around the collider's position is solid: particles stay within.
+/// The outside of a box around the collider's position is solid: particles stay within. Meant to be
+/// much larger than the margin.
 struct BoundsShape {
   Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
 };
@@ -30,15 +33,21 @@ struct Obstacle {
   std::string name;
   Shape shape;
   Pose pose;
-  Vec3 velocity = Vec3::Zero();        ///< of the pose's origin [m/s]; obstacles do not turn by themselves
-  double friction = 0.3;               ///< Coulomb coefficient, >= 0
-  double tangentialDecay = 0.0;        ///< rate at which touching particles lose tangential speed [1/s]
+  Vec3 velocity =
+      Vec3::Zero();       ///< of the pose's origin [m/s]; obstacles do not turn by themselves
+  double friction = 0.3;  ///< Coulomb coefficient [-], >= 0
+  /// Rate at which touching particles lose their tangential speed relative to the obstacle, besides
+  /// friction [1/s], >= 0.
+  double tangentialDecay = 0.0;
 };
 
 /// An obstacle at work: knows where it is at any time of the current step.
 class Collider {
  public:
-  /// \param margin  distance that particles keep from the surface [m] (half the cloth's thickness).
+  /// \param margin  distance that particles keep from the surface [m], >= 0 (half the cloth's
+  ///                thickness). Edges of boards are rounded by it.
+  /// \throws std::invalid_argument if a length is not positive, or the margin, the friction or the
+  ///         decay is negative or not finite.
   Collider(Obstacle obstacle, double margin);
 
   const Obstacle& obstacle() const { return obstacle_; }
@@ -50,16 +59,24 @@ class Collider {
 
   /// Signed distance from `point` to the surface less the margin (negative inside) [m] at `time`.
   double gap(const Vec3& point, double time) const;
+  /// The unit vector in which the gap at `point` grows fastest: away from the closest face, edge or
+  /// corner.
+  Vec3 normal(const Vec3& point, double time) const;
 
-  /// Appends the vertices that can touch it before `state.t + dt`, moving at most `reach` plus
-  /// their own speed times dt.
+  /// Appends, ascending, the vertices that can touch it before `state.t + dt`, moving at most
+  /// `reach` plus their speed relative to the collider times dt.
   void collect(const State& state, double dt, double reach, std::vector<VertexId>& out) const;
 
-  /// See Contacts::project.
+  /// See Contacts::project. Adds to `impulse` what the particles gave the collider [N s].
   void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
                double h, Vec3& impulse) const;
 
  private:
+  friend class ColliderSet;
+
+  void collectWithin(const MotionBounds& bounds, const State& state, double dt, double reach,
+                     std::vector<VertexId>& out) const;
+
   Obstacle obstacle_;
   double margin_ = 0.0;
   double referenceTime_ = 0.0;
@@ -76,6 +93,7 @@ class ColliderSet {
 
   /// Candidates of the step from state.t to state.t + dt. Colliders that nothing can reach cost a
   /// bounding-box test and appear in no loop.
+  /// Allocates nothing once `out` is warm.
   /// \param reach  how far a particle may be pulled beyond its own speed times dt [m].
   void detect(const State& state, double dt, double reach, Contacts& out) const;
 

@@ -1,0 +1,68 @@
+/// \file Which particles can touch which collider during a step.
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry.h"
+
+namespace cloth_sim {
+
+/// Where a cloth is, as an axis-aligned box, and how fast its fastest particle moves.
+struct MotionBounds {
+  Vec3 centre = Vec3::Zero();  ///< [m]
+  Vec3 half = Vec3::Zero();    ///< half edge lengths [m]
+  double speed = 0.0;          ///< [m/s]
+};
+
+namespace {
+
+/// The cloth must not be empty.
+MotionBounds boundsOf(const State& state) {
+  Vec3 low = state.x[0];
+  Vec3 high = state.x[0];
+  for (const Vec3& x : state.x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  double speed2 = 0.0;
+  for (const Vec3& v : state.v) speed2 = std::max(speed2, v.squaredNorm());
+  return {0.5 * (low + high), 0.5 * (high - low), std::sqrt(speed2)};
+}
+
+}  // namespace
+
+void Collider::collectWithin(const MotionBounds& bounds, const State& state, double dt,
+                             double reach, std::vector<VertexId>& out) const {
+  const Vec3 position = poseAt(state.t).position;
+  const Vec3 velocity = obstacle_.velocity;
+  const double farthest = reach + dt * (bounds.speed + velocity.norm());
+  geometry::visit(*this, [&](const auto& solid) {
+    if (solid.leastGap(bounds.centre - position, bounds.half) > farthest) return;
+    const VertexId count = static_cast<VertexId>(state.x.size());
+    for (VertexId v = 0; v < count; ++v) {
+      const Vec3 relative = state.x[v] - position;
+      if (solid.beyond(relative, farthest)) continue;
+      const double speed = (state.v[v] - velocity).norm();
+      if (solid.gap(relative) <= reach + dt * speed) out.push_back(v);
+    }
+  });
+}
+
+void Collider::collect(const State& state, double dt, double reach,
+                       std::vector<VertexId>& out) const {
+  if (state.x.size() == 0) return;
+  collectWithin(boundsOf(state), state, dt, reach, out);
+}
+
+void ColliderSet::detect(const State& state, double dt, double reach, Contacts& out) const {
+  out.clear();
+  if (colliders_.empty() || state.x.size() == 0) return;
+  const MotionBounds bounds = boundsOf(state);
+  for (const Collider& collider : colliders_) {
+    ContactCandidates& entry = out.add(&collider);
+    collider.collectWithin(bounds, state, dt, reach, entry.vertices);
+    if (entry.vertices.empty()) out.dropLast();
+  }
+}
+
+}  // namespace cloth_sim

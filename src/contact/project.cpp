@@ -1,0 +1,83 @@
+/// \file How a collider stops particles: non-penetration and friction as displacements.
+
+#include <cmath>
+#include <limits>
+
+#include "geometry.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Below this a sticking particle's move along the normal is round-off, and it is put back exactly
+/// where it was on the collider: so nothing creeps, however long it lies there.
+constexpr double kRestTolerance = 1e-12;  // [m]
+
+/// What is the same for all particles of one collider in one substep.
+struct Surface {
+  Vec3 position = Vec3::Zero();  ///< of the collider at the end [m]
+  Vec3 carry = Vec3::Zero();     ///< how far the collider moved [m]
+  double friction = 0.0;
+  double keep = 1.0;  ///< share of its tangential displacement that a touching particle keeps
+  double rise = 0.0;  ///< how far a particle that began inside may be pushed out [m]
+};
+
+/// Where a particle of positive mass ends.
+/// \param anchor  where it would be had it moved along with the collider [m].
+/// \param end     where it is without contact [m].
+Vec3 stopAt(const Surface& surface, const geometry::Touch& touch, const Vec3& anchor,
+            const Vec3& end) {
+  const Vec3 moved = end - anchor;
+  const double along = touch.normal.dot(moved);
+  const double rise = along + touch.push;
+  Vec3 slip = moved - along * touch.normal;
+  const double length = slip.norm();
+  const double stopped = surface.friction * touch.push;
+  if (length <= stopped) {
+    return std::abs(rise) <= kRestTolerance ? anchor : Vec3(anchor + rise * touch.normal);
+  }
+  slip *= surface.keep * (1.0 - stopped / length);
+  return anchor + rise * touch.normal + slip;
+}
+
+/// \return the sum of mass times displacement [kg m].
+template <class Geometry>
+Vec3 projectOut(const Geometry& solid, const Surface& surface,
+                const std::vector<VertexId>& vertices, const ParticleView& p) {
+  constexpr double kAtOnce = std::numeric_limits<double>::infinity();
+  Vec3 moment = Vec3::Zero();
+  geometry::Touch touch;
+  for (const VertexId v : vertices) {
+    const std::int32_t i = p.slotOf ? p.slotOf[v] : v;
+    const Vec3 anchor = Vec3(p.startX[i], p.startY[i], p.startZ[i]) + surface.carry;
+    const bool prescribed = p.mass[i] == 0.0;
+    const double rise = prescribed ? kAtOnce : surface.rise;
+    for (int side = 0; side < Geometry::kSides; ++side) {
+      const Vec3 end(p.x[i], p.y[i], p.z[i]);
+      if (!solid.touch(anchor - surface.position, end - surface.position, rise, touch)) break;
+      const Vec3 stop =
+          prescribed ? Vec3(end + touch.push * touch.normal) : stopAt(surface, touch, anchor, end);
+      p.x[i] = stop.x();
+      p.y[i] = stop.y();
+      p.z[i] = stop.z();
+      moment += p.mass[i] * (stop - end);
+    }
+  }
+  return moment;
+}
+
+}  // namespace
+
+void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,
+                       double time, double h, Vec3& impulse) const {
+  Surface surface;
+  surface.position = poseAt(time).position;
+  surface.carry = obstacle_.velocity * h;
+  surface.friction = obstacle_.friction;
+  surface.keep = std::exp(-obstacle_.tangentialDecay * h);
+  surface.rise = kDepenetrationSpeed * h;
+  const Vec3 moment = geometry::visit(
+      *this, [&](const auto& solid) { return projectOut(solid, surface, vertices, particles); });
+  impulse -= moment / h;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,238 @@
+#include "cloth_sim/contact/collider.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+namespace cloth_sim {
+namespace {
+
+Vec3 randomPoint(std::mt19937& random, double range) {
+  std::uniform_real_distribution<double> coordinate(-range, range);
+  const double x = coordinate(random);
+  const double y = coordinate(random);
+  return Vec3(x, y, coordinate(random));
+}
+
+Obstacle obstacle(Shape shape) {
+  Obstacle result;
+  result.name = "thing";
+  result.shape = shape;
+  result.pose.position = Vec3(0.1, -0.2, 0.3);
+  result.pose.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -0.5).normalized()));
+  return result;
+}
+
+const Vec3 kSize(0.8, 0.5, 0.1);
+const double kMargin = 0.004;
+
+std::vector<Collider> oneOfEach(double margin = kMargin) {
+  return {Collider(obstacle(PlaneShape{}), margin), Collider(obstacle(SphereShape{0.3}), margin),
+          Collider(obstacle(BoxShape{kSize}), margin),
+          Collider(obstacle(BoundsShape{Vec3(1.0, 0.8, 0.9)}), margin)};
+}
+
+/// Distance to the surface of a box, by looking at a fine grid of points on its six faces.
+double sampledDistanceToBoxSurface(const Vec3& p, const Vec3& half, int samples) {
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const int a = (axis + 1) % 3;
+    const int b = (axis + 2) % 3;
+    Vec3 q;
+    q[axis] = face % 2 ? half[axis] : -half[axis];
+    for (int i = 0; i <= samples; ++i) {
+      q[a] = half[a] * (2.0 * i / samples - 1.0);
+      for (int j = 0; j <= samples; ++j) {
+        q[b] = half[b] * (2.0 * j / samples - 1.0);
+        nearest2 = std::min(nearest2, (p - q).squaredNorm());
+      }
+    }
+  }
+  return std::sqrt(nearest2);
+}
+
+TEST(Collider, GapOfPlaneIsTheHeightAlongItsZ) {
+  const Collider plane(obstacle(PlaneShape{}), kMargin);
+  const Pose pose = plane.poseAt(0.0);
+  EXPECT_NEAR(plane.gap(pose.toWorld(Vec3(3.0, -7.0, 0.25)), 0.0), 0.25 - kMargin, 1e-14);
+  EXPECT_NEAR(plane.gap(pose.toWorld(Vec3(3.0, -7.0, -0.25)), 0.0), -0.25 - kMargin, 1e-14);
+}
+
+TEST(Collider, GapOfSphereIsTheDistanceLessItsRadius) {
+  const Collider sphere(obstacle(SphereShape{0.3}), kMargin);
+  const Pose pose = sphere.poseAt(0.0);
+  EXPECT_NEAR(sphere.gap(pose.toWorld(Vec3(0.3, 0.4, 0.0)), 0.0), 0.2 - kMargin, 1e-14);
+  EXPECT_NEAR(sphere.gap(pose.position, 0.0), -0.3 - kMargin, 1e-14);
+}
+
+TEST(Collider, GapOfBoxAndBoundsMatchesASampledSurface) {
+  const Collider box(obstacle(BoxShape{kSize}), kMargin);
+  const Collider bounds(obstacle(BoundsShape{kSize}), kMargin);
+  const Vec3 half = 0.5 * kSize;
+  const int samples = 100;
+  // The nearest sample is at most half a sample's cell off, and the distance at most that.
+  const double coarse = 0.5 * std::hypot(kSize.x(), kSize.y()) / samples;
+  std::mt19937 random(7);
+  for (int k = 0; k < 100; ++k) {
+    const Vec3 local = randomPoint(random, 0.5);
+    const double distance = sampledDistanceToBoxSurface(local, half, samples);
+    const bool inside = (local.cwiseAbs() - half).maxCoeff() < 0.0;
+    const double outward = inside ? -distance : distance;
+    const Vec3 world = box.poseAt(0.0).toWorld(local);
+    EXPECT_NEAR(box.gap(world, 0.0), outward - kMargin, coarse);
+    EXPECT_NEAR(bounds.gap(world, 0.0), -outward - kMargin, coarse);
+  }
+}
+
+TEST(Collider, NormalIsTheGradientOfTheGap) {
+  // Central differences of a distance with curvature radius >= r err by h^2 / (2 r^2) at most; the
+  // points nearer than 1 mm to where two features are equally close are left out, by looking
+  // whether the one-sided differences agree.
+  const double h = 1e-6;
+  std::mt19937 random(11);
+  for (const Collider& collider : oneOfEach()) {
+    int compared = 0;
+    for (int k = 0; k < 300; ++k) {
+      const Vec3 p = collider.poseAt(0.0).toWorld(randomPoint(random, 0.5));
+      Vec3 forward, backward;
+      for (int a = 0; a < 3; ++a) {
+        const double here = collider.gap(p, 0.0);
+        forward[a] = (collider.gap(p + h * Vec3::Unit(a), 0.0) - here) / h;
+        backward[a] = (here - collider.gap(p - h * Vec3::Unit(a), 0.0)) / h;
+      }
+      if ((forward - backward).norm() > 1e-2) continue;
+      EXPECT_LT((collider.normal(p, 0.0) - 0.5 * (forward + backward)).norm(), 1e-6);
+      ++compared;
+    }
+    EXPECT_GT(compared, 280);
+  }
+}
+
+TEST(Collider, NormalTurnsContinuouslyAroundTheEdgeOfABoard) {
+  Obstacle board;
+  board.shape = BoxShape{Vec3(1.0, 1.0, 0.1)};
+  const Collider collider(board, 0.01);
+  // A quarter turn around the edge at the inflated surface, in 1000 steps.
+  Vec3 last = Vec3::UnitZ();
+  for (int k = 0; k <= 1000; ++k) {
+    const double angle = 0.5 * M_PI * k / 1000.0;
+    const Vec3 offset(std::sin(angle), 0.0, std::cos(angle));
+    const Vec3 p = Vec3(0.5, 0.2, 0.05) + 0.01 * offset;
+    EXPECT_NEAR(collider.gap(p, 0.0), 0.0, 1e-15);
+    const Vec3 normal = collider.normal(p, 0.0);
+    EXPECT_LT((normal - last).norm(), 2e-3);
+    last = normal;
+  }
+  EXPECT_LT((last - Vec3::UnitX()).norm(), 1e-12);
+}
+
+TEST(Collider, MovesWithItsVelocityFromWhereItWasPlaced) {
+  Collider sphere(obstacle(SphereShape{0.3}), 0.0);
+  Pose pose;
+  pose.position = Vec3(1.0, 0.0, 0.0);
+  sphere.place(pose, Vec3(0.0, 2.0, 0.0), 5.0);
+  EXPECT_EQ(sphere.poseAt(5.0).position, Vec3(1.0, 0.0, 0.0));
+  EXPECT_EQ(sphere.poseAt(5.5).position, Vec3(1.0, 1.0, 0.0));
+  EXPECT_NEAR(sphere.gap(Vec3(1.0, 1.0, 1.0), 5.5), 0.7, 1e-15);
+}
+
+TEST(Collider, RefusesNonsense) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(Collider(obstacle(SphereShape{0.0}), 0.0), std::invalid_argument);
+  EXPECT_THROW(Collider(obstacle(SphereShape{nan}), 0.0), std::invalid_argument);
+  EXPECT_THROW(Collider(obstacle(BoxShape{Vec3(1.0, -1.0, 1.0)}), 0.0), std::invalid_argument);
+  EXPECT_THROW(Collider(obstacle(BoundsShape{Vec3::Zero()}), 0.0), std::invalid_argument);
+  EXPECT_THROW(Collider(obstacle(PlaneShape{}), -1e-3), std::invalid_argument);
+  Obstacle rough = obstacle(PlaneShape{});
+  rough.friction = -0.1;
+  EXPECT_THROW(Collider(rough, 0.0), std::invalid_argument);
+  rough.friction = 0.1;
+  rough.tangentialDecay = nan;
+  EXPECT_THROW(Collider(rough, 0.0), std::invalid_argument);
+}
+
+/// A cloud of particles that fly in all directions.
+State randomState(int count, double range, double speed) {
+  std::mt19937 random(23);
+  State state;
+  state.x = VertexData<Vec3>(static_cast<std::size_t>(count), Vec3::Zero());
+  state.v = state.x;
+  for (int v = 0; v < count; ++v) {
+    state.x[v] = randomPoint(random, range);
+    state.v[v] = randomPoint(random, speed);
+  }
+  state.t = 2.0;
+  return state;
+}
+
+TEST(ColliderDetection, FindsExactlyWhatCanReachTheSurface) {
+  const State state = randomState(2000, 1.0, 3.0);
+  const double dt = 1.0 / 60.0;
+  const double reach = 0.005;
+  for (Collider& collider : oneOfEach()) {
+    const Vec3 velocity(0.5, -1.0, 0.25);
+    collider.place(collider.obstacle().pose, velocity, 1.5);
+    std::vector<VertexId> expected;
+    for (VertexId v = 0; v < 2000; ++v) {
+      const double travel = reach + dt * (state.v[v] - velocity).norm();
+      if (collider.gap(state.x[v], state.t) <= travel) expected.push_back(v);
+    }
+    std::vector<VertexId> found;
+    collider.collect(state, dt, reach, found);
+    EXPECT_EQ(found, expected);
+    EXPECT_FALSE(found.empty());
+    EXPECT_LT(found.size(), 2000u);
+  }
+}
+
+TEST(ColliderDetection, ListsOnlyCollidersWithSomethingNear) {
+  State state = randomState(100, 0.1, 0.0);
+  ColliderSet set;
+  Obstacle far = obstacle(SphereShape{0.1});
+  far.name = "far";
+  far.pose.position = Vec3(5.0, 0.0, 0.0);
+  set.add(far, 0.0);
+  Obstacle ground = obstacle(PlaneShape{});
+  ground.name = "ground";
+  ground.pose = Pose();
+  set.add(ground, 0.0);
+  Contacts contacts;
+  set.detect(state, 0.01, 0.0, contacts);
+  ASSERT_EQ(contacts.candidates.size(), 1u);
+  EXPECT_EQ(contacts.candidates[0].collider, set.find("ground"));
+  EXPECT_TRUE(std::is_sorted(contacts.candidates[0].vertices.begin(),
+                             contacts.candidates[0].vertices.end()));
+  EXPECT_EQ(set.find("nothing"), nullptr);
+
+  set.detect(State(), 0.01, 0.0, contacts);
+  EXPECT_TRUE(contacts.empty());
+}
+
+TEST(ColliderDetection, KeepsItsMemoryFromStepToStep) {
+  State state = randomState(100, 0.1, 0.0);
+  State away = state;
+  for (Vec3& x : away.x) x.z() += 10.0;
+  ColliderSet set;
+  Obstacle ground = obstacle(PlaneShape{});
+  ground.pose = Pose();
+  set.add(ground, 0.0);
+  Contacts contacts;
+  set.detect(state, 0.01, 0.0, contacts);
+  ASSERT_EQ(contacts.candidates.size(), 1u);
+  const VertexId* memory = contacts.candidates[0].vertices.data();
+  contacts.candidates[0].impulse = Vec3::Ones();
+  set.detect(away, 0.01, 0.0, contacts);
+  EXPECT_TRUE(contacts.empty());
+  set.detect(state, 0.01, 0.0, contacts);
+  ASSERT_EQ(contacts.candidates.size(), 1u);
+  EXPECT_EQ(contacts.candidates[0].vertices.data(), memory);
+  EXPECT_EQ(contacts.candidates[0].impulse, Vec3::Zero());
+}
+
+}  // namespace
+}  // namespace cloth_sim
