@@ -2,7 +2,9 @@
 /// \file Clamps: two parallel plates that grasp cloth. An input to a step: they say where the
 /// particles they hold shall be, and never edit the state.
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/solver/solver.h"
@@ -10,7 +12,7 @@
 namespace cloth_sim {
 
 /// A square patch of grid particles, (2 radius + 1) x (2 radius + 1) around one (clipped at the
-/// border of the grid).
+/// border of the grid), and whatever edits of the mesh have put between them.
 struct ClampPatch {
   int column = 0;
   int row = 0;
@@ -21,17 +23,22 @@ struct ClampPatch {
 /// close along z.
 struct ClampSpec {
   std::string name;
-  Pose pose;                                ///< at the start
-  Vec2 plateSize = Vec2(0.06, 0.06);        ///< along x and y [m], > 0
-  double gapOpen = 0.12;                    ///< between the plates [m], > gapClosed
-  double gapClosed = 0.02;                  ///< [m], > 0
-  double closingSpeed = 0.2;                ///< of the gap [m/s], > 0
-  double maxLinearSpeed = 0.5;              ///< [m/s], > 0
-  double maxAngularSpeed = 2.0;             ///< [rad/s], > 0
-  double maxLinearAcceleration = 10.0;      ///< [m/s^2], > 0
-  /// Particles to grasp; absent: whatever is between the plates when they have closed.
+  Pose pose;                          ///< at the start
+  Vec2 plateSize = Vec2(0.06, 0.06);  ///< along x and y [m], > 0
+  double gapOpen = 0.12;              ///< between the plates [m], > gapClosed
+  double gapClosed = 0.02;            ///< [m], > 0
+  double closingSpeed = 0.2;          ///< of the gap [m/s], > 0
+  double maxLinearSpeed = 0.5;        ///< [m/s], > 0
+  double maxAngularSpeed = 2.0;       ///< [rad/s], > 0
+  /// [m/s^2], > 0. The angular acceleration is limited to this over kClampArm.
+  double maxLinearAcceleration = 10.0;
+  /// Particles to grasp, wherever they are; absent: whatever is between the plates.
   std::optional<ClampPatch> patch;
 };
+
+/// Lever by which a clamp's linear acceleration limit becomes an angular one: the size of a hand
+/// [m].
+constexpr double kClampArm = 0.1;
 
 /// Force and torque about the clamp's origin, in the world's axes.
 struct Wrench {
@@ -44,10 +51,24 @@ const char* toString(ClampState state);  ///< "open", "closing", "closed"
 
 /// One clamp at work.
 ///
+/// Motion: from rest it moves on the straight line to its target and turns about the axis of the
+/// shortest arc, speeding up, cruising and braking within its limits, so that it arrives without
+/// overshoot. The target may change at any time; the velocity then turns towards the new one within
+/// the acceleration limit.
+///
+/// Grasp: while the gap closes, the plates take along what they meet: a particle between them is
+/// held from the step in which one of them reaches it. When the gap has closed, what is left
+/// between the plates is held too. Each held particle keeps its place in the clamp's frame, except
+/// that its z is brought into the gap, at half the closing speed (that of one plate) at most, so
+/// that nothing jumps. A patch is grasped likewise but wherever it is, also beside the plates; what
+/// of it lies beyond a plate is held as soon as closing begins.
+///
 /// Order of use in a step of length dt: `advance`, `appendTargets`, (solver), `readReactions`;
 /// `follow` after every edit of the mesh.
 class Clamp {
  public:
+  /// \throws std::invalid_argument unless every length, speed and acceleration is finite and > 0,
+  ///         gapOpen > gapClosed, and the orientation can be normalised.
   explicit Clamp(ClampSpec spec);
 
   const ClampSpec& spec() const { return spec_; }
@@ -62,47 +83,68 @@ class Clamp {
   /// What the cloth does to the clamp: mean over the last step; zero if it holds nothing.
   const Wrench& wrench() const { return wrench_; }
 
-  /// Commands a pose; the clamp goes there within its limits.
+  /// Commands a pose (finite, with a unit quaternion); the clamp goes there within its limits.
   void setTarget(const Pose& target) { target_ = target; }
+  /// Limits the linear speed further [m/s], > 0; absent: back to the spec's limit. A clamp that is
+  /// faster brakes within its acceleration limit.
+  void setSpeedLimit(std::optional<double> speed) { speedLimit_ = speed; }
   /// Puts the clamp at a pose at once. Only while it holds nothing.
   /// \throws std::logic_error if it holds cloth.
   void place(const Pose& pose);
-  /// Whether the clamp stands at its target (1e-6 m, 1e-6 rad).
+  /// Whether the clamp stands still at its target (1e-6 m, 1e-6 rad, and that per second).
   bool atTarget() const;
 
-  /// Starts closing; what is inside is grasped when the plates meet the closed gap. No effect
-  /// while closing or closed.
+  /// Starts closing. No effect while closing or closed.
   void close();
   /// Lets go at once and opens; the cloth keeps its velocity.
   void release();
 
-  /// Moves pose and gap by one step. Grasps when the gap has closed: each particle keeps its place
-  /// in the clamp's frame, flattened along z so that it lies between the plates.
+  /// Moves pose and gap by one step and grasps what the plates meet. `state` is the one before the
+  /// step.
   void advance(const Model& model, const State& state, double dt);
 
-  /// Where the held particles shall be at the end of the step (any order).
+  /// Where the held particles shall be at the end of the step, ascending by vertex.
   void appendTargets(std::vector<KinematicTarget>& out) const;
 
-  /// Sums `reactions[k]`, the force on the particle `targets[k]`, over what this clamp holds.
+  /// Sums `reactions[k]`, the force that the particle `targets[k]` puts on its holder, over what
+  /// this clamp holds. Held particles that are not among the targets count as zero.
+  /// \param targets  ascending by vertex; of the step that the reactions are of.
+  /// \throws std::invalid_argument if there are not as many reactions as targets.
   void readReactions(const std::vector<KinematicTarget>& targets,
                      const std::vector<Vec3>& reactions);
 
-  /// Copies of held particles are held too.
+  /// Copies of held particles are held too, at the same place; so is a particle that an edit put
+  /// between two held ones.
   void follow(const MeshChanges& changes);
 
  private:
+  /// A particle in the clamp's grip.
+  struct Grip {
+    VertexId vertex = kNone;
+    Vec3 local = Vec3::Zero();  ///< place in the clamp's frame [m]
+    double squeeze = 0.0;       ///< rate of local z [m/s]
+  };
 
-  void grasp(const Model& model, const State& state);
+  void movePose(double dt);
+  void moveGap(double dt);
+  void grasp(const Model& model, const State& state, double gapBefore, double dt);
+  void graspPatch(const Model& model, const State& state);
+  void graspRegion(const State& state, double gapBefore, double dt);
+  void take(VertexId vertex, const Vec3& local);
+  void squeeze(double dt);
+  const Grip* findGrip(VertexId vertex) const;
+  void updateHeld();
 
   ClampSpec spec_;
   Pose pose_;
   Pose target_;
   Vec3 linearVelocity_ = Vec3::Zero();
   Vec3 angularVelocity_ = Vec3::Zero();
+  std::optional<double> speedLimit_;
   double gap_ = 0.0;
   ClampState state_ = ClampState::kOpen;
-  std::vector<VertexId> held_;
-  std::vector<Vec3> local_;  ///< of held_, in the clamp's frame
+  std::vector<Grip> grips_;     ///< ascending by vertex
+  std::vector<VertexId> held_;  ///< the vertices of grips_
   Wrench wrench_;
 };
 

@@ -1,0 +1,145 @@
+#include "cloth_sim/clamp/clamp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "motion_limiter.h"
+
+namespace cloth_sim {
+namespace {
+
+constexpr double kAtTarget = 1e-6;  // [m], [rad], [m/s], [rad/s]
+
+bool isPositive(double value) { return std::isfinite(value) && value > 0.0; }
+
+void require(bool holds, const ClampSpec& spec, const char* what) {
+  if (!holds) throw std::invalid_argument("clamp '" + spec.name + "': expected " + what);
+}
+
+void validate(const ClampSpec& spec) {
+  const double norm = spec.pose.orientation.norm();
+  require(spec.pose.position.allFinite() && isPositive(norm), spec, "a pose");
+  require(isPositive(spec.plateSize.x()) && isPositive(spec.plateSize.y()), spec, "plates > 0");
+  require(isPositive(spec.gapClosed), spec, "gap_closed > 0");
+  require(std::isfinite(spec.gapOpen) && spec.gapOpen > spec.gapClosed, spec,
+          "gap_open > gap_closed");
+  require(isPositive(spec.closingSpeed), spec, "closing_speed > 0");
+  require(isPositive(spec.maxLinearSpeed), spec, "max_linear_speed > 0");
+  require(isPositive(spec.maxAngularSpeed), spec, "max_angular_speed > 0");
+  require(isPositive(spec.maxLinearAcceleration), spec, "max_linear_acceleration > 0");
+}
+
+/// The shortest rotation from one orientation to another, in the world's axes [rad].
+Vec3 rotationBetween(const Quat& from, const Quat& to) {
+  return rotationVector(to.normalized() * from.conjugate());
+}
+
+}  // namespace
+
+const char* toString(ClampState state) {
+  switch (state) {
+    case ClampState::kOpen:
+      return "open";
+    case ClampState::kClosing:
+      return "closing";
+    case ClampState::kClosed:
+      return "closed";
+  }
+  return "";
+}
+
+Clamp::Clamp(ClampSpec spec) : spec_(std::move(spec)), pose_(spec_.pose), gap_(spec_.gapOpen) {
+  validate(spec_);
+  pose_.orientation.normalize();
+  target_ = pose_;
+}
+
+void Clamp::place(const Pose& pose) {
+  if (!held_.empty()) {
+    throw std::logic_error("clamp '" + spec_.name + "' holds cloth: it can move, but not jump");
+  }
+  pose_ = pose;
+  pose_.orientation.normalize();
+  target_ = pose_;
+  linearVelocity_.setZero();
+  angularVelocity_.setZero();
+}
+
+bool Clamp::atTarget() const {
+  return (target_.position - pose_.position).norm() <= kAtTarget &&
+         rotationBetween(pose_.orientation, target_.orientation).norm() <= kAtTarget &&
+         linearVelocity_.norm() <= kAtTarget && angularVelocity_.norm() <= kAtTarget;
+}
+
+void Clamp::close() {
+  if (state_ == ClampState::kOpen) state_ = ClampState::kClosing;
+}
+
+void Clamp::release() {
+  state_ = ClampState::kOpen;
+  grips_.clear();
+  held_.clear();
+  wrench_ = Wrench();
+}
+
+void Clamp::advance(const Model& model, const State& state, double dt) {
+  if (!(dt > 0.0)) return;
+  const double gapBefore = gap_;
+  moveGap(dt);
+  if (state_ == ClampState::kClosing) grasp(model, state, gapBefore, dt);
+  squeeze(dt);
+  movePose(dt);
+}
+
+void Clamp::movePose(double dt) {
+  const double speed = std::min(spec_.maxLinearSpeed, speedLimit_.value_or(spec_.maxLinearSpeed));
+  const MotionLimits linear{speed, spec_.maxLinearAcceleration};
+  linearVelocity_ = limitedVelocity(target_.position - pose_.position, linearVelocity_, linear, dt);
+  pose_.position += linearVelocity_ * dt;
+
+  const MotionLimits angular{spec_.maxAngularSpeed, spec_.maxLinearAcceleration / kClampArm};
+  const Vec3 rotation = rotationBetween(pose_.orientation, target_.orientation);
+  angularVelocity_ = limitedVelocity(rotation, angularVelocity_, angular, dt);
+  pose_.orientation = turned(pose_.orientation, angularVelocity_, dt);
+}
+
+void Clamp::moveGap(double dt) {
+  const double travel = spec_.closingSpeed * dt;
+  gap_ = state_ == ClampState::kOpen ? std::min(spec_.gapOpen, gap_ + travel)
+                                     : std::max(spec_.gapClosed, gap_ - travel);
+}
+
+void Clamp::appendTargets(std::vector<KinematicTarget>& out) const {
+  for (const Grip& grip : grips_) {
+    const Vec3 arm = pose_.orientation * grip.local;
+    const Vec3 squeezing = pose_.orientation * Vec3(0.0, 0.0, grip.squeeze);
+    KinematicTarget target;
+    target.vertex = grip.vertex;
+    target.position = pose_.position + arm;
+    target.velocity = linearVelocity_ + angularVelocity_.cross(arm) + squeezing;
+    out.push_back(target);
+  }
+}
+
+void Clamp::readReactions(const std::vector<KinematicTarget>& targets,
+                          const std::vector<Vec3>& reactions) {
+  wrench_ = Wrench();
+  if (held_.empty()) return;
+  if (targets.size() != reactions.size()) {
+    throw std::invalid_argument("clamp: expected one reaction for each kinematic target");
+  }
+  const auto byVertex = [](const KinematicTarget& target, VertexId vertex) {
+    return target.vertex < vertex;
+  };
+  for (const VertexId vertex : held_) {
+    const auto it = std::lower_bound(targets.begin(), targets.end(), vertex, byVertex);
+    if (it == targets.end() || it->vertex != vertex) continue;
+    const Vec3& force = reactions[static_cast<std::size_t>(it - targets.begin())];
+    wrench_.force += force;
+    wrench_.torque += (it->position - pose_.position).cross(force);
+  }
+}
+
+}  // namespace cloth_sim

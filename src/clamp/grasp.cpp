@@ -1,0 +1,128 @@
+/// \file What a clamp holds, and where in its frame.
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cloth_sim/clamp/clamp.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Whether `p` is in the box that `low` and `high` span, or on its border up to round-off.
+bool isWithin(const Vec2& p, const Vec2& low, const Vec2& high) {
+  constexpr double kRoundOff = 1e-9;  // of the box's own size
+  const Vec2 slack = kRoundOff * (high - low).cwiseAbs();
+  return ((p - low + slack).array() >= 0.0).all() && ((high + slack - p).array() >= 0.0).all();
+}
+
+}  // namespace
+
+std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch) {
+  if (!model.grid) throw std::invalid_argument("a patch needs a cloth that is a grid");
+  const Grid& grid = *model.grid;
+  if (patch.column < 0 || patch.column >= grid.columns || patch.row < 0 || patch.row >= grid.rows ||
+      patch.radius < 0) {
+    throw std::invalid_argument("the patch's centre is outside of the grid");
+  }
+  const int left = std::max(patch.column - patch.radius, 0);
+  const int right = std::min(patch.column + patch.radius, grid.columns - 1);
+  const int bottom = std::max(patch.row - patch.radius, 0);
+  const int top = std::min(patch.row + patch.radius, grid.rows - 1);
+
+  std::vector<VertexId> particles;
+  for (int j = bottom; j <= top; ++j) {
+    for (int i = left; i <= right; ++i) particles.push_back(grid.vertex(i, j));
+  }
+  // Later vertices are what edits made; they know where on the cloth they are.
+  for (VertexId v = grid.columns * grid.rows; v < model.mesh.vertexCount(); ++v) {
+    const Vec2& low = model.mesh.material(grid.vertex(left, bottom));
+    const Vec2& high = model.mesh.material(grid.vertex(right, top));
+    if (isWithin(model.mesh.material(v), low, high)) particles.push_back(v);
+  }
+  return particles;
+}
+
+/// While closing: takes what the plates have met in this step; once the gap has closed, the rest.
+void Clamp::grasp(const Model& model, const State& state, double gapBefore, double dt) {
+  if (gap_ <= spec_.gapClosed) state_ = ClampState::kClosed;
+  if (spec_.patch) {
+    graspPatch(model, state);
+  } else {
+    graspRegion(state, gapBefore, dt);
+  }
+  updateHeld();
+}
+
+void Clamp::graspPatch(const Model& model, const State& state) {
+  for (const VertexId v : patchParticles(model, *spec_.patch)) take(v, pose_.toLocal(state.x[v]));
+}
+
+/// What is between the plates now, or was a step ago (and has outrun a plate since).
+void Clamp::graspRegion(const State& state, double gapBefore, double dt) {
+  const Eigen::Matrix3d toLocal = pose_.orientation.conjugate().toRotationMatrix();
+  const Vec2 halfPlate = 0.5 * spec_.plateSize;
+  const VertexId count = static_cast<VertexId>(state.x.size());
+  for (VertexId v = 0; v < count; ++v) {
+    const Vec3 arm = state.x[v] - pose_.position;
+    const Vec3 local = toLocal * arm;
+    if (std::abs(local.x()) > halfPlate.x() || std::abs(local.y()) > halfPlate.y()) continue;
+    const Vec3 velocity = state.v[v] - linearVelocity_ - angularVelocity_.cross(arm);
+    const double before = local.z() - dt * toLocal.row(2).dot(velocity);
+    if (std::min(std::abs(local.z()), std::abs(before)) <= 0.5 * gapBefore) take(v, local);
+  }
+}
+
+/// Holds a particle if a plate has reached it or the clamp has closed.
+void Clamp::take(VertexId vertex, const Vec3& local) {
+  const bool reached = std::abs(local.z()) >= 0.5 * gap_;
+  if (!reached && state_ != ClampState::kClosed) return;
+  if (findGrip(vertex)) return;
+  grips_.push_back({vertex, local, 0.0});
+}
+
+/// Brings what lies beyond a plate towards it, no faster than a plate closes.
+void Clamp::squeeze(double dt) {
+  const double travel = 0.5 * spec_.closingSpeed * dt;
+  for (Grip& grip : grips_) {
+    const double before = grip.local.z();
+    const double after = std::max(0.5 * gap_, std::abs(before) - travel);
+    if (std::abs(before) > after) grip.local.z() = std::copysign(after, before);
+    grip.squeeze = (grip.local.z() - before) / dt;
+  }
+}
+
+/// Looks among the first held_.size() grips, which are sorted; later ones are new in this step.
+const Clamp::Grip* Clamp::findGrip(VertexId vertex) const {
+  const auto it = std::lower_bound(held_.begin(), held_.end(), vertex);
+  if (it == held_.end() || *it != vertex) return nullptr;
+  return &grips_[static_cast<std::size_t>(it - held_.begin())];
+}
+
+void Clamp::updateHeld() {
+  std::sort(grips_.begin(), grips_.end(),
+            [](const Grip& a, const Grip& b) { return a.vertex < b.vertex; });
+  held_.clear();
+  for (const Grip& grip : grips_) held_.push_back(grip.vertex);
+}
+
+void Clamp::follow(const MeshChanges& changes) {
+  if (grips_.empty()) return;
+  // New ids are the highest, so what is appended keeps the order and is found at once.
+  for (const NewVertex& added : changes.newVertices) {
+    const Grip* first = findGrip(added.from[0]);
+    if (!first) continue;
+    Grip grip = *first;
+    if (added.from[1] != kNone) {
+      const Grip* second = findGrip(added.from[1]);
+      if (!second) continue;
+      grip.local = added.weight[0] * first->local + added.weight[1] * second->local;
+      grip.squeeze = added.weight[0] * first->squeeze + added.weight[1] * second->squeeze;
+    }
+    grip.vertex = added.id;
+    grips_.push_back(grip);
+    held_.push_back(added.id);
+  }
+}
+
+}  // namespace cloth_sim
