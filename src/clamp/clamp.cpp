@@ -67,6 +67,16 @@ void Clamp::place(const Pose& pose) {
   angularVelocity_.setZero();
 }
 
+Pose Clamp::stoppingPose() const {
+  const double linear = spec_.maxLinearAcceleration;
+  const double angular = linear / kClampArm;
+  Pose rest = pose_;
+  rest.position += linearVelocity_ * (linearVelocity_.norm() / (2.0 * linear));
+  rest.orientation =
+      turned(pose_.orientation, angularVelocity_, angularVelocity_.norm() / (2.0 * angular));
+  return rest;
+}
+
 bool Clamp::atTarget() const {
   return (target_.position - pose_.position).norm() <= kAtTarget &&
          rotationBetween(pose_.orientation, target_.orientation).norm() <= kAtTarget &&

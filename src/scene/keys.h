@@ -42,8 +42,8 @@ inline const Keys kSeam{"path", "half_width"};
 
 inline const Keys kPhase{"name",  "clamps", "obstacles", "tearing",
                          "notch", "until",  "timeout",   "on_timeout"};
-inline const Keys kClampAction{"attach", "grasp",       "move_by", "move_to",
-                               "rpy",    "orientation", "speed"};
+inline const Keys kClampAction{"hold",    "attach", "grasp",       "move_by",
+                               "move_to", "rpy",    "orientation", "speed"};
 inline const Keys kObstacleAction{"velocity"};
 inline const Keys kPhaseTearing{"enabled", "ratio"};
 inline const Keys kUntil{"elapsed", "mean_speed", "contact", "clamps", "pieces", "broken"};

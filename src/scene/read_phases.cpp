@@ -50,6 +50,10 @@ void readMove(const SceneNode& node, ClampAction& action) {
 
 void readClampAction(const SceneNode& node, const ClampSpec& clamp, ClampAction& action) {
   node.expectKeys(keys::kClampAction);
+  node.read("hold", action.hold);
+  if (action.hold && (node.has("attach") || node.has("move_by") || node.has("move_to"))) {
+    node.refuse("expected either hold or a move (got both)");
+  }
   node.read("attach", action.attach);
   if (action.attach) checkAttach(node, clamp);
   node.read("grasp", action.grasp);

@@ -120,7 +120,7 @@ void Simulation::beginPhase(const PhaseSpec& phase) {
 }
 
 void Simulation::act(const ClampAction& action, Clamp& clamp) {
-  Pose target = clamp.target();
+  Pose target = action.hold ? clamp.stoppingPose() : clamp.target();
   if (action.attach && clamp.spec().patch) {
     const std::vector<VertexId> patch = patchParticles(model_, *clamp.spec().patch);
     Vec3 middle = Vec3::Zero();

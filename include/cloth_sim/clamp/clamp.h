@@ -91,6 +91,8 @@ class Clamp {
   /// Puts the clamp at a pose at once. Only while it holds nothing.
   /// \throws std::logic_error if it holds cloth.
   void place(const Pose& pose);
+  /// Where it would come to rest if it braked from now on.
+  Pose stoppingPose() const;
   /// Whether the clamp stands still at its target (1e-6 m, 1e-6 rad, and that per second).
   bool atTarget() const;
 

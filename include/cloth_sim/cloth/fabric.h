@@ -15,7 +15,7 @@ struct Fabric {
   double tensileWeft = 2800.0;   ///< uniaxial membrane stiffness along v [N/m], > 0
   double shear = 97.0;           ///< in-plane shear stiffness [N/m], >= 0
   double bending = 5e-6;         ///< bending rigidity [N m], >= 0
-  double damping = 1e-3;         ///< retardation time: dashpot over stiffness [s], >= 0
+  double damping = 0.0;          ///< retardation time: dashpot over stiffness [s], >= 0
   double friction = 0.3;         ///< Coulomb coefficient where an obstacle names none, >= 0
   double thickness = 0.18e-3;    ///< [m]; particles rest half of it above a surface, >= 0
   std::string source;            ///< where the values come from

@@ -57,6 +57,7 @@ struct PhaseConditions {
 /// What a phase tells one clamp when it begins.
 struct ClampAction {
   std::string clamp;
+  bool hold = false;                ///< stop where it is, as soon as its limits allow
   bool attach = false;              ///< go to the middle of its patch, where the cloth is now
   std::optional<bool> grasp;        ///< true: close; false: release
   std::optional<Vec3> moveBy;       ///< target: where its target is now, plus this [m]
