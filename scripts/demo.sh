@@ -13,7 +13,7 @@ Leaves in DIR (default: the repository's root)
   demo.bag    what the node would have published, for rosbag and rviz
   demo.json   the figures of the run
   demo.png    a picture of each phase
-and, where there is a display, then shows the run live in rviz until that is closed.
+and, where there is a display, then shows the run live in rviz, until Ctrl-C.
 
   --scene FILE   a scene file, or the name of one in config/scenes (default: tear_seam.yaml)
   --out DIR      where to leave the files
@@ -109,8 +109,8 @@ fi
 
 if [[ $headless == no ]]; then
   if display_answers; then
-    say "the same run live in rviz; close rviz to end it"
-    roslaunch cloth_sim demo.launch scene:="$scene"
+    say "the same run live in rviz; Ctrl-C ends it"
+    roslaunch cloth_sim cloth.launch scene:="$scene" rviz:=true
   else
     say "the display $DISPLAY does not answer: no rviz"
   fi

@@ -208,17 +208,28 @@ class SceneFile:
 # ---- drawing -------------------------------------------------------------------------------------
 
 class Camera:
-    """Perspective, looking at `target` from `distance`, z up."""
+    """Perspective, z up; stands where all of `points` just fit into the picture."""
 
-    def __init__(self, target, distance, azimuth, elevation, width, height):
+    MARGIN = 0.06  # of the picture, on each side
+
+    def __init__(self, points, azimuth, elevation, width, height):
         a, e = math.radians(azimuth), math.radians(elevation)
         back = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
         right = np.cross([0, 0, 1.0], back)
         right /= np.linalg.norm(right)
         self.axes = np.stack([right, np.cross(back, right), back])
-        self.eye = target + distance * back
         self.width, self.height = width, height
         self.focal = 1.9 * max(width, height)
+
+        room = np.array([width, height]) * (1 - 2 * self.MARGIN)
+        self.eye = points.mean(axis=0) + 5 * np.ptp(points, axis=0).max() * back
+        for _ in range(6):  # perspective makes one correction inexact
+            seen = self.project(points)
+            low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+            depth = np.median(seen[:, 2])
+            off = ((low + high) - (width, height)) / 2 * depth / self.focal
+            self.eye = self.eye + off[0] * self.axes[0] - off[1] * self.axes[1]
+            self.eye = self.eye + (((high - low) / room).max() - 1) * depth * back
 
     def project(self, points):
         """Pixel x, pixel y, depth."""
@@ -414,13 +425,11 @@ def main():
     shapes = [run.shape(index) for _, index in moments]
     scene = SceneFile(args.scene)
 
-    seen = np.concatenate([points for points, _ in shapes])
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    target, reach = (low + high) / 2, np.linalg.norm(high - low) / 2
     azimuth, elevation = (float(part) for part in args.view.split(','))
     width, height = (int(part) for part in args.size.split('x'))
+    everywhere = np.concatenate([points[::7] for points, _ in shapes])
     # Twice the size: the image is averaged down.
-    camera = Camera(target, 4.1 * reach, azimuth, elevation, 2 * width, 2 * height)
+    camera = Camera(everywhere, azimuth, elevation, 2 * width, 2 * height)
 
     only_one = args.times is not None and len(moments) == 1
     panels = len(moments) + (0 if args.times else 1)

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Waits for moments of a running cloth_node and saves the screen at each; see rviz_photo.sh.
+
+usage: photograph.py --size WxH --out DIR PHASE[+SECONDS]...
+"""
+import argparse
+import subprocess
+import sys
+import time
+
+import rospy
+
+from cloth_sim.msg import ClothState
+from cloth_sim.srv import Pause
+
+DEADLINE = 600.0  # for the whole run [s]
+
+
+class Watcher:
+    def __init__(self):
+        self.state = None
+        self.started = {}  # phase: simulated time at which it was first seen [s]
+        rospy.Subscriber('/cloth/state', ClothState, self.on_state, queue_size=5)
+
+    def on_state(self, message):
+        self.started.setdefault(message.phase, message.time)
+        self.state = message
+
+    def reached(self, phase, later):
+        if self.state is None or phase not in self.started:
+            return False
+        return self.state.time >= self.started[phase] + later
+
+
+def wait(until, deadline, what):
+    while not until():
+        if time.monotonic() > deadline:
+            sys.exit(f'error: waited too long for {what}')
+        if rospy.is_shutdown():
+            sys.exit(f'error: the run ended before {what}')
+        time.sleep(0.05)
+
+
+def window_shown():
+    """Whether rviz has subscribed to the markers: only then is there something to see."""
+    import rosgraph
+    subscribers = rosgraph.Master('/photograph').getSystemState()[1]
+    return any(topic == '/cloth/markers' and names for topic, names in subscribers)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parser.add_argument('--size', required=True)
+    parser.add_argument('--out', required=True)
+    parser.add_argument('moments', nargs='+')
+    args = parser.parse_args()
+
+    deadline = time.monotonic() + DEADLINE
+    rospy.init_node('photograph', anonymous=True, disable_signals=True)
+    watcher = Watcher()
+    rospy.wait_for_service('/cloth/pause', timeout=60)
+    pause = rospy.ServiceProxy('/cloth/pause', Pause)
+    wait(window_shown, deadline, 'rviz')
+    time.sleep(3.0)  # until its window is drawn
+    pause(False)
+    for moment in args.moments:
+        phase, _, later = moment.partition('+')
+        wait(lambda: watcher.reached(phase, float(later or 0)), deadline, moment)
+        pause(True)
+        time.sleep(1.5)  # until what is drawn has caught up
+        path = f'{args.out}/rviz_{phase}.png'
+        subprocess.run(['import', '-silent', '-window', 'root', '-trim', '+repage', path], check=True)
+        print(f'== left {path} (t = {watcher.state.time:.2f} s)', flush=True)
+        pause(False)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+source "$(dirname "${BASH_SOURCE[0]}")/lib/common.sh"
+
+usage() {
+  cat <<USAGE
+usage: scripts/rviz_photo.sh [--scene FILE] [--at PHASE[+SECONDS]]... [--out DIR] [--size WxH]
+
+Photographs the package's own rviz view without a display: rviz runs in a virtual one (Xvfb) and is
+shown the scene live; the screen is saved when the phase has begun (and SECONDS of simulated time
+later). Installs what is missing first. rviz draws in software here: the run is slow, and said so.
+
+  --scene FILE   scene file, or the name of one in config/scenes (default: tear_seam)
+  --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2)
+  --out DIR      where to leave rviz_<phase>.png (default: the current folder)
+  --size WxH     of the screen (default: 1600x1000)
+  --speed F      simulated over wall time (default: 0.5)
+USAGE
+}
+
+scene=tear_seam
+out=.
+size=1600x1000
+speed=0.5
+moments=()
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    -h | --help) usage && exit 0 ;;
+    --scene | --at | --out | --size | --speed)
+      [[ $# -ge 2 ]] || die "$1 needs a value"
+      case $1 in
+        --scene) scene=$2 ;;
+        --at) moments+=("$2") ;;
+        --out) out=$2 ;;
+        --size) size=$2 ;;
+        --speed) speed=$2 ;;
+      esac
+      shift
+      ;;
+    *) usage >&2 && die "unknown argument '$1'" ;;
+  esac
+  shift
+done
+[[ ${#moments[@]} -gt 0 ]] || moments=(settle lift pull_and_tear+2)
+[[ -f $scene ]] && scene=$(readlink -f "$scene")
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+
+workspace=$repo_root/.ws
+prepare build run photo
+run_timed build build_workspace "$workspace" all -DCMAKE_BUILD_TYPE=Release -DCLOTH_SIM_SANITIZE=
+enter_workspace "$workspace"
+
+processes=()
+cleanup() {
+  for process in "${processes[@]}"; do kill "$process" 2>/dev/null || true; done
+  wait 2>/dev/null || true
+  rm -f "${display_file:-}"
+}
+trap cleanup EXIT
+
+display_file=$(mktemp)
+Xvfb -displayfd 3 -screen 0 "${size}x24" -nolisten tcp 3>"$display_file" 2>/dev/null &
+processes+=($!)
+for _ in $(seq 100); do
+  if [[ -s $display_file ]]; then break; fi
+  sleep 0.1
+done
+[[ -s $display_file ]] || die "Xvfb did not start"
+DISPLAY=:$(<"$display_file")
+export DISPLAY LIBGL_ALWAYS_SOFTWARE=1 QT_X11_NO_MITSHM=1 ROS_HOME=$workspace/ros_home
+# A port of its own: another master may be at work on the usual one.
+export ROS_MASTER_URI=http://localhost:11399
+
+say "run: $scene in rviz on $DISPLAY, photographs at ${moments[*]}"
+roslaunch --port 11399 cloth_sim cloth.launch scene:="$scene" rviz:=true \
+  speed:="$speed" paused:=true \
+  >"$workspace/log/rviz.log" 2>&1 &
+processes+=($!)
+
+/usr/bin/python3 "$repo_root/scripts/lib/photograph.py" --size "$size" --out "$out" \
+  "${moments[@]}" || die "see $workspace/log/rviz.log"
