@@ -19,7 +19,7 @@ constexpr double kSheetThickness = 0.01;   ///< of the same [m]
 constexpr double kTornWidth = 0.005;       ///< of a torn edge [m]
 constexpr double kBoundsWidth = 0.004;     ///< of the lines of bounds [m]
 constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
-constexpr double kTextClearance = 0.12;    ///< of the text above the cloth [m]
+constexpr double kTextClearance = 0.20;    ///< of the text above the cloth [m]
 constexpr std::size_t kMapSize = 7;
 
 // The upper three quarters of matplotlib's viridis: its dark end would hide the shading.
@@ -48,13 +48,13 @@ Colour blend(const Colour& from, const Colour& to, float fraction) {
 Colour clampColour(ClampState state) {
   switch (state) {
     case ClampState::kClosing:
-      return colour(0.95f, 0.65f, 0.15f);
+      return colour(1.0f, 0.75f, 0.20f);
     case ClampState::kClosed:
-      return colour(0.80f, 0.25f, 0.22f);
+      return colour(1.0f, 0.32f, 0.28f);
     case ClampState::kOpen:
       break;
   }
-  return colour(0.55f, 0.58f, 0.62f);
+  return colour(0.70f, 0.74f, 0.80f);
 }
 
 /// Light from above and a little from the side, soft all around the surface (half Lambert): rviz
@@ -210,19 +210,19 @@ void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
     Marker& marker = next("obstacles", Marker::SPHERE);
     marker.pose = toPoseMessage(obstacle.pose);
     setScale(marker, 2.0 * sphere->radius, 2.0 * sphere->radius, 2.0 * sphere->radius);
-    marker.color = colour(0.82f, 0.45f, 0.28f);
+    marker.color = colour(0.98f, 0.62f, 0.42f);
   } else if (const auto* box = std::get_if<BoxShape>(&obstacle.shape)) {
     Marker& marker = next("obstacles", Marker::CUBE);
     marker.pose = toPoseMessage(obstacle.pose);
     setScale(marker, box->size.x(), box->size.y(), box->size.z());
-    marker.color = colour(0.66f, 0.52f, 0.38f);
+    marker.color = colour(1.0f, 0.93f, 0.84f);  // rviz lights flat tops weakly
   } else {
     Marker& marker = next("obstacles", Marker::CUBE);
     Pose sheet = obstacle.pose;
     sheet.position = obstacle.pose.toWorld(Vec3(0.0, 0.0, -0.5 * kSheetThickness));
     marker.pose = toPoseMessage(sheet);
     setScale(marker, kPlaneExtent, kPlaneExtent, kSheetThickness);
-    marker.color = colour(0.62f, 0.64f, 0.66f);
+    marker.color = colour(0.95f, 0.96f, 0.97f);
   }
 }
 

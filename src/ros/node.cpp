@@ -6,6 +6,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <csignal>
 #include <iostream>
 
 #include "cloth_sim/ros/inputs.h"
@@ -20,6 +21,9 @@ namespace {
 constexpr int kBadInput = 2;
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not hold up the other services
 constexpr double kTfTimeout = 0.2;   ///< for a transform that is about to arrive [s]
+
+/// What ROS does on SIGINT, on SIGTERM too: `kill` ends the node as cleanly as Ctrl-C.
+void onTerminate(int /*signal*/) { ros::requestShutdown(); }
 
 Scene loadNodeScene(const NodeParameters& parameters) {
   Scene scene = loadScene(resolveScene(parameters.scene), parameters.set);
@@ -80,6 +84,7 @@ class Node {
 int runNode(int argc, char** argv) {
   try {
     ros::init(argc, argv, "cloth");
+    std::signal(SIGTERM, onTerminate);
     ros::NodeHandle handle;
     ros::NodeHandle privateHandle("~");
     const NodeParameters parameters = readParameters(privateHandle);

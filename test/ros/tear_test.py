@@ -42,8 +42,11 @@ class TearTest(unittest.TestCase):
             wait_until(lambda: frames.subscriber.get_num_connections() > 0 and
                        events.subscriber.get_num_connections() > 0, 'connections')
             self.assertTrue(pause(False).success)
-            wait_until(lambda: get_state().state.script != msg.ClothState.SCRIPT_RUNNING or
-                       get_state().state.failed, 'the end of the script', deadline=180.0)
+
+            def over(state):
+                return state.failed or state.script in (msg.ClothState.SCRIPT_DONE,
+                                                        msg.ClothState.SCRIPT_FAILED)
+            wait_until(lambda: over(get_state().state), 'the end of the script', deadline=180.0)
             end = get_state()
             state = end.state
             self.assertEqual(state.failure, '')

@@ -121,7 +121,9 @@ TEST(Markers, EmptyListsAreDeletedAndComeBack) {
   const auto& array = builder.build(nothing, ros::Time(1.0));
   for (const Marker& marker : array.markers) {
     const bool list = marker.type == Marker::TRIANGLE_LIST || marker.type == Marker::LINE_LIST;
-    if (list) EXPECT_EQ(marker.action, Marker::DELETE) << marker.ns;
+    if (list) {
+      EXPECT_EQ(marker.action, Marker::DELETE) << marker.ns;
+    }
   }
 }
 

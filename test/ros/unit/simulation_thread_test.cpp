@@ -124,7 +124,9 @@ TEST(SimulationThread, StoppingAnswersWhoWaits) {
   std::future<StepResult> steps = simulation.requestSteps(SimulationThread::kMaxSteps);
   simulation.stop();
   const StepResult result = steps.get();
-  if (!result.result.success) EXPECT_THAT(result.result.message, testing::HasSubstr("shutting"));
+  if (!result.result.success) {
+    EXPECT_THAT(result.result.message, testing::HasSubstr("shutting"));
+  }
   EXPECT_FALSE(simulation.execute(Reset{}, kTimeout).success);
   EXPECT_FALSE(simulation.requestSteps(1).get().result.success);
 }

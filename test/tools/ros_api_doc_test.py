@@ -1,0 +1,59 @@
+#!/usr/bin/python3
+"""docs/ros_api.md names exactly the topics, services, parameters and defaults of the code."""
+import os
+import re
+import unittest
+
+import rosunit
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir)
+
+
+def read(*path):
+    with open(os.path.join(ROOT, *path)) as file:
+        return file.read()
+
+
+def documented(section):
+    """Private names in the first column of the tables of a section."""
+    text = read('docs', 'ros_api.md').split('\n## ' + section)[1].split('\n## ')[0]
+    return {name: row for name, row in re.findall(r'^\| `~([^`]+)` (.*)$', text, re.M)}
+
+
+class RosApiDocTest(unittest.TestCase):
+    def test_parameters(self):
+        code = set(re.findall(r'reader\.(?:read|allow)\("(\w+)"', read('src', 'ros', 'parameters.cpp')))
+        self.assertEqual(set(documented('Parameters')), code)
+
+    def test_defaults(self):
+        header = read('include', 'cloth_sim', 'ros', 'parameters.h')
+        fields = dict(re.findall(r'^  [\w:]+ (\w+) = ([^;]+);', header, re.M))
+        for name, row in documented('Parameters').items():
+            field = re.sub(r'_(\w)', lambda match: match.group(1).upper(), name)
+            if field in fields:
+                self.assertIn('`%s`' % fields[field].strip('"'), row, name)
+
+    def test_topics_out(self):
+        code = read('src', 'ros', 'publishers.cpp')
+        names = set(re.findall(r'own\.advertise<[\w:]+>\("(\w+)"', code))
+        self.assertIn('"clamps/" + clamp.name + "/wrench"', code)
+        self.assertEqual(set(documented('Topics that the node sends')),
+                         names | {'clamps/<name>/wrench'})
+
+    def test_topics_in(self):
+        code = read('src', 'ros', 'inputs.cpp')
+        names = set(re.findall(r'subscribe\("(\w+)"', code))
+        clamps = set(re.findall(r'\bbase \+ "/(\w+)"', code))
+        self.assertEqual(set(documented('Topics that the node takes')),
+                         names | {'clamps/<name>/' + name for name in clamps})
+
+    def test_services(self):
+        code = re.findall(r'advertise<(\w+)>\(privateNode, "(\w+)"', read('src', 'ros', 'services.cpp'))
+        rows = documented('Services')
+        self.assertEqual(set(rows), {name for _, name in code})
+        for kind, name in code:
+            self.assertIn('`cloth_sim/%s`' % kind, rows[name])
+
+
+if __name__ == '__main__':
+    rosunit.unitrun('cloth_sim', 'ros_api_doc_test', RosApiDocTest)
