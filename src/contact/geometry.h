@@ -16,6 +16,8 @@
 /// `touch` says along which normal, and how far, the end has to move. A path that starts outside
 /// (gap >= 0) is held to the plane that touches the solid where it enters. A path that starts
 /// inside is moved out the shortest way from its start, by `rise` at most, and never let deeper.
+/// `touch` is inlined into the loop over particles by force: called, it would spend as long passing
+/// vectors through memory as computing.
 
 #include <algorithm>
 #include <cmath>
@@ -52,8 +54,8 @@ bool touchFromInside(const Convex& solid, const Vec3& start, const Vec3& end, do
 /// as that is convex, the iteration comes from the left and cannot step over the first root,
 /// however thin the solid or fast the particle.
 template <class Convex>
-bool touchConvex(const Convex& solid, const Vec3& start, const Vec3& end, double rise,
-                 Touch& touch) {
+[[gnu::noinline]] bool touchConvex(const Convex& solid, const Vec3& start, const Vec3& end,
+                                   double rise, Touch& touch) {
   Vec3 normal;
   double gap = solid.gap(start, normal);
   if (gap < 0.0) return touchFromInside(solid, start, end, rise, gap, normal, touch);
@@ -90,7 +92,8 @@ class Plane {
   }
   bool beyond(const Vec3& p, double distance) const { return gap(p) > distance; }
 
-  bool touch(const Vec3& start, const Vec3& end, double rise, Touch& touch) const {
+  [[gnu::always_inline]] bool touch(const Vec3& start, const Vec3& end, double rise,
+                                    Touch& touch) const {
     const double after = gap(end);
     if (after >= 0.0) return false;
     touch.normal = normal_;
@@ -124,7 +127,8 @@ class Sphere {
     return limit < 0.0 || p.squaredNorm() > limit * limit;
   }
 
-  bool touch(const Vec3& start, const Vec3& end, double rise, Touch& touch) const {
+  [[gnu::always_inline]] bool touch(const Vec3& start, const Vec3& end, double rise,
+                                    Touch& touch) const {
     return !misses(start, end) && touchConvex(*this, start, end, rise, touch);
   }
 
@@ -143,22 +147,43 @@ class Sphere {
   double reach_;
 };
 
+/// The axes of a shape that stands as the world does: nothing to compute.
+struct WorldAxes {
+  const Vec3& toLocal(const Vec3& world) const { return world; }
+  Vec3 toWorld(const Vec3& local) const { return local; }
+  const Vec3& extent(const Vec3& half) const { return half; }
+};
+
+/// The axes of a shape that is turned.
+struct TurnedAxes {
+  explicit TurnedAxes(const Quat& orientation)
+      : matrix(orientation.toRotationMatrix().transpose()) {}
+
+  Vec3 toLocal(const Vec3& world) const { return matrix * world; }
+  Vec3 toWorld(const Vec3& local) const { return matrix.transpose() * local; }
+  /// Half edge lengths, along these axes, around a box along the world's.
+  Vec3 extent(const Vec3& half) const { return matrix.cwiseAbs() * half; }
+
+  Eigen::Matrix3d matrix;  ///< takes directions of the world to the shape's axes
+};
+
 /// A solid box around the origin.
+template <class Axes>
 class Box {
  public:
   static constexpr int kSides = 1;
 
-  Box(const Vec3& size, const Quat& orientation, double margin)
-      : toLocal_(orientation.toRotationMatrix().transpose()), half_(0.5 * size), margin_(margin) {}
+  Box(const Axes& axes, const Vec3& size, double margin)
+      : axes_(axes), half_(0.5 * size), margin_(margin) {}
 
   double gap(const Vec3& p) const {
-    const Vec3 excess = excessOf(toLocal_ * p);
+    const Vec3 excess = excessOf(axes_.toLocal(p));
     const double inside = excess.maxCoeff();
     return (inside <= 0.0 ? inside : excess.cwiseMax(0.0).norm()) - margin_;
   }
 
   double gap(const Vec3& p, Vec3& normal) const {
-    const Vec3 local = toLocal_ * p;
+    const Vec3 local = axes_.toLocal(p);
     const Vec3 excess = excessOf(local);
     int face = 0;
     double distance = excess.maxCoeff(&face);
@@ -171,56 +196,89 @@ class Box {
       outward[face] = 1.0;
     }
     for (int k = 0; k < 3; ++k) outward[k] = std::copysign(outward[k], local[k]);
-    normal = toLocal_.transpose() * outward;
+    normal = axes_.toWorld(outward);
     return distance - margin_;
   }
 
   /// The box's own axes as separating axes; the bound is loose for boxes that are turned.
   double leastGap(const Vec3& centre, const Vec3& half) const {
-    const Vec3 excess = (toLocal_ * centre).cwiseAbs() - toLocal_.cwiseAbs() * half - half_;
+    const Vec3 excess = axes_.toLocal(centre).cwiseAbs() - axes_.extent(half) - half_;
     return excess.maxCoeff() - margin_;
   }
   bool beyond(const Vec3& p, double distance) const {
-    return excessOf(toLocal_ * p).maxCoeff() > margin_ + distance;
+    return excessOf(axes_.toLocal(p)).maxCoeff() > margin_ + distance;
   }
 
-  bool touch(const Vec3& start, const Vec3& end, double rise, Touch& touch) const {
-    return !misses(toLocal_ * start, toLocal_ * end) && touchConvex(*this, start, end, rise, touch);
+  [[gnu::always_inline]] bool touch(const Vec3& start, const Vec3& end, double rise,
+                                    Touch& touch) const {
+    const Vec3 to = axes_.toLocal(end);
+    const Vec3 from = axes_.toLocal(start);
+    if (misses<2>(from, to)) return false;  // first: most boards are tables
+    // Mostly the path stays over one face, and the box is a plane.
+    const Vec3 besideFrom = excessOf(from);
+    const Vec3 besideTo = excessOf(to);
+    if (isOver<2>(besideFrom, besideTo)) return touchFace<2>(from, to, rise, touch);
+    if (misses<0>(from, to) || misses<1>(from, to)) return false;
+    if (isOver<1>(besideFrom, besideTo)) return touchFace<1>(from, to, rise, touch);
+    if (isOver<0>(besideFrom, besideTo)) return touchFace<0>(from, to, rise, touch);
+    return touchConvex(*this, start, end, rise, touch);
   }
 
  private:
   /// By how much a local point lies beyond each pair of faces [m].
   Vec3 excessOf(const Vec3& local) const { return local.cwiseAbs() - half_; }
 
-  /// The path's own box does not meet the inflated one. z first: most boards are tables.
-  bool misses(const Vec3& start, const Vec3& end) const {
-    for (int k = 2; k >= 0; --k) {
-      const double limit = half_[k] + margin_;
-      if (std::min(start[k], end[k]) >= limit || std::max(start[k], end[k]) <= -limit) return true;
-    }
-    return false;
+  /// Both ends lie beyond the same one of the two faces across the axis.
+  template <int axis>
+  bool misses(const Vec3& from, const Vec3& to) const {
+    const double limit = half_[axis] + margin_;
+    return (from[axis] >= limit && to[axis] >= limit) ||
+           (from[axis] <= -limit && to[axis] <= -limit);
   }
 
-  Eigen::Matrix3d toLocal_;
+  /// Whether the closest feature to the start is a face across the axis, and the path stays over
+  /// it. Both arguments are from `excessOf`.
+  template <int axis>
+  static bool isOver(const Vec3& from, const Vec3& to) {
+    constexpr int a = (axis + 1) % 3;
+    constexpr int b = (axis + 2) % 3;
+    const double most = std::min(0.0, from[axis]);
+    return from[a] <= most && from[b] <= most && to[a] <= 0.0 && to[b] <= 0.0;
+  }
+
+  /// `touch` for a path over a face; in local coordinates.
+  template <int axis>
+  bool touchFace(const Vec3& from, const Vec3& to, double rise, Touch& touch) const {
+    const double side = std::copysign(1.0, from[axis]);
+    const double level = half_[axis] + margin_;
+    const double after = side * to[axis] - level;
+    if (after >= 0.0) return false;
+    touch.normal = axes_.toWorld(side * Vec3::Unit(axis));
+    touch.push = std::min(0.0, side * from[axis] - level + rise) - after;
+    return touch.push > 0.0;
+  }
+
+  Axes axes_;
   Vec3 half_;
   double margin_;
 };
 
 /// The outside of a box around the origin.
+template <class Axes>
 class Bounds {
  public:
   static constexpr int kSides = 3;
 
-  Bounds(const Vec3& size, const Quat& orientation, double margin)
-      : toLocal_(orientation.toRotationMatrix().transpose()), half_(0.5 * size), margin_(margin) {}
+  Bounds(const Axes& axes, const Vec3& size, double margin)
+      : axes_(axes), half_(0.5 * size), margin_(margin), room_((half_.array() - margin).max(0.0)) {}
 
   double gap(const Vec3& p) const {
-    const Vec3 excess = (toLocal_ * p).cwiseAbs() - half_;
+    const Vec3 excess = axes_.toLocal(p).cwiseAbs() - half_;
     const double outside = excess.maxCoeff();
     return -(outside <= 0.0 ? outside : excess.cwiseMax(0.0).norm()) - margin_;
   }
   double gap(const Vec3& p, Vec3& normal) const {
-    const Vec3 local = toLocal_ * p;
+    const Vec3 local = axes_.toLocal(p);
     const Vec3 excess = local.cwiseAbs() - half_;
     int face = 0;
     Vec3 inward = Vec3::Zero();
@@ -230,11 +288,11 @@ class Bounds {
       inward[face] = 1.0;
     }
     for (int k = 0; k < 3; ++k) inward[k] = -std::copysign(inward[k], local[k]);
-    normal = toLocal_.transpose() * inward;
+    normal = axes_.toWorld(inward);
     return gap(p);
   }
   double leastGap(const Vec3& centre, const Vec3& half) const {
-    const Vec3 excess = (toLocal_ * centre).cwiseAbs() + toLocal_.cwiseAbs() * half - half_;
+    const Vec3 excess = axes_.toLocal(centre).cwiseAbs() + axes_.extent(half) - half_;
     const double outside = excess.maxCoeff();
     return -(outside <= 0.0 ? outside : excess.cwiseMax(0.0).norm()) - margin_;
   }
@@ -242,48 +300,52 @@ class Bounds {
 
   /// The wall that the end lies farthest behind. The room inside is convex, so whatever the other
   /// walls and friction do later, a wall that has been dealt with is not entered again.
-  bool touch(const Vec3& start, const Vec3& end, double rise, Touch& touch) const {
-    const Vec3 to = toLocal_ * end;
-    const Vec3 room = (half_.array() - margin_).max(0.0);
-    if ((to.cwiseAbs() - room).maxCoeff() <= 0.0) return false;
-    const Vec3 from = toLocal_ * start;
-    const Vec3 limit = room.cwiseMax(from.cwiseAbs() - Vec3::Constant(rise));
+  [[gnu::always_inline]] bool touch(const Vec3& start, const Vec3& end, double rise,
+                                    Touch& touch) const {
+    const Vec3 to = axes_.toLocal(end);
+    if ((to.cwiseAbs() - room_).maxCoeff() <= 0.0) return false;
+    const Vec3 from = axes_.toLocal(start);
+    const Vec3 limit = room_.cwiseMax(from.cwiseAbs() - Vec3::Constant(rise));
     int wall = 0;
     const double push = (to.cwiseAbs() - limit).maxCoeff(&wall);
     if (!(push > 0.0)) return false;
-    touch.normal = toLocal_.row(wall).transpose() * std::copysign(1.0, -to[wall]);
+    touch.normal = axes_.toWorld(std::copysign(1.0, -to[wall]) * Vec3::Unit(wall));
     touch.push = push;
     return true;
   }
 
  private:
-  Eigen::Matrix3d toLocal_;
+  Axes axes_;
   Vec3 half_;
   double margin_;
+  Vec3 room_;  ///< where particles may be: half edge lengths [m]
 };
 
-inline Plane make(const PlaneShape&, const Quat& orientation, double margin) {
-  return {orientation * Vec3::UnitZ(), margin};
-}
-inline Sphere make(const SphereShape& shape, const Quat&, double margin) {
-  return {shape.radius, margin};
-}
-inline Box make(const BoxShape& shape, const Quat& orientation, double margin) {
-  return {shape.size, orientation, margin};
-}
-inline Bounds make(const BoundsShape& shape, const Quat& orientation, double margin) {
-  return {shape.size, orientation, margin};
+/// Calls `function` with a box or bounds in the axes that suit the orientation.
+template <template <class> class Solid, class Function>
+decltype(auto) visitTurned(const Vec3& size, const Quat& orientation, double margin,
+                           Function&& function) {
+  if (orientation.vec().isZero(0.0)) return function(Solid<WorldAxes>({}, size, margin));
+  return function(Solid<TurnedAxes>(TurnedAxes(orientation), size, margin));
 }
 
 /// Calls `function` with the geometry of the collider: the choice by shape is made here, once,
 /// and not in the function's loop over particles.
 template <class Function>
 decltype(auto) visit(const Collider& collider, Function&& function) {
-  return std::visit(
-      [&](const auto& shape) {
-        return function(make(shape, collider.obstacle().pose.orientation, collider.margin()));
-      },
-      collider.obstacle().shape);
+  const Quat& orientation = collider.obstacle().pose.orientation;
+  const double margin = collider.margin();
+  const Shape& shape = collider.obstacle().shape;
+  if (const auto* board = std::get_if<BoxShape>(&shape)) {
+    return visitTurned<Box>(board->size, orientation, margin, function);
+  }
+  if (const auto* bounds = std::get_if<BoundsShape>(&shape)) {
+    return visitTurned<Bounds>(bounds->size, orientation, margin, function);
+  }
+  if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
+    return function(Sphere(sphere->radius, margin));
+  }
+  return function(Plane(orientation * Vec3::UnitZ(), margin));
 }
 
 }  // namespace cloth_sim::geometry

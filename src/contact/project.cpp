@@ -24,18 +24,17 @@ struct Surface {
 /// Where a particle of positive mass ends.
 /// \param anchor  where it would be had it moved along with the collider [m].
 /// \param end     where it is without contact [m].
-Vec3 stopAt(const Surface& surface, const geometry::Touch& touch, const Vec3& anchor,
-            const Vec3& end) {
+[[gnu::always_inline]] inline Vec3 stopAt(const Surface& surface, const geometry::Touch& touch,
+                                          const Vec3& anchor, const Vec3& end) {
   const Vec3 moved = end - anchor;
   const double along = touch.normal.dot(moved);
   const double rise = along + touch.push;
   Vec3 slip = moved - along * touch.normal;
-  const double length = slip.norm();
   const double stopped = surface.friction * touch.push;
-  if (length <= stopped) {
+  if (slip.squaredNorm() <= stopped * stopped) {
     return std::abs(rise) <= kRestTolerance ? anchor : Vec3(anchor + rise * touch.normal);
   }
-  slip *= surface.keep * (1.0 - stopped / length);
+  slip *= surface.keep * (1.0 - stopped / slip.norm());
   return anchor + rise * touch.normal + slip;
 }
 
