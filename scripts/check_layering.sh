@@ -14,7 +14,8 @@ core_folders=(mesh cloth solver contact clamp surgery scene sim)
 libraries='rosbag|rviz|roslib|tf2?|tf2_[a-z_]+|diagnostic_updater|dynamic_reconfigure'
 libraries+='|interactive_markers|actionlib|message_filters|pluginlib'
 forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
-forbidden+="((ros|[a-z0-9_]+_msgs|std_srvs|$libraries)/|cloth_sim/(ros|rviz|tools|node)/|cloth_sim/[A-Z])"
+forbidden+="((ros|[a-z0-9_]+_msgs|std_srvs|$libraries)/"
+forbidden+='|cloth_sim/(ros|rviz|tools|node)/|cloth_sim/[A-Z])'
 
 paths=()
 for folder in "${core_folders[@]}"; do

@@ -7,13 +7,14 @@ usage: scripts/rviz_photo.sh [--scene FILE] [--at PHASE[+SECONDS]]... [--out DIR
 
 Photographs the package's own rviz view without a display: rviz runs in a virtual one (Xvfb) and is
 shown the scene live; the screen is saved when the phase has begun (and SECONDS of simulated time
-later). Installs what is missing first. rviz draws in software here: the run is slow, and said so.
+later). Installs what is missing first. rviz draws in software here, so the run is slow.
 
   --scene FILE   scene file, or the name of one in config/scenes (default: tear_seam)
   --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2)
   --out DIR      where to leave rviz_<phase>.png (default: the current folder)
   --size WxH     of the screen (default: 1600x1000)
   --speed F      simulated over wall time (default: 0.5)
+  -h, --help     this text
 USAGE
 }
 

@@ -69,7 +69,8 @@ def main():
         pause(True)
         time.sleep(1.5)  # until what is drawn has caught up
         path = f'{args.out}/rviz_{phase}.png'
-        subprocess.run(['import', '-silent', '-window', 'root', '-trim', '+repage', path], check=True)
+        subprocess.run(['import', '-silent', '-window', 'root', '-trim', '+repage', path],
+                       check=True)
         print(f'== left {path} (t = {watcher.state.time:.2f} s)', flush=True)
         pause(False)
 
