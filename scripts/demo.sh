@@ -20,7 +20,8 @@ and, where there is a display, then shows the run live in rviz, until Ctrl-C.
   --headless     no rviz, even where there is a display
   -h, --help     this text
 
-The exit status is that of the run: 0 done, 2 bad input, 3 the simulation failed.
+The exit status is that of the run: 0 done, 2 bad input, 3 the simulation failed; 1 if it did not get
+that far.
 USAGE
 }
 
@@ -35,7 +36,7 @@ while [[ $# -gt 0 ]]; do
     --out=*) out=${1#*=} ;;
     --out) out=${2:?--out needs a folder} && shift ;;
     --headless) headless=yes ;;
-    *) usage >&2 && die "unknown argument '$1'" ;;
+    *) bad_usage "unknown argument '$1'" ;;
   esac
   shift
 done

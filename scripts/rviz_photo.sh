@@ -37,7 +37,7 @@ while [[ $# -gt 0 ]]; do
       esac
       shift
       ;;
-    *) usage >&2 && die "unknown argument '$1'" ;;
+    *) bad_usage "unknown argument '$1'" ;;
   esac
   shift
 done

@@ -25,7 +25,7 @@ while [[ $# -gt 0 ]]; do
     --quick) quick=yes ;;
     --sanitize=*) sanitize=${1#*=} ;;
     --sanitize) sanitize=${2:?--sanitize needs a list} && shift ;;
-    *) usage >&2 && die "unknown argument '$1'" ;;
+    *) bad_usage "unknown argument '$1'" ;;
   esac
   shift
 done

@@ -14,6 +14,13 @@ die() {
   exit 1
 }
 
+# bad_usage <message>: after the usage, for a wrong command line.
+bad_usage() {
+  usage >&2
+  printf 'error: %s\n' "$*" >&2
+  exit 2
+}
+
 # run_timed <what> <command>...: runs it, then says how long it took.
 run_timed() {
   local what=$1 start=$SECONDS status=0
