@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # What scripts/*.sh share: packages, the catkin workspace in .ws, the environment. Sourced, not run.
 #
 # It works on Debian 12, whose own ROS 1 is in /usr, and on ROS Noetic in /opt/ros/noetic. It says
