@@ -11,6 +11,7 @@
 ///     double leastGap(centre, half)      a lower bound on `gap` over an axis-aligned box
 ///     bool beyond(p, d)                  a cheap test; true only if gap(p) > d
 ///     bool touch(start, end, rise, t)    whether the path from start to end is stopped
+///     optional<Top> top()                the level top, if there is one
 ///     kSides                             how many times a path can be stopped in one substep
 ///
 /// `touch` says along which normal, and how far, the end has to move. A path that starts outside
@@ -21,6 +22,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <type_traits>
 #include <variant>
 
 #include "cloth_sim/contact/collider.h"
@@ -30,6 +34,14 @@ namespace cloth_sim::geometry {
 struct Touch {
   Vec3 normal = Vec3::UnitZ();
   double push = 0.0;  ///< by which the end of the path must move along the normal [m], > 0
+};
+
+/// The level top of a solid, where it has one.
+struct Top {
+  double halfX = 0.0;  ///< half its extent along the world's x [m]
+  double halfY = 0.0;  ///< and y [m]
+  double solid = 0.0;  ///< its height over the obstacle's position [m]
+  double level = 0.0;  ///< the same plus the margin [m]
 };
 
 /// How far from a convex solid's surface its entry point may be when the search for it ends. The
@@ -101,6 +113,12 @@ class Plane {
     return touch.push > 0.0;
   }
 
+  std::optional<Top> top() const {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (normal_ != Vec3::UnitZ()) return std::nullopt;
+    return Top{kInfinity, kInfinity, -kInfinity, margin_};
+  }
+
  private:
   Vec3 normal_;
   double margin_;
@@ -131,6 +149,8 @@ class Sphere {
                                     Touch& touch) const {
     return !misses(start, end) && touchConvex(*this, start, end, rise, touch);
   }
+
+  std::optional<Top> top() const { return std::nullopt; }
 
  private:
   /// Ends outside and has not come nearer on the way than the radius; exact, without a root.
@@ -224,6 +244,11 @@ class Box {
     return touchConvex(*this, start, end, rise, touch);
   }
 
+  std::optional<Top> top() const {
+    if (!std::is_same_v<Axes, WorldAxes>) return std::nullopt;
+    return Top{half_.x(), half_.y(), half_.z(), half_.z() + margin_};
+  }
+
  private:
   /// By how much a local point lies beyond each pair of faces [m].
   Vec3 excessOf(const Vec3& local) const { return local.cwiseAbs() - half_; }
@@ -313,6 +338,8 @@ class Bounds {
     touch.push = push;
     return true;
   }
+
+  std::optional<Top> top() const { return std::nullopt; }
 
  private:
   Axes axes_;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "geometry.h"
 
@@ -38,6 +39,43 @@ struct Surface {
   return anchor + rise * touch.normal + slip;
 }
 
+/// `touch` and `stopAt` in one for the most common contact: with the top of an upright solid, which
+/// is level. In about a quarter of their time, with the same result. \return whether the path stays
+/// over the top, so that the particle has been dealt with.
+bool stopAtTop(const geometry::Top& top, const Surface& surface, const ParticleView& p,
+               std::int32_t i, Vec3& moment) {
+  const double ax = p.startX[i] + surface.carry.x();
+  const double ay = p.startY[i] + surface.carry.y();
+  const double az = p.startZ[i] + surface.carry.z();
+  const double ex = p.x[i];
+  const double ey = p.y[i];
+  const double ez = p.z[i];
+  const Vec3& centre = surface.position;
+  const bool over = az - centre.z() >= top.solid && std::abs(ax - centre.x()) <= top.halfX &&
+                    std::abs(ay - centre.y()) <= top.halfY &&
+                    std::abs(ex - centre.x()) <= top.halfX &&
+                    std::abs(ey - centre.y()) <= top.halfY;
+  if (!over) return false;
+  const double level = centre.z() + top.level;
+  const double after = ez - level;
+  if (after >= 0.0) return true;
+  const double push = std::min(0.0, az - level + surface.rise) - after;
+  const double rise = ez - az + push;
+  double slipX = ex - ax;
+  double slipY = ey - ay;
+  const double slip2 = slipX * slipX + slipY * slipY;
+  const double stopped = surface.friction * push;
+  const bool sticks = slip2 <= stopped * stopped;
+  const double keep = sticks ? 0.0 : surface.keep * (1.0 - stopped / std::sqrt(slip2));
+  slipX *= keep;
+  slipY *= keep;
+  p.x[i] = ax + slipX;
+  p.y[i] = ay + slipY;
+  p.z[i] = sticks && std::abs(rise) <= kRestTolerance ? az : az + rise;
+  moment += p.mass[i] * Vec3(p.x[i] - ex, p.y[i] - ey, p.z[i] - ez);
+  return true;
+}
+
 /// \return the sum of mass times displacement [kg m].
 template <class Geometry>
 Vec3 projectOut(const Geometry& solid, const Surface& surface,
@@ -45,8 +83,10 @@ Vec3 projectOut(const Geometry& solid, const Surface& surface,
   constexpr double kAtOnce = std::numeric_limits<double>::infinity();
   Vec3 moment = Vec3::Zero();
   geometry::Touch touch;
+  const std::optional<geometry::Top> top = solid.top();
   for (const VertexId v : vertices) {
     const std::int32_t i = p.slotOf ? p.slotOf[v] : v;
+    if (top && p.mass[i] != 0.0 && stopAtTop(*top, surface, p, i, moment)) continue;
     const Vec3 anchor = Vec3(p.startX[i], p.startY[i], p.startZ[i]) + surface.carry;
     const bool prescribed = p.mass[i] == 0.0;
     const double rise = prescribed ? kAtOnce : surface.rise;

@@ -1,6 +1,7 @@
 #include "cloth_sim/sim/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "cloth_sim/sim/build.h"
@@ -9,8 +10,15 @@ namespace cloth_sim {
 namespace {
 
 /// How far a particle may be pulled in one step beyond its own speed times dt and still be among
-/// the contact candidates [m].
+/// the contact candidates, at least [m].
 constexpr double kContactReach = 0.05;
+
+/// A particle that rests may be pulled along by the fastest one.
+double contactReach(const State& state, double dt) {
+  double fastest = 0.0;
+  for (const Vec3& v : state.v) fastest = std::max(fastest, v.squaredNorm());
+  return std::max(kContactReach, std::sqrt(fastest) * dt);
+}
 
 VertexData<VertexId> identity(const Model& model) {
   std::vector<VertexId> ids(static_cast<std::size_t>(model.particleCount()));
@@ -151,7 +159,9 @@ void Simulation::moveClamps() {
 }
 
 void Simulation::detectContacts() {
-  colliders_.detect(state_, scene_.solver.dt, kContactReach, contacts_);
+  if (colliders_.all().empty()) return;
+  const double dt = scene_.solver.dt;
+  colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
 }
 
 void Simulation::solve() {

@@ -63,8 +63,7 @@ void PackedSolver::finishReactions(const Model& model, const Controls& controls,
     const KinematicTarget& target = controls.kinematic[k];
     const double mass = model.mass[target.vertex];
     const Vec3 acceleration = (target.velocity - kinematicStartVelocity_[k]) / dt;
-    report_.reactions[k] =
-        report_.reactions[k] / dt + mass * (controls.gravity - acceleration);
+    report_.reactions[k] = report_.reactions[k] / dt + mass * (controls.gravity - acceleration);
   }
 }
 

@@ -48,8 +48,8 @@ const SolverInfo& findSolver(const std::string& name) {
   for (const SolverInfo& info : solverRegistry()) {
     if (info.name == name) return info;
   }
-  throw std::invalid_argument("method: expected one of " + joinNames(solverRegistry()) +
-                              " (got '" + name + "')");
+  throw std::invalid_argument("method: expected one of " + joinNames(solverRegistry()) + " (got '" +
+                              name + "')");
 }
 
 SolverParameters completeParameters(const SolverInfo& info, const SolverParameters& given) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "cloth_sim/solver/parallel_for.h"
 #include "cloth_sim/solver/vector_clones.h"
 
 namespace cloth_sim {
@@ -10,9 +9,6 @@ namespace {
 
 /// Keeps the direction of a spring of no length from being 0/0 [m^2].
 constexpr double kTinySquare = 1e-300;
-/// Work below this many springs is not worth a thread.
-constexpr std::int32_t kGrainRuns = 24;
-constexpr std::int32_t kGrainSingles = 1024;
 
 /// One spring from a to b: the force that a gets.
 struct Pull {
@@ -54,9 +50,8 @@ void pullRun(std::int32_t count, std::int32_t first, std::int32_t a, std::int32_
   double* const fbz = force.z.data() + b;
 #pragma GCC ivdep
   for (std::int32_t k = 0; k < count; ++k) {
-    const Pull pull =
-        springPull(bx[k] - ax[k], by[k] - ay[k], bz[k] - az[k], bu[k] - au[k], bv[k] - av[k],
-                   bw[k] - aw[k], rest[k], stiffness[k], damping[k]);
+    const Pull pull = springPull(bx[k] - ax[k], by[k] - ay[k], bz[k] - az[k], bu[k] - au[k],
+                                 bv[k] - av[k], bw[k] - aw[k], rest[k], stiffness[k], damping[k]);
     fax[k] += pull.x;
     fay[k] += pull.y;
     faz[k] += pull.z;
@@ -66,42 +61,30 @@ void pullRun(std::int32_t count, std::int32_t first, std::int32_t a, std::int32_
   }
 }
 
-void pullSingles(std::int32_t first, std::int32_t end, const SpringSchedule& s,
-                 const PackedVectors& x, const PackedVectors& v, PackedVectors& force) {
-  for (std::int32_t p = first; p < end; ++p) {
-    const auto a = static_cast<std::size_t>(s.endA[p]);
-    const auto b = static_cast<std::size_t>(s.endB[p]);
-    const Pull pull = springPull(x.x[b] - x.x[a], x.y[b] - x.y[a], x.z[b] - x.z[a],
-                                 v.x[b] - v.x[a], v.y[b] - v.y[a], v.z[b] - v.z[a],
-                                 s.restLength[p], s.stiffness[p], s.damping[p]);
-    force.x[a] += pull.x;
-    force.y[a] += pull.y;
-    force.z[a] += pull.z;
-    force.x[b] -= pull.x;
-    force.y[b] -= pull.y;
-    force.z[b] -= pull.z;
-  }
+void pullSingle(std::int32_t p, const SpringSchedule& s, const PackedVectors& x,
+                const PackedVectors& v, PackedVectors& force) {
+  const auto a = static_cast<std::size_t>(s.endA[p]);
+  const auto b = static_cast<std::size_t>(s.endB[p]);
+  const Pull pull =
+      springPull(x.x[b] - x.x[a], x.y[b] - x.y[a], x.z[b] - x.z[a], v.x[b] - v.x[a],
+                 v.y[b] - v.y[a], v.z[b] - v.z[a], s.restLength[p], s.stiffness[p], s.damping[p]);
+  force.x[a] += pull.x;
+  force.y[a] += pull.y;
+  force.z[a] += pull.z;
+  force.x[b] -= pull.x;
+  force.y[b] -= pull.y;
+  force.z[b] -= pull.z;
 }
 
 }  // namespace
 
 void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
                      PackedVectors& force) {
-  for (const SpringSchedule::Batch& batch : schedule.batches()) {
-    parallelFor(static_cast<std::int32_t>(batch.runs.size()), kGrainRuns,
-                [&](std::int32_t begin, std::int32_t end) {
-                  for (std::int32_t r = begin; r < end; ++r) {
-                    const SpringSchedule::Run& run = batch.runs[r];
-                    pullRun(run.count, run.first, schedule.endA[run.first],
-                            schedule.endB[run.first], schedule, x, v, force);
-                  }
-                });
-    parallelFor(batch.endSingle - batch.firstSingle, kGrainSingles,
-                [&](std::int32_t begin, std::int32_t end) {
-                  pullSingles(batch.firstSingle + begin, batch.firstSingle + end, schedule, x, v,
-                              force);
-                });
-  }
+  schedule.sweep(
+      [&](std::int32_t first, std::int32_t count) {
+        pullRun(count, first, schedule.endA[first], schedule.endB[first], schedule, x, v, force);
+      },
+      [&](std::int32_t position) { pullSingle(position, schedule, x, v, force); });
 }
 
 }  // namespace cloth_sim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace cloth_sim {
@@ -11,17 +12,25 @@ namespace {
 constexpr std::int32_t kShortestRun = 8;
 /// Absorbs rounding in material coordinates when they are divided by a spacing.
 constexpr double kGridTolerance = 1e-6;
+/// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not be
+/// so short that a colour loads what the colour before it has hardly stored.
+constexpr std::size_t kStrandSprings = 4096;
+/// A batch that falls apart into fewer sets leaves threads idle.
+constexpr std::int32_t kFewestSets = 16;
 
-/// Springs of one kind along one direction; on a grid two colours suffice for each.
-int family(const Model& model, const Spring& spring) {
+/// On a grid two colours suffice for parallel springs of one kind. Colours that are to be joined
+/// into a batch are numbered one after the other: first those within rows, then those between rows
+/// 2k and 2k + 1, then those between rows 2k + 1 and 2k + 2, then those over two rows.
+int colourOf(const Model& model, const Spring& spring, int parity) {
+  const bool bend = spring.kind == SpringKind::kBend;
   const Vec2 d = model.mesh.material(spring.b) - model.mesh.material(spring.a);
   switch (spring.direction) {
     case ThreadDirection::kWarp:
-      return spring.kind == SpringKind::kBend ? 4 : 0;
+      return (bend ? 2 : 0) + parity;
     case ThreadDirection::kWeft:
-      return spring.kind == SpringKind::kBend ? 5 : 1;
+      return bend ? 10 + parity : 4 + 3 * parity;
     case ThreadDirection::kBias:
-      return d.x() * d.y() > 0.0 ? 2 : 3;
+      return (d.x() * d.y() > 0.0 ? 5 : 6) + 3 * parity;
   }
   return 0;
 }
@@ -34,7 +43,7 @@ int gridColour(const Model& model, const Spring& spring) {
   const double low = std::min(p[axis], q[axis]);
   const double extent = std::abs(q[axis] - p[axis]);
   const auto cell = static_cast<long>(std::floor(low / extent + kGridTolerance));
-  return 2 * family(model, spring) + static_cast<int>(cell & 1);
+  return colourOf(model, spring, static_cast<int>(cell & 1));
 }
 
 /// Greedy colouring that prefers a given colour where it is free.
@@ -67,18 +76,50 @@ class Colouring {
   std::vector<std::vector<bool>> used_;
 };
 
+/// Particles joined by springs into connected sets.
+class Sets {
+ public:
+  explicit Sets(std::int32_t particles) : parent_(static_cast<std::size_t>(particles), kNone) {}
+
+  /// The smallest particle of the set.
+  std::int32_t rootOf(std::int32_t p) const {
+    while (parent_[p] != p) p = parent_[p];
+    return p;
+  }
+  void join(std::int32_t a, std::int32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a == b) return;
+    parent_[std::max(a, b)] = std::min(a, b);
+    --count_;
+  }
+  std::int32_t count() const { return count_; }
+
+ private:
+  std::int32_t find(std::int32_t p) {
+    if (parent_[p] == kNone) {
+      parent_[p] = p;
+      ++count_;
+    }
+    while (parent_[p] != p) p = parent_[p] = parent_[parent_[p]];
+    return p;
+  }
+
+  std::vector<std::int32_t> parent_;  ///< kNone: not seen yet
+  std::int32_t count_ = 0;
+};
+
 }  // namespace
 
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
-  truncate(0, 0);
+  truncate({});
   originalSlots_ = static_cast<std::int32_t>(model.springs.slots().size());
   std::vector<std::int32_t> all(originalSlots_);
   std::iota(all.begin(), all.end(), 0);
   position_.assign(originalSlots_, kNone);
   append(model, slotOf, colour(model, all));
   originalPosition_ = position_;
-  originalPositions_ = size();
-  originalBatches_ = batches_.size();
+  original_ = {endA.size(), spans_.size(), strands_.size(), batches_.size()};
 }
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
@@ -86,7 +127,7 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
   for (const auto* slots : {&changes.removed, &changes.modified, &changes.added}) {
     for (std::int32_t slot : *slots) settle(model.springs[slot], slot, slotOf);
   }
-  truncate(originalPositions_, originalBatches_);
+  truncate(original_);
   position_.resize(model.springs.slots().size(), kNone);
   append(model, slotOf, colour(model, {appended_.begin(), appended_.end()}));
 }
@@ -116,8 +157,7 @@ SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
   for (std::int32_t slot : slots) {
     const Spring& spring = model.springs[slot];
     if (!spring.exists()) continue;
-    const auto chosen =
-        static_cast<std::size_t>(colouring.pick(spring, gridColour(model, spring)));
+    const auto chosen = static_cast<std::size_t>(colouring.pick(spring, gridColour(model, spring)));
     if (colours.size() <= chosen) colours.resize(chosen + 1);
     colours[chosen].push_back(slot);
   }
@@ -126,51 +166,99 @@ SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
 
 void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>& slotOf,
                             Coloured colours) {
-  for (std::vector<std::int32_t>& slots : colours) {
-    if (slots.empty()) continue;
-    Batch batch;
-    findRuns(batch, slots, model.springs, slotOf);
-    for (std::int32_t slot : slots) {
-      const std::int32_t position = size();
-      position_[slot] = position;
-      endA.push_back(kNone);
-      endB.push_back(kNone);
-      restLength.push_back(0.0);
-      stiffness.push_back(0.0);
-      damping.push_back(0.0);
-      place(model.springs[slot], position, slotOf);
+  const SpringNetwork& springs = model.springs;
+  const auto particles = static_cast<std::int32_t>(slotOf.size());
+  const auto joinAll = [&](Sets& sets, const std::vector<std::int32_t>& slots) {
+    for (std::int32_t slot : slots) sets.join(slotOf[springs[slot].a], slotOf[springs[slot].b]);
+  };
+  for (std::size_t first = 0; first < colours.size();) {
+    Sets sets(particles);
+    joinAll(sets, colours[first]);
+    std::size_t end = first + 1;
+    for (; end < colours.size(); ++end) {
+      Sets joined = sets;
+      joinAll(joined, colours[end]);
+      if (joined.count() < std::min(kFewestSets, sets.count())) break;
+      sets = std::move(joined);
     }
-    batches_.push_back(std::move(batch));
+    std::map<std::int32_t, Coloured> byRoot;
+    for (std::size_t c = first; c < end; ++c) {
+      for (std::int32_t slot : colours[c]) {
+        Coloured& set = byRoot[sets.rootOf(slotOf[springs[slot].a])];
+        set.resize(end - first);
+        set[c - first].push_back(slot);
+      }
+    }
+    Batch batch;
+    const std::int32_t before = size();
+    batch.firstStrand = static_cast<std::int32_t>(strands_.size());
+    Coloured strand(end - first);
+    for (auto set = byRoot.begin(); set != byRoot.end();) {
+      std::size_t count = 0;
+      for (std::size_t c = 0; c < strand.size(); ++c) {
+        strand[c].insert(strand[c].end(), set->second[c].begin(), set->second[c].end());
+        count += strand[c].size();
+      }
+      if (++set != byRoot.end() && count < kStrandSprings) continue;
+      appendStrand(springs, slotOf, strand);
+      for (std::vector<std::int32_t>& slots : strand) slots.clear();
+    }
+    batch.endStrand = static_cast<std::int32_t>(strands_.size());
+    batch.springs = size() - before;
+    if (batch.springs > 0) batches_.push_back(batch);
+    first = end;
   }
 }
 
-void SpringSchedule::findRuns(Batch& batch, std::vector<std::int32_t>& slots,
-                              const SpringNetwork& springs,
-                              const std::vector<std::int32_t>& slotOf) {
-  const auto end = [&](std::int32_t slot) { return slotOf[springs[slot].a]; };
+void SpringSchedule::appendStrand(const SpringNetwork& springs,
+                                  const std::vector<std::int32_t>& slotOf,
+                                  const Coloured& colours) {
+  Strand strand;
+  strand.firstSpan = static_cast<std::int32_t>(spans_.size());
+  for (const std::vector<std::int32_t>& slots : colours) appendColour(springs, slotOf, slots);
+  strand.endSpan = static_cast<std::int32_t>(spans_.size());
+  strands_.push_back(strand);
+}
+
+void SpringSchedule::appendColour(const SpringNetwork& springs,
+                                  const std::vector<std::int32_t>& slotOf,
+                                  const std::vector<std::int32_t>& slots) {
+  std::vector<std::int32_t> sorted = slots;
+  std::sort(sorted.begin(), sorted.end(), [&](std::int32_t s, std::int32_t t) {
+    return slotOf[springs[s].a] < slotOf[springs[t].a];
+  });
   const auto follows = [&](std::int32_t s, std::int32_t t) {
     return slotOf[springs[t].a] == slotOf[springs[s].a] + 1 &&
            slotOf[springs[t].b] == slotOf[springs[s].b] + 1;
   };
-  std::sort(slots.begin(), slots.end(),
-            [&](std::int32_t s, std::int32_t t) { return end(s) < end(t); });
-  std::vector<std::int32_t> inRuns;
   std::vector<std::int32_t> singles;
-  for (std::size_t k = 0; k < slots.size();) {
-    std::size_t stop = k + 1;
-    while (stop < slots.size() && follows(slots[stop - 1], slots[stop])) ++stop;
-    const auto count = static_cast<std::int32_t>(stop - k);
-    const bool isRun = count >= kShortestRun;
-    if (isRun) batch.runs.push_back({size() + static_cast<std::int32_t>(inRuns.size()), count});
-    std::vector<std::int32_t>& target = isRun ? inRuns : singles;
-    target.insert(target.end(), slots.begin() + static_cast<std::ptrdiff_t>(k),
-                  slots.begin() + static_cast<std::ptrdiff_t>(stop));
-    k = stop;
+  for (auto at = sorted.begin(); at != sorted.end();) {
+    auto stop = at + 1;
+    while (stop != sorted.end() && follows(*(stop - 1), *stop)) ++stop;
+    if (stop - at >= kShortestRun) {
+      appendSpan(springs, slotOf, {at, stop}, true);
+    } else {
+      singles.insert(singles.end(), at, stop);
+    }
+    at = stop;
   }
-  batch.firstSingle = size() + static_cast<std::int32_t>(inRuns.size());
-  batch.endSingle = batch.firstSingle + static_cast<std::int32_t>(singles.size());
-  inRuns.insert(inRuns.end(), singles.begin(), singles.end());
-  slots = std::move(inRuns);
+  if (!singles.empty()) appendSpan(springs, slotOf, singles, false);
+}
+
+void SpringSchedule::appendSpan(const SpringNetwork& springs,
+                                const std::vector<std::int32_t>& slotOf,
+                                const std::vector<std::int32_t>& slots, bool isRun) {
+  spans_.push_back({size(), static_cast<std::int32_t>(slots.size()), isRun});
+  for (std::int32_t slot : slots) {
+    const std::int32_t position = size();
+    position_[slot] = position;
+    endA.push_back(kNone);
+    endB.push_back(kNone);
+    restLength.push_back(0.0);
+    stiffness.push_back(0.0);
+    damping.push_back(0.0);
+    place(springs[slot], position, slotOf);
+  }
 }
 
 void SpringSchedule::place(const Spring& spring, std::int32_t position,
@@ -183,13 +271,15 @@ void SpringSchedule::place(const Spring& spring, std::int32_t position,
   if (spring.damping > 0.0) damped = true;
 }
 
-void SpringSchedule::truncate(std::int32_t positions, std::size_t batches) {
-  endA.resize(positions);
-  endB.resize(positions);
-  restLength.resize(positions);
-  stiffness.resize(positions);
-  damping.resize(positions);
-  batches_.resize(batches);
+void SpringSchedule::truncate(const Extent& extent) {
+  endA.resize(extent.positions);
+  endB.resize(extent.positions);
+  restLength.resize(extent.positions);
+  stiffness.resize(extent.positions);
+  damping.resize(extent.positions);
+  spans_.resize(extent.spans);
+  strands_.resize(extent.strands);
+  batches_.resize(extent.batches);
 }
 
 }  // namespace cloth_sim

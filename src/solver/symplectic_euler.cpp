@@ -31,7 +31,8 @@ SolverInfo symplecticEulerInfo() {
   info.name = "symplectic_euler";
   info.title = "Symplectic (semi-implicit) Euler";
   info.reference = "Hairer, Lubich & Wanner, Geometric Numerical Integration, 2006, ch. VI.3";
-  info.limitations = "diverges for substeps longer than 2 / omega_max; dashpots shorten that further";
+  info.limitations =
+      "diverges for substeps longer than 2 / omega_max; dashpots shorten that further";
   info.order = 1;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {

@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "cloth_sim/solver/packed_solver.h"
-#include "cloth_sim/solver/parallel_for.h"
 #include "cloth_sim/solver/vector_clones.h"
 #include "methods.h"
 
@@ -10,8 +9,6 @@ namespace {
 
 /// Keeps the direction of a spring of no length from being 0/0 [m^2].
 constexpr double kTinySquare = 1e-300;
-constexpr std::int32_t kGrainRuns = 24;
-constexpr std::int32_t kGrainSingles = 1024;
 
 /// Per spring, by position in the schedule. A correction along the spring by
 /// gain * (C + lag * dC), where dC is what C has changed by in this substep, is the damped XPBD
@@ -32,8 +29,8 @@ struct Ends {
 };
 
 Ends endsAt(PackedParticles& p, std::int32_t slot) {
-  return {p.x.x.data() + slot,     p.x.y.data() + slot,     p.x.z.data() + slot,
-          p.start.x.data() + slot, p.start.y.data() + slot, p.start.z.data() + slot,
+  return {p.x.x.data() + slot,        p.x.y.data() + slot,     p.x.z.data() + slot,
+          p.start.x.data() + slot,    p.start.y.data() + slot, p.start.z.data() + slot,
           p.inverseMass.data() + slot};
 }
 
@@ -67,8 +64,8 @@ void sweepDampedRun(std::int32_t count, Ends a, Ends b, const double* rest, cons
     const double dz = b.z[k] - a.z[k];
     const double squared = dx * dx + dy * dy + dz * dz + kTinySquare;
     const double length = std::sqrt(squared);
-    const double moved = squared - dx * (b.sx[k] - a.sx[k]) - dy * (b.sy[k] - a.sy[k]) -
-                         dz * (b.sz[k] - a.sz[k]);
+    const double moved =
+        squared - dx * (b.sx[k] - a.sx[k]) - dy * (b.sy[k] - a.sy[k]) - dz * (b.sz[k] - a.sz[k]);
     const double inverse = 1.0 / length;
     const double f = gain[k] * (length - rest[k] + lag[k] * (moved * inverse)) * inverse;
     const double fa = f * a.w[k];
@@ -166,8 +163,8 @@ void Xpbd::computeGains(double h) {
   for (std::size_t p = 0; p < n; ++p) {
     const double stiffness = schedule_.stiffness[p];
     if (stiffness <= 0.0) continue;
-    const double w = particles_.inverseMass[schedule_.endA[p]] +
-                     particles_.inverseMass[schedule_.endB[p]];
+    const double w =
+        particles_.inverseMass[schedule_.endA[p]] + particles_.inverseMass[schedule_.endB[p]];
     const double lag = schedule_.damping[p] / (stiffness * h);
     gains_.lag[p] = lag;
     gains_.gain[p] = 1.0 / ((1.0 + lag) * w + 1.0 / (stiffness * h * h));
@@ -237,31 +234,18 @@ void Xpbd::applyWind(const Substep& now) {
 
 void Xpbd::sweep() {
   const SpringSchedule& s = schedule_;
-  for (const SpringSchedule::Batch& batch : s.batches()) {
-    parallelFor(static_cast<std::int32_t>(batch.runs.size()), kGrainRuns,
-                [&](std::int32_t begin, std::int32_t end) {
-                  for (std::int32_t r = begin; r < end; ++r) {
-                    const SpringSchedule::Run& run = batch.runs[r];
-                    const Ends a = endsAt(particles_, s.endA[run.first]);
-                    const Ends b = endsAt(particles_, s.endB[run.first]);
-                    const double* rest = s.restLength.data() + run.first;
-                    const double* gain = gains_.gain.data() + run.first;
-                    if (s.damped) {
-                      sweepDampedRun(run.count, a, b, rest, gain, gains_.lag.data() + run.first);
-                    } else {
-                      sweepRun(run.count, a, b, rest, gain);
-                    }
-                  }
-                });
-    parallelFor(batch.endSingle - batch.firstSingle, kGrainSingles,
-                [&](std::int32_t begin, std::int32_t end) {
-                  for (std::int32_t p = batch.firstSingle + begin; p < batch.firstSingle + end;
-                       ++p) {
-                    sweepDampedRun(1, endsAt(particles_, s.endA[p]), endsAt(particles_, s.endB[p]),
-                                   &s.restLength[p], &gains_.gain[p], &gains_.lag[p]);
-                  }
-                });
-  }
+  const auto project = [&](std::int32_t first, std::int32_t count) {
+    const Ends a = endsAt(particles_, s.endA[first]);
+    const Ends b = endsAt(particles_, s.endB[first]);
+    const double* rest = s.restLength.data() + first;
+    const double* gain = gains_.gain.data() + first;
+    if (s.damped) {
+      sweepDampedRun(count, a, b, rest, gain, gains_.lag.data() + first);
+    } else {
+      sweepRun(count, a, b, rest, gain);
+    }
+  };
+  s.sweep(project, [&](std::int32_t position) { project(position, 1); });
 }
 
 void Xpbd::solveAttachments(double h) {
@@ -274,10 +258,8 @@ void Xpbd::solveAttachments(double h) {
     const double moved =
         length - direction.dot(particles_.start.at(held) - particles_.start.at(free));
     // The multiplier of eq. 18: the impulse is this over h.
-    const double pull =
-        at.gain * (length - schedule_.restLength[at.position] + at.lag * moved);
-    particles_.x.set(free,
-                     particles_.x.at(free) + particles_.inverseMass[free] * pull * direction);
+    const double pull = at.gain * (length - schedule_.restLength[at.position] + at.lag * moved);
+    particles_.x.set(free, particles_.x.at(free) + particles_.inverseMass[free] * pull * direction);
     addReaction(at.held, -pull / h * direction);
   }
 }

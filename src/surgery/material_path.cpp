@@ -23,6 +23,15 @@ double offLine(const Vec2& a, const Vec2& b, const Vec2& p) {
   return -cross(d, p - a) / d.norm();
 }
 
+/// Whether the boxes around two segments meet: decides for segments on one line.
+bool boxesMeet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
+  const auto apart = [](double a0, double a1, double p0, double p1) {
+    return std::max(a0, a1) < std::min(p0, p1) - kTolerance;
+  };
+  return !apart(a.x(), b.x(), p.x(), q.x()) && !apart(p.x(), q.x(), a.x(), b.x()) &&
+         !apart(a.y(), b.y(), p.y(), q.y()) && !apart(p.y(), q.y(), a.y(), b.y());
+}
+
 }  // namespace
 
 double sideOf(const MaterialPath& path, const Vec2& point) {
@@ -54,8 +63,9 @@ bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q) {
     const double b = offLine(path[k], path[k + 1], q);
     const double c = offLine(p, q, path[k]);
     const double d = offLine(p, q, path[k + 1]);
-    if (std::min(a, b) <= kTolerance && std::max(a, b) >= -kTolerance &&
-        std::min(c, d) <= kTolerance && std::max(c, d) >= -kTolerance) {
+    if (boxesMeet(path[k], path[k + 1], p, q) && std::min(a, b) <= kTolerance &&
+        std::max(a, b) >= -kTolerance && std::min(c, d) <= kTolerance &&
+        std::max(c, d) >= -kTolerance) {
       return true;
     }
   }

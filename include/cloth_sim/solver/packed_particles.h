@@ -1,5 +1,6 @@
 #pragma once
-/// \file A solver's own copy of the particles, as structure of arrays in an order that suits sweeps.
+/// \file A solver's own copy of the particles, as structure of arrays in an order that suits
+/// sweeps.
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
@@ -28,11 +29,11 @@ struct PackedVectors {
 /// 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a colouring lets
 /// run together, have their ends in two contiguous stretches, and a sweep needs no gathers.
 struct PackedParticles {
-  PackedVectors x;      ///< [m]
-  PackedVectors start;  ///< positions at the start of the substep [m]
-  PackedVectors v;      ///< [m/s]
-  std::vector<double> mass;         ///< [kg]; 0: prescribed motion
-  std::vector<double> inverseMass;  ///< [1/kg]; 0: prescribed motion
+  PackedVectors x;                   ///< [m]
+  PackedVectors start;               ///< positions at the start of the substep [m]
+  PackedVectors v;                   ///< [m/s]
+  std::vector<double> mass;          ///< [kg]; 0: prescribed motion
+  std::vector<double> inverseMass;   ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
 
   std::int32_t count() const { return static_cast<std::int32_t>(slotOf.size()); }

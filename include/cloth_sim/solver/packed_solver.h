@@ -23,8 +23,8 @@ class PackedSolver : public Solver {
     const Model& model;
     const Controls& controls;
     Contacts& contacts;
-    double h = 0.0;        ///< length [s]
-    double time = 0.0;     ///< at its end [s]
+    double h = 0.0;         ///< length [s]
+    double time = 0.0;      ///< at its end [s]
     double fraction = 0.0;  ///< of the step that has passed at its end
   };
 

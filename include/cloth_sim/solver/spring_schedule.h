@@ -4,39 +4,57 @@
 #include <set>
 
 #include "cloth_sim/cloth/model.h"
+#include "cloth_sim/solver/parallel_for.h"
 
 namespace cloth_sim {
 
-/// Springs in batches of one colour: no two of a batch share a particle, so a batch may run in any
-/// order, in vector lanes or on threads, with the same result.
+/// Springs are coloured: no two of a colour share a particle. Consecutive colours are then joined
+/// into a batch as long as the batch falls apart into many strands that share no particle. Within a
+/// strand the springs are visited colour by colour; strands may run in any order, or at once, with
+/// the same result. On a grid a strand is some rows, which stay in the cache while all the
+/// colours pass over them.
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
-/// consecutive particles they form a run, which is swept without gathers. Where a spring has gone or
-/// its ends have changed, its place stays with zero stiffness, so runs stay whole; springs that an
-/// edit made or moved are appended, coloured among themselves. The schedule is a function of the slots of the network
-/// alone, not of the order of edits.
+/// consecutive particles they form a run, which is swept without gathers. Where a spring has gone
+/// or its ends have changed, its place stays with zero stiffness, so runs stay whole; springs that
+/// an edit made or moved are appended, coloured among themselves. The schedule is a function of the
+/// slots of the network alone, not of the order of edits.
 class SpringSchedule {
  public:
-  /// Consecutive positions whose ends are consecutive particles.
-  struct Run {
-    std::int32_t first = 0;  ///< position of the first spring
+  /// Consecutive positions of one colour.
+  struct Span {
+    std::int32_t first = 0;
     std::int32_t count = 0;
+    bool isRun = false;  ///< their ends are consecutive particles
   };
-  /// One colour: some runs, then positions [firstSingle, endSingle) one by one.
+  /// Consecutive spans, to be visited in order.
+  struct Strand {
+    std::int32_t firstSpan = 0;
+    std::int32_t endSpan = 0;
+  };
+  /// Consecutive strands that share no particle.
   struct Batch {
-    std::vector<Run> runs;
-    std::int32_t firstSingle = 0;
-    std::int32_t endSingle = 0;
+    std::int32_t firstStrand = 0;
+    std::int32_t endStrand = 0;
+    std::int32_t springs = 0;  ///< in all of them
   };
 
   void build(const Model& model, const std::vector<std::int32_t>& slotOf);
   void follow(const Model& model, const SpringChanges& changes,
               const std::vector<std::int32_t>& slotOf);
 
+  /// To be visited in order.
   const std::vector<Batch>& batches() const { return batches_; }
+  const std::vector<Strand>& strands() const { return strands_; }
+  const std::vector<Span>& spans() const { return spans_; }
   std::int32_t size() const { return static_cast<std::int32_t>(endA.size()); }
   /// Position of a spring by its slot in the network.
   std::int32_t positionOf(std::int32_t springSlot) const { return position_[springSlot]; }
+
+  /// Calls `runVisitor(first, count)` for runs and `singleVisitor(position)` for other springs, in
+  /// the order of the sweep, on several threads where that pays.
+  template <typename RunVisitor, typename SingleVisitor>
+  void sweep(const RunVisitor& runVisitor, const SingleVisitor& singleVisitor) const;
 
   // By position:
   std::vector<std::int32_t> endA, endB;  ///< particle slots
@@ -46,6 +64,12 @@ class SpringSchedule {
   bool damped = false;                   ///< some spring has a dashpot
 
  private:
+  struct Extent {
+    std::size_t positions = 0;
+    std::size_t spans = 0;
+    std::size_t strands = 0;
+    std::size_t batches = 0;
+  };
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
   Coloured colour(const Model& model, const std::vector<std::int32_t>& slots) const;
@@ -53,18 +77,46 @@ class SpringSchedule {
   /// appended ones; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
+  void appendStrand(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
+                    const Coloured& colours);
+  void appendColour(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
+                    const std::vector<std::int32_t>& slots);
+  void appendSpan(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
+                  const std::vector<std::int32_t>& slots, bool isRun);
   void place(const Spring& spring, std::int32_t position, const std::vector<std::int32_t>& slotOf);
-  void truncate(std::int32_t positions, std::size_t batches);
-  void findRuns(Batch& batch, std::vector<std::int32_t>& slots, const SpringNetwork& springs,
-                const std::vector<std::int32_t>& slotOf);
+  void truncate(const Extent& extent);
 
   std::vector<Batch> batches_;
-  std::vector<std::int32_t> position_;  ///< by spring slot
+  std::vector<Strand> strands_;
+  std::vector<Span> spans_;
+  std::vector<std::int32_t> position_;          ///< by spring slot
   std::vector<std::int32_t> originalPosition_;  ///< by spring slot of the undamaged mesh
   std::set<std::int32_t> appended_;             ///< spring slots after the original positions
   std::int32_t originalSlots_ = 0;
-  std::int32_t originalPositions_ = 0;
-  std::size_t originalBatches_ = 0;
+  Extent original_;
 };
+
+template <typename RunVisitor, typename SingleVisitor>
+void SpringSchedule::sweep(const RunVisitor& runVisitor, const SingleVisitor& singleVisitor) const {
+  /// Fewer springs are not worth a second thread.
+  constexpr std::int32_t kGrainSprings = 2048;
+  for (const Batch& batch : batches_) {
+    const std::int32_t strands = batch.endStrand - batch.firstStrand;
+    const std::int32_t grain =
+        static_cast<std::int32_t>(std::int64_t{kGrainSprings} * strands / batch.springs) + 1;
+    parallelFor(strands, grain, [&](std::int32_t begin, std::int32_t end) {
+      const std::int32_t firstSpan = strands_[batch.firstStrand + begin].firstSpan;
+      const std::int32_t endSpan = strands_[batch.firstStrand + end - 1].endSpan;
+      for (std::int32_t k = firstSpan; k < endSpan; ++k) {
+        const Span& span = spans_[k];
+        if (span.isRun) {
+          runVisitor(span.first, span.count);
+        } else {
+          for (std::int32_t p = span.first; p < span.first + span.count; ++p) singleVisitor(p);
+        }
+      }
+    });
+  }
+}
 
 }  // namespace cloth_sim
