@@ -241,6 +241,14 @@ build_workspace() {
     rm -rf "$workspace/build" "$workspace/devel"
   fi
 
+  # What catkin lets tests see of the workspace is what is there when it configures. In a new one
+  # that would be nothing, and the first run of the tests would not find the message classes.
+  local modules=$workspace/devel/lib/python3/dist-packages
+  if [[ ! -d $modules ]]; then
+    mkdir -p "$modules"
+    set -- --force-cmake "$@"
+  fi
+
   local jobs log=$workspace/log/build.log
   jobs=$(build_jobs)
   say "build: $workspace, $jobs at a time (log: $log)"

@@ -6,12 +6,14 @@ PackedSolver::PackedSolver(const Model& model, int substeps) : substeps_(substep
   particles_.layOut(model);
   schedule_.build(model, particles_.slotOf);
   force_.resize(particles_.count());
+  before_.resize(particles_.count());
 }
 
 void PackedSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
   particles_.follow(model);
   schedule_.follow(model, changes.springs, particles_.slotOf);
   force_.resize(particles_.count());
+  before_.resize(particles_.count());
   layoutChanged_ = true;
 }
 
@@ -100,13 +102,38 @@ void PackedSolver::addWind(const Model& model, const Wind& wind) {
 
 void PackedSolver::enforceContacts(const Substep& now) {
   if (now.contacts.empty()) return;
-  now.contacts.project(particles_.view(), now.time, now.h);
   PackedParticles& p = particles_;
-  for (const ContactCandidates& touching : now.contacts.candidates) {
-    for (VertexId vertex : touching.vertices) {
-      const auto k = static_cast<std::size_t>(p.slotOf[vertex]);
-      p.v.set(k, (p.x.at(k) - p.start.at(k)) / now.h);
-    }
+  forCandidates(now.contacts, [&](std::size_t k) { before_.set(k, p.x.at(k)); });
+  now.contacts.project(p.view(), now.time, now.h);
+  // A particle near two obstacles comes by twice: what has been taken up is not left to take.
+  forCandidates(now.contacts, [&](std::size_t k) {
+    p.v.set(k, p.v.at(k) + (p.x.at(k) - before_.at(k)) / now.h);
+    before_.set(k, p.x.at(k));
+  });
+}
+
+void PackedSolver::enforceContactVelocities(const Substep& now) {
+  if (now.contacts.empty()) return;
+  PackedParticles& p = particles_;
+  forCandidates(now.contacts, [&](std::size_t k) {
+    p.start.set(k, p.x.at(k));
+    before_.set(k, p.x.at(k) + now.h * p.v.at(k));
+  });
+  forCandidates(now.contacts, [&](std::size_t k) { p.x.set(k, before_.at(k)); });
+  now.contacts.project(p.view(), now.time, now.h);
+  forCandidates(now.contacts, [&](std::size_t k) {
+    before_.set(k, (p.x.at(k) - p.start.at(k)) / now.h);
+  });
+  forCandidates(now.contacts, [&](std::size_t k) {
+    p.v.set(k, before_.at(k));
+    p.x.set(k, p.start.at(k));
+  });
+}
+
+template <typename Visit>
+void PackedSolver::forCandidates(const Contacts& contacts, const Visit& visit) const {
+  for (const ContactCandidates& touching : contacts.candidates) {
+    for (VertexId v : touching.vertices) visit(static_cast<std::size_t>(particles_.slotOf[v]));
   }
 }
 

@@ -8,7 +8,9 @@ namespace {
 ///
 /// Second order and time-reversible without damping (Tuckerman, Berne & Martyna 1992, eq. 2.22);
 /// stable for h below 2 / omega_max. Dashpots see the velocity before the kick, which makes the
-/// damping, and only that, first order.
+/// damping, and only that, first order. A displacement at the end of the substep stands for an impulse
+/// at its middle of twice its size over h; contacts bring one half of it, a second pass over the
+/// velocities the other, so that impacts do not bounce.
 class Verlet final : public ForceSolver {
  public:
   Verlet(const Model& model, int substeps) : ForceSolver(model, substeps) {}
@@ -25,6 +27,7 @@ class Verlet final : public ForceSolver {
     damp(now.controls, half);
     placeKinematic(now.fraction);
     enforceContacts(now);
+    enforceContactVelocities(now);
   }
 };
 

@@ -79,7 +79,7 @@ void sweepDampedRun(std::int32_t count, Ends a, Ends b, const double* rest, cons
   }
 }
 
-/// d = decay d + h^2 g along one axis, start = x, x += d, with d the displacement of the substep
+/// d = decay d + h^2 g (statics are not touched by the drag) along one axis, start = x, x += d, with d the displacement of the substep
 /// before: x - start.
 CLOTH_SIM_VECTOR_CLONES
 void predictAxis(std::size_t count, double decay, double fall, const double* w, double* x,
@@ -211,7 +211,7 @@ void Xpbd::substep(const Substep& now) {
 void Xpbd::predict(const Substep& now) {
   const auto n = static_cast<std::size_t>(particles_.count());
   const double decay = std::exp(-now.controls.drag * now.h);
-  const Vec3 fall = decay * now.h * now.h * now.controls.gravity;
+  const Vec3 fall = now.h * now.h * now.controls.gravity;
   if (now.controls.wind) {
     for (std::vector<double>* axis : {&force_.x, &force_.y, &force_.z}) {
       axis->assign(axis->size(), 0.0);
@@ -229,6 +229,9 @@ void Xpbd::applyWind(const Substep& now) {
   for (std::size_t k = 0; k < particles_.inverseMass.size(); ++k) {
     const double scale = now.h * now.h * particles_.inverseMass[k];
     particles_.x.set(k, particles_.x.at(k) + scale * force_.at(k));
+  }
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    addReaction(k, now.h * force_.at(static_cast<std::size_t>(kinematicSlots_[k])));
   }
 }
 

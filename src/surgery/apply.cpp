@@ -41,7 +41,8 @@ SurgeryResult openSurface(Model& model, State& state, const std::vector<Opening>
   std::vector<std::int32_t> failed;
   const bool overloaded = cause == FailureCause::kTear;
   for (const Opening& opening : openings) {
-    if (!editor.splitVertex(opening.vertex, stillAround(model.mesh, opening))) continue;
+    // Does nothing if earlier openings have separated these faces already: failed they have.
+    editor.splitVertex(opening.vertex, stillAround(model.mesh, opening));
     for (std::int32_t slot : opening.springs) {
       result.events.push_back(describe(model, state, model.springs[slot], cause, overloaded));
       failed.push_back(slot);

@@ -40,8 +40,11 @@ class PackedSolver : public Solver {
   void addReaction(std::size_t k, const Vec3& impulse) { report_.reactions[k] += impulse; }
   /// Adds the pressure of the wind on every face to `force_`.
   void addWind(const Model& model, const Wind& wind);
-  /// Pushes particles out of obstacles and gives those that may have moved v = (x - start) / h.
+  /// Pushes particles out of obstacles; their velocities change by the displacement over h.
   void enforceContacts(const Substep& now);
+  /// Takes from velocities what would carry particles into obstacles in the next h, and the slip
+  /// that friction then stops. Positions stay.
+  void enforceContactVelocities(const Substep& now);
 
   PackedParticles particles_;
   SpringSchedule schedule_;
@@ -53,11 +56,14 @@ class PackedSolver : public Solver {
   bool layoutChanged_ = true;
 
  private:
+  template <typename Visit>
+  void forCandidates(const Contacts& contacts, const Visit& visit) const;
   void loadKinematics(const Model& model, const Controls& controls, double dt);
   void finishReactions(const Model& model, const Controls& controls, double dt);
 
   int substeps_;
   StepReport report_;
+  PackedVectors before_;  ///< positions before contacts are enforced [m]
   std::vector<Vec3> kinematicFrom_;
   std::vector<Vec3> kinematicTo_;
   std::vector<Vec3> kinematicStartVelocity_;

@@ -41,7 +41,7 @@ struct StepReport {
   int substeps = 0;
   int iterations = 0;     ///< over all substeps
   double residual = 0.0;  ///< of the last substep, in the method's own measure (0 if it has none)
-  /// Mean force over the step that the cloth's springs, damping, weight, drag and inertia put on
+  /// Mean force over the step that the cloth's springs, damping, weight, wind and inertia put on
   /// each kinematic target, in the order of Controls::kinematic [N]: what its holder must bear.
   std::vector<Vec3> reactions;
 };

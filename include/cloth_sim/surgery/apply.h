@@ -11,8 +11,7 @@ struct SurgeryResult {
 };
 
 /// Opens the surface, and brings masses, springs and the state along. Mass, rest area, linear and
-/// angular momentum stay what they were; no face is lost. Openings that earlier ones have made
-/// needless are left out, without an event.
+/// angular momentum stay what they were; no face is lost.
 SurgeryResult openSurface(Model& model, State& state, const std::vector<Opening>& openings,
                           FailureCause cause);
 
