@@ -299,6 +299,7 @@ int run(const Options& options) {
   if (recorder) recorder->update(*simulation, 0.0);
   while (!end.reached(*simulation)) {
     simulation->step();
+    if (!options.summary.empty()) simulation->observeMaxStretch();
     if (recorder) recorder->update(*simulation, progress.wallTime());
     progress.update(*simulation);
   }
