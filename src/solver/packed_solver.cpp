@@ -103,10 +103,10 @@ void PackedSolver::addWind(const Model& model, const Wind& wind) {
 void PackedSolver::enforceContacts(const Substep& now) {
   if (now.contacts.empty()) return;
   PackedParticles& p = particles_;
-  forCandidates(now.contacts, [&](std::size_t k) { before_.set(k, p.x.at(k)); });
+  forFreeCandidates(now.contacts, [&](std::size_t k) { before_.set(k, p.x.at(k)); });
   now.contacts.project(p.view(), now.time, now.h);
   // A particle near two obstacles comes by twice: what has been taken up is not left to take.
-  forCandidates(now.contacts, [&](std::size_t k) {
+  forFreeCandidates(now.contacts, [&](std::size_t k) {
     p.v.set(k, p.v.at(k) + (p.x.at(k) - before_.at(k)) / now.h);
     before_.set(k, p.x.at(k));
   });
@@ -115,25 +115,27 @@ void PackedSolver::enforceContacts(const Substep& now) {
 void PackedSolver::enforceContactVelocities(const Substep& now) {
   if (now.contacts.empty()) return;
   PackedParticles& p = particles_;
-  forCandidates(now.contacts, [&](std::size_t k) {
+  forFreeCandidates(now.contacts, [&](std::size_t k) {
     p.start.set(k, p.x.at(k));
     before_.set(k, p.x.at(k) + now.h * p.v.at(k));
   });
-  forCandidates(now.contacts, [&](std::size_t k) { p.x.set(k, before_.at(k)); });
+  forFreeCandidates(now.contacts, [&](std::size_t k) { p.x.set(k, before_.at(k)); });
   now.contacts.project(p.view(), now.time, now.h);
-  forCandidates(now.contacts, [&](std::size_t k) {
-    before_.set(k, (p.x.at(k) - p.start.at(k)) / now.h);
-  });
-  forCandidates(now.contacts, [&](std::size_t k) {
+  forFreeCandidates(now.contacts,
+                    [&](std::size_t k) { before_.set(k, (p.x.at(k) - p.start.at(k)) / now.h); });
+  forFreeCandidates(now.contacts, [&](std::size_t k) {
     p.v.set(k, before_.at(k));
     p.x.set(k, p.start.at(k));
   });
 }
 
 template <typename Visit>
-void PackedSolver::forCandidates(const Contacts& contacts, const Visit& visit) const {
+void PackedSolver::forFreeCandidates(const Contacts& contacts, const Visit& visit) const {
   for (const ContactCandidates& touching : contacts.candidates) {
-    for (VertexId v : touching.vertices) visit(static_cast<std::size_t>(particles_.slotOf[v]));
+    for (VertexId v : touching.vertices) {
+      const auto k = static_cast<std::size_t>(particles_.slotOf[v]);
+      if (particles_.mass[k] > 0.0) visit(k);
+    }
   }
 }
 

@@ -12,8 +12,8 @@ namespace {
 constexpr std::int32_t kShortestRun = 8;
 /// Absorbs rounding in material coordinates when they are divided by a spacing.
 constexpr double kGridTolerance = 1e-6;
-/// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not be
-/// so short that a colour loads what the colour before it has hardly stored.
+/// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not
+/// be so short that a colour loads what the colour before it has hardly stored.
 constexpr std::size_t kStrandSprings = 4096;
 /// A batch that falls apart into fewer sets leaves threads idle.
 constexpr std::int32_t kFewestSets = 16;

@@ -8,9 +8,9 @@ namespace {
 ///
 /// Second order and time-reversible without damping (Tuckerman, Berne & Martyna 1992, eq. 2.22);
 /// stable for h below 2 / omega_max. Dashpots see the velocity before the kick, which makes the
-/// damping, and only that, first order. A displacement at the end of the substep stands for an impulse
-/// at its middle of twice its size over h; contacts bring one half of it, a second pass over the
-/// velocities the other, so that impacts do not bounce.
+/// damping, and only that, first order. A displacement at the end of the substep stands for an
+/// impulse at its middle of twice its size over h; contacts bring one half of it, a second pass
+/// over the velocities the other, so that impacts do not bounce.
 class Verlet final : public ForceSolver {
  public:
   Verlet(const Model& model, int substeps) : ForceSolver(model, substeps) {}

@@ -79,8 +79,8 @@ void sweepDampedRun(std::int32_t count, Ends a, Ends b, const double* rest, cons
   }
 }
 
-/// d = decay d + h^2 g (statics are not touched by the drag) along one axis, start = x, x += d, with d the displacement of the substep
-/// before: x - start.
+/// d = decay d + h^2 g (statics are not touched by the drag) along one axis, start = x, x += d,
+/// with d the displacement of the substep before: x - start.
 CLOTH_SIM_VECTOR_CLONES
 void predictAxis(std::size_t count, double decay, double fall, const double* w, double* x,
                  double* start) {

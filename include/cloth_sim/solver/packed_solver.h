@@ -57,7 +57,7 @@ class PackedSolver : public Solver {
 
  private:
   template <typename Visit>
-  void forCandidates(const Contacts& contacts, const Visit& visit) const;
+  void forFreeCandidates(const Contacts& contacts, const Visit& visit) const;
   void loadKinematics(const Model& model, const Controls& controls, double dt);
   void finishReactions(const Model& model, const Controls& controls, double dt);
 
