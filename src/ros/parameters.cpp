@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "cloth_sim/ros/names.h"
+#include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
 namespace {

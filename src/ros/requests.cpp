@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
-#include "cloth_sim/ros/names.h"
+#include "cloth_sim/scene/names.h"
 #include "cloth_sim/ros/simulation_thread.h"
 
 namespace cloth_sim {

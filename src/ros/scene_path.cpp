@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "cloth_sim/ros/names.h"
+#include "cloth_sim/scene/names.h"
 #include "cloth_sim/scene/load.h"
 
 namespace cloth_sim {

@@ -42,7 +42,7 @@ void readStart(const SceneNode& node, ClothSpec& cloth) {
 }
 
 Fabric preset(const SceneNode& node) {
-  const std::string what = "one of " + joined(fabricPresetNames());
+  const std::string what = "one of " + joinNames(fabricPresetNames());
   try {
     return fabricPreset(node.word(what));
   } catch (const std::invalid_argument&) {

@@ -23,10 +23,10 @@ std::vector<std::string> obstacleNames(const Scene& scene) {
 
 void checkKnown(const SceneNode& node, const char* noun, const std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), node.key()) != names.end()) return;
-  const std::string near = nearestWord(node.key(), names);
+  const std::string near = nearestName(node.key(), names);
   node.refuse(std::string("there is no ") + noun + " of this name" +
               (near.empty() ? "" : ", did you mean '" + near + "'?") + " (the scene has " +
-              (names.empty() ? "none" : joined(names)) + ")");
+              joinNames(names) + ")");
 }
 
 void checkAttach(const SceneNode& node, const ClampSpec& clamp) {

@@ -83,22 +83,6 @@ std::string shown(const YamlValue& value) {
   return (bare ? value.text : "'" + printable(value.text) + "'") + suffix;
 }
 
-/// Levenshtein's.
-std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
-}
-
 }  // namespace
 
 bool Range::contains(double value) const {
@@ -135,13 +119,13 @@ void SceneNode::missing(const std::string& name, const std::string& what) const 
 }
 
 void SceneNode::expectKeys(const std::vector<std::string>& known) const {
-  if (!isMap()) expected("a map with keys from " + joined(known));
+  if (!isMap()) expected("a map with keys from " + joinNames(known));
   for (const YamlValue& item : value_->items) {
     if (std::find(known.begin(), known.end(), item.key) != known.end()) continue;
-    const std::string near = nearestWord(item.key, known);
+    const std::string near = nearestName(item.key, known);
     throw SceneError(location(item.keyLine) + at(path_, item.key) + ": unknown key, " +
                      (near.empty() ? "" : "did you mean '" + near + "'? ") + "expected one of " +
-                     joined(known));
+                     joinNames(known));
   }
 }
 
@@ -256,26 +240,6 @@ void SceneNode::read(const std::string& name, std::optional<Vec3>& out) const {
 
 void SceneNode::read(const std::string& name, Vec2& out, const Range& range) const {
   if (const auto node = find(name)) out = node->vector<2>(range);
-}
-
-std::string nearestWord(const std::string& word, const std::vector<std::string>& known) {
-  std::string best;
-  std::size_t bestDistance = std::max<std::size_t>(2, word.size() / 2) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t distance = editDistance(word.substr(0, kLongestShown), candidate);
-    // A word of which nothing is left is not near.
-    if (distance < bestDistance && distance < candidate.size()) {
-      best = candidate;
-      bestDistance = distance;
-    }
-  }
-  return best;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string result;
-  for (const std::string& word : words) result += (result.empty() ? "" : ", ") + word;
-  return result;
 }
 
 std::string shortNumber(double value) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "cloth_sim/scene/names.h"
 #include "cloth_sim/types.h"
 #include "yaml_tree.h"
 
@@ -105,12 +106,6 @@ class SceneNode {
   std::string path_;
   std::string file_;
 };
-
-/// The word of `known` that is nearest to `word`; "" if none is near.
-std::string nearestWord(const std::string& word, const std::vector<std::string>& known);
-
-/// Words in a row: "a, b, c".
-std::string joined(const std::vector<std::string>& words);
 
 /// A number as messages show it: "0.12".
 std::string shortNumber(double value);

@@ -42,9 +42,9 @@ Json springsJson(const SpringNetwork& springs) {
           {"bend", springs.count(SpringKind::kBend)}};
 }
 
-std::string statusOf(const Simulation& simulation) {
+std::string statusOf(const Simulation& simulation, bool interrupted) {
   if (simulation.failed()) return "failed";
-  return simulation.script().status() == ScriptStatus::kRunning ? "interrupted" : "done";
+  return interrupted ? "interrupted" : "done";
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ InitialFigures initialFigures(const Simulation& simulation) {
 }
 
 std::string summaryJson(const Simulation& simulation, const InitialFigures& initial,
-                        double wallTime) {
+                        double wallTime, bool interrupted) {
   const Scene& scene = simulation.scene();
   const Model& model = simulation.model();
   const State& state = simulation.state();
@@ -64,7 +64,7 @@ std::string summaryJson(const Simulation& simulation, const InitialFigures& init
   json["solver"] = scene.solver.method;
   json["method_params"] = scene.solver.parameters;
   json["method_params"]["dt"] = number(scene.solver.dt);
-  json["status"] = statusOf(simulation);
+  json["status"] = statusOf(simulation, interrupted);
   json["failure"] = simulation.failure();
   json["particles"] = model.particleCount();
   json["faces"] = model.mesh.faceCount();

@@ -307,7 +307,7 @@ int run(const Options& options) {
   progress.finish(*simulation);
   if (recorder) recorder->finish(*simulation, wallTime);
   if (!options.summary.empty()) {
-    writeSummary(options.summary, summaryJson(*simulation, initial, wallTime));
+    writeSummary(options.summary, summaryJson(*simulation, initial, wallTime, caughtSignal != 0));
   }
   return report(options, *simulation);
 }

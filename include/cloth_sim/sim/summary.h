@@ -14,9 +14,11 @@ struct InitialFigures {
 };
 InitialFigures initialFigures(const Simulation& simulation);
 
-/// The summary that the contract names (docs/cloth_run.md), as indented JSON text. Always valid
-/// JSON: a number that is not finite is written as null.
+/// The summary of a run as indented JSON text. Always valid JSON: a number that is not finite is
+/// written as null.
+/// \param wallTime     what the run took [s].
+/// \param interrupted  somebody stopped it before its end.
 std::string summaryJson(const Simulation& simulation, const InitialFigures& initial,
-                        double wallTime);
+                        double wallTime, bool interrupted = false);
 
 }  // namespace cloth_sim

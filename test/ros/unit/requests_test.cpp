@@ -7,7 +7,7 @@
 
 #include <limits>
 
-#include "cloth_sim/ros/names.h"
+#include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
 namespace {

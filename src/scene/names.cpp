@@ -1,10 +1,13 @@
-#include "cloth_sim/ros/names.h"
+#include "cloth_sim/scene/names.h"
 
 #include <algorithm>
 #include <numeric>
 
 namespace cloth_sim {
 namespace {
+
+/// What people mistype is short; this bounds the work for what they paste.
+constexpr std::size_t kLongestCompared = 60;
 
 /// Levenshtein's distance, one row at a time.
 std::size_t editDistance(const std::string& a, const std::string& b) {
@@ -33,10 +36,11 @@ std::string joinNames(const std::vector<std::string>& names) {
 
 std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
   std::string nearest;
-  std::size_t best = name.size() / 2 + 1;
+  std::size_t best = std::max<std::size_t>(2, name.size() / 2) + 1;
   for (const std::string& candidate : known) {
-    const std::size_t distance = editDistance(name, candidate);
-    if (distance < best) {
+    const std::size_t distance = editDistance(name.substr(0, kLongestCompared), candidate);
+    // A name of which nothing is left is not near.
+    if (distance < best && distance < candidate.size()) {
       best = distance;
       nearest = candidate;
     }

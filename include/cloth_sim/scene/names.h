@@ -9,8 +9,8 @@ namespace cloth_sim {
 /// "left, right"; "none" if there are none.
 std::string joinNames(const std::vector<std::string>& names);
 
-/// The known name that needs the fewest single-letter edits to become `name`; "" if all are
-/// further away than half its length.
+/// The known name that needs the fewest single-letter edits to become `name`; "" if none is near:
+/// at most half its length away, or two letters.
 std::string nearestName(const std::string& name, const std::vector<std::string>& known);
 
 /// "unknown clamp 'lef' (known: left, right)"
