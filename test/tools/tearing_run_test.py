@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""The tearing runs, whole: what README and docs promise of them, at their full size."""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+import rosbag
+import rosunit
+from cloth_sim.msg import TearEvent
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+CLOTH_RUN = subprocess.check_output(
+    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+PHASES = ['drop', 'settle', 'attach', 'close', 'lift', 'lower_and_notch', 'pull_and_tear', 'stop']
+
+
+class TearingRunTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def run_scene(self, scene, *arguments):
+        result = subprocess.run([CLOTH_RUN, scene, '--summary', '-', *arguments],
+                                capture_output=True, text=True, timeout=900)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def expect_torn_in_two(self, summary):
+        """Two pieces, every phase passed, nothing lost, each failure counted once."""
+        self.assertEqual(summary['status'], 'done')
+        self.assertEqual(summary['pieces'], 2)
+        self.assertTrue(summary['finite'])
+        self.assertEqual([phase['name'] for phase in summary['phases']], PHASES)
+        for phase in summary['phases']:
+            self.assertIsNotNone(phase['end_s'], phase)
+            self.assertFalse(phase['timed_out'] and phase['name'] != 'stop', phase)
+        for quantity in ('mass_kg', 'rest_area_m2'):
+            initial = summary['initial_' + quantity]
+            self.assertLess(abs(summary[quantity] - initial), 1e-9 * initial, quantity)
+        broken = summary['broken']
+        self.assertGreater(broken['torn'], 0)
+        self.assertGreater(broken['cut'], 0)
+        self.assertEqual(broken['total'], broken['structural'] + broken['shear'] + broken['bend'])
+        self.assertEqual(broken['total'], broken['torn'] + broken['cut'])
+
+    def events_in(self, bag):
+        with rosbag.Bag(bag) as opened:
+            return [event for _, message, _ in opened.read_messages('/cloth/tear_events')
+                    for event in message.events]
+
+    def test_tear_seam(self):
+        bag = os.path.join(self.folder.name, 'run.bag')
+        summary = self.run_scene('tear_seam', '--threads', '1', '--bag', bag)
+        self.expect_torn_in_two(summary)
+        self.assertEqual(summary['particles'] - 128 * 128, 128)  # one copy for each row of the seam
+        events = self.events_in(bag)
+        self.assertEqual(len(events), summary['broken']['total'])
+        structural = [event for event in events if event.kind == TearEvent.STRUCTURAL]
+        self.assertEqual(len(structural), summary['broken']['structural'])
+        # The seam lies in the middle between columns 63 and 64.
+        for event in structural:
+            self.assertAlmostEqual(event.material[0], 0.5, delta=1e-9)
+        # The notch: a cell has one structural spring across the seam.
+        cut = [event for event in structural if event.cause == TearEvent.CUT]
+        self.assertEqual(sorted(round(event.material[1] * 127) for event in cut), list(range(12)))
+
+        again = self.run_scene('tear_seam', '--threads', '2')
+        self.assertEqual(again['state_hash'], summary['state_hash'])
+
+    def test_tear_seam_explicit(self):
+        self.expect_torn_in_two(self.run_scene('tear_seam_explicit'))
+
+    def test_another_form(self):
+        self.expect_torn_in_two(self.run_scene(os.path.join(HERE, 'tilted_seam.yaml')))
+
+
+if __name__ == '__main__':
+    rosunit.unitrun('cloth_sim', 'tearing_run_test', TearingRunTest)
