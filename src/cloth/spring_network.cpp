@@ -249,9 +249,9 @@ double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const std::vecto
   const double squared = d.squaredNorm();
   switch (spring.kind) {
     case SpringKind::kStructural: {
-      const double bends = std::min(4.0 * squared * bendStiffnessPerArea(calibration_.bending,
-                                                                         spring.restLength),
-                                    calibration_.bendStretchCap);
+      const double bends =
+          std::min(4.0 * squared * bendStiffnessPerArea(calibration_.bending, spring.restLength),
+                   calibration_.bendStretchCap);
       const double membrane = spring.direction == ThreadDirection::kWarp
                                   ? calibration_.structuralWarp
                                   : calibration_.structuralWeft;
@@ -297,6 +297,7 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
     after.push_back({ancestors.key(spring), spring});
   }
   std::vector<Keyed<std::int32_t>> old;
+  old.reserve(before.size());
   for (std::int32_t slot : before) old.push_back({ownKey(slots_[slot]), slot});
   std::sort(old.begin(), old.end());
   std::stable_sort(after.begin(), after.end());
@@ -329,7 +330,8 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
   return result;
 }
 
-std::vector<std::int32_t> SpringNetwork::standingOnAny(const std::vector<VertexId>& vertices) const {
+std::vector<std::int32_t> SpringNetwork::standingOnAny(
+    const std::vector<VertexId>& vertices) const {
   std::vector<std::int32_t> slots;
   for (VertexId v : vertices) slots.insert(slots.end(), standing_[v].begin(), standing_[v].end());
   std::sort(slots.begin(), slots.end());

@@ -27,9 +27,7 @@ VertexData<VertexId> identity(const Model& model) {
 }
 
 std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
-  std::vector<Clamp> clamps;
-  for (const ClampSpec& spec : specs) clamps.emplace_back(spec);
-  return clamps;
+  return std::vector<Clamp>(specs.begin(), specs.end());
 }
 
 std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model) {
@@ -40,9 +38,9 @@ std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model) {
 /// Copies of pinned particles stay pinned where they are.
 void followPins(const MeshChanges& changes, std::vector<KinematicTarget>& pins) {
   for (const NewVertex& added : changes.newVertices) {
-    const auto source =
-        std::find_if(pins.begin(), pins.end(),
-                     [&](const KinematicTarget& pin) { return pin.vertex == added.from[0]; });
+    const auto source = std::find_if(pins.begin(), pins.end(), [&](const KinematicTarget& pin) {
+      return pin.vertex == added.from[0];
+    });
     if (source == pins.end() || added.from[1] != kNone) continue;
     KinematicTarget copy = *source;
     copy.vertex = added.id;
@@ -105,9 +103,9 @@ PhaseObservation Simulation::observe() const {
                   [](const ContactCandidates& c) { return c.impulse.squaredNorm() > 0.0; });
   now.clampsAtTarget = std::all_of(clamps_.begin(), clamps_.end(),
                                    [](const Clamp& clamp) { return clamp.atTarget(); });
-  now.clampsClosed =
-      std::all_of(clamps_.begin(), clamps_.end(),
-                  [](const Clamp& clamp) { return clamp.state() != ClampState::kClosing; });
+  now.clampsClosed = std::all_of(clamps_.begin(), clamps_.end(), [](const Clamp& clamp) {
+    return clamp.state() != ClampState::kClosing;
+  });
   return now;
 }
 
