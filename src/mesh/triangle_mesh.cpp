@@ -10,9 +10,7 @@ double signedArea(const Vec2& a, const Vec2& b, const Vec2& c) {
   return 0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y()));
 }
 
-bool contains(const Face& face, VertexId v) {
-  return face[0] == v || face[1] == v || face[2] == v;
-}
+bool contains(const Face& face, VertexId v) { return face[0] == v || face[1] == v || face[2] == v; }
 
 /// The vertices of `face` after and before `v` in its orientation.
 std::pair<VertexId, VertexId> around(const Face& face, VertexId v) {

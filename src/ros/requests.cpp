@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
-#include "cloth_sim/scene/names.h"
 #include "cloth_sim/ros/simulation_thread.h"
+#include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
 namespace {

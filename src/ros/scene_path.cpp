@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "cloth_sim/scene/names.h"
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
 namespace {

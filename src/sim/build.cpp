@@ -27,9 +27,8 @@ Model buildModel(const ClothSpec& spec) {
   model.fabric = spec.fabric;
   model.springs = spec.raw ? SpringNetwork(model.mesh, *spec.raw, spec.springs)
                            : SpringNetwork(model.mesh, spec.fabric, spec.springs);
-  model.mass = spec.particleMass
-                   ? VertexData<double>(model.mesh.vertexCount(), *spec.particleMass)
-                   : lumpedMasses(model.mesh, spec.fabric.arealDensity);
+  model.mass = spec.particleMass ? VertexData<double>(model.mesh.vertexCount(), *spec.particleMass)
+                                 : lumpedMasses(model.mesh, spec.fabric.arealDensity);
   return model;
 }
 

@@ -83,15 +83,15 @@ CommandResult Simulation::carryOut(const SetGravity& command) {
 CommandResult Simulation::carryOut(const MoveObstacle& command) {
   Collider* collider = colliders_.find(command.obstacle);
   if (collider == nullptr) {
-    return refuse(
-        "unknown obstacle '" + command.obstacle + "' (" +
-        listNames(colliders_.all(), [](const Collider& c) { return c.obstacle().name; }) + ")");
+    return refuse("unknown obstacle '" + command.obstacle + "' (" +
+                  listNames(colliders_.all(), [](const Collider& c) { return c.obstacle().name; }) +
+                  ")");
   }
   const std::string defect = poseDefect(command.pose);
   if (!defect.empty()) return refuse(defect);
   if (!command.velocity.allFinite()) return refuse("velocity: expected three finite numbers");
-  collider->place({command.pose.position, command.pose.orientation.normalized()},
-                  command.velocity, time());
+  collider->place({command.pose.position, command.pose.orientation.normalized()}, command.velocity,
+                  time());
   return done();
 }
 

@@ -30,9 +30,9 @@ Json phasesJson(const PhaseScript& script) {
 }
 
 Json brokenJson(const BrokenCounts& broken) {
-  return {{"total", broken.total},         {"structural", broken.byKind[0]},
-          {"shear", broken.byKind[1]},     {"bend", broken.byKind[2]},
-          {"torn", broken.torn},           {"cut", broken.cut}};
+  return {{"total", broken.total},     {"structural", broken.byKind[0]},
+          {"shear", broken.byKind[1]}, {"bend", broken.byKind[2]},
+          {"torn", broken.torn},       {"cut", broken.cut}};
 }
 
 Json springsJson(const SpringNetwork& springs) {

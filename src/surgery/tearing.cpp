@@ -123,7 +123,8 @@ std::vector<Opening> Tearing::plan(const Model& model, const State& state) const
   std::sort(overloaded.begin(), overloaded.end());
   OpeningList list;
   for (const auto& [overload, slot] : overloaded) {
-    const bool onSeam = settings_.seam && straddles(model, model.springs[slot], settings_.seam->path);
+    const bool onSeam =
+        settings_.seam && straddles(model, model.springs[slot], settings_.seam->path);
     list.add(onSeam ? openAlong(model, slot, settings_.seam->path) : openAcross(model, slot));
   }
   return list.take();

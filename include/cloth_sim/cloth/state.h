@@ -27,10 +27,10 @@ struct Energies {
 };
 Energies energies(const Model& model, const State& state, const Vec3& gravity);
 
-Vec3 linearMomentum(const Model& model, const State& state);                       ///< [kg m/s]
-Vec3 angularMomentum(const Model& model, const State& state, const Vec3& about);   ///< [kg m^2/s]
-Vec3 centreOfMass(const Model& model, const State& state);                         ///< [m]
-double meanSpeed(const State& state);                                              ///< [m/s]
+Vec3 linearMomentum(const Model& model, const State& state);                      ///< [kg m/s]
+Vec3 angularMomentum(const Model& model, const State& state, const Vec3& about);  ///< [kg m^2/s]
+Vec3 centreOfMass(const Model& model, const State& state);                        ///< [m]
+double meanSpeed(const State& state);                                             ///< [m/s]
 
 /// Length over rest length of one spring.
 double stretch(const Spring& spring, const State& state);

@@ -36,8 +36,8 @@ struct SetTearing {
 /// Back to the start of the scene.
 struct Reset {};
 
-using Command = std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle,
-                             SetTearing, Reset>;
+using Command =
+    std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle, SetTearing, Reset>;
 
 /// Whether a command was carried out, and if not, why, in one sentence.
 struct CommandResult {

@@ -44,13 +44,13 @@ struct BrokenCounts {
 };
 
 struct Snapshot {
-  double time = 0.0;               ///< [s]
-  std::uint64_t step = 0;          ///< steps since the start or the last reset
+  double time = 0.0;       ///< [s]
+  std::uint64_t step = 0;  ///< steps since the start or the last reset
   std::shared_ptr<const Topology> topology;
-  std::vector<Vec3> positions;     ///< per vertex [m]
+  std::vector<Vec3> positions;  ///< per vertex [m]
   std::vector<ClampSnapshot> clamps;
-  std::vector<Obstacle> obstacles; ///< with their pose now
-  std::string phase;               ///< "" without a script; the last one's name once it is done
+  std::vector<Obstacle> obstacles;  ///< with their pose now
+  std::string phase;                ///< "" without a script; the last one's name once it is done
   ScriptStatus script = ScriptStatus::kIdle;
   int particles = 0;
   int faces = 0;
@@ -63,7 +63,7 @@ struct Snapshot {
   double meanSpeed = 0.0;   ///< [m/s]
   double maxStretch = 1.0;  ///< length over rest length
   bool failed = false;
-  std::string failure;      ///< why the simulation stopped; "" if it did not
+  std::string failure;  ///< why the simulation stopped; "" if it did not
 };
 
 }  // namespace cloth_sim

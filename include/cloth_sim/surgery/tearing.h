@@ -22,8 +22,7 @@ using TearRatios = std::array<double, kSpringKinds>;
 
 struct TearingSettings {
   bool enabled = false;
-  TearRatios ratio{std::numeric_limits<double>::infinity(),
-                   std::numeric_limits<double>::infinity(),
+  TearRatios ratio{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
                    std::numeric_limits<double>::infinity()};
   std::optional<Seam> seam;  ///< absent: the cloth may tear everywhere
 };
@@ -33,14 +32,14 @@ const char* toString(FailureCause cause);  ///< "torn" or "cut"
 
 /// One spring that failed.
 struct FailureEvent {
-  double time = 0.0;       ///< [s]
-  VertexId a = kNone;      ///< its ends when it failed
+  double time = 0.0;   ///< [s]
+  VertexId a = kNone;  ///< its ends when it failed
   VertexId b = kNone;
   SpringKind kind = SpringKind::kStructural;
   FailureCause cause = FailureCause::kTear;
-  double stretch = 0.0;             ///< length over rest length when it failed
-  Vec3 position = Vec3::Zero();     ///< of its middle in the world [m]
-  Vec2 material = Vec2::Zero();     ///< of its middle in material coordinates [m]
+  double stretch = 0.0;          ///< length over rest length when it failed
+  Vec3 position = Vec3::Zero();  ///< of its middle in the world [m]
+  Vec2 material = Vec2::Zero();  ///< of its middle in material coordinates [m]
   bool overloaded = false;  ///< passed its own limit; false: went because the surface opened there
 };
 
@@ -76,7 +75,8 @@ class Tearing {
   bool allowed(const Model& model, const Spring& spring) const;
 
   TearingSettings settings_;
-  std::vector<std::int32_t> candidates_;  ///< slots that the gate allows, ascending; some may be gone
+  std::vector<std::int32_t>
+      candidates_;  ///< slots that the gate allows, ascending; some may be gone
 };
 
 /// Openings along `path`: every structural spring that crosses it fails, as if cut.
