@@ -72,7 +72,11 @@ packages_for() {
           python3-std-msgs python3-geometry-msgs python3-visualization-msgs \
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs
         ;;
-      debian/test) echo libgtest-dev libgmock-dev librostest-dev python3-rostest python3-rosunit ;;
+      debian/test)
+        echo libgtest-dev libgmock-dev librapidcheck-dev librostest-dev python3-rostest \
+          python3-rosunit
+        ;;
+      debian/bench) echo libbenchmark-dev ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
       debian/rviz) echo rviz ;;
       debian/photo) echo rviz xvfb xauth imagemagick ;;
@@ -90,7 +94,10 @@ packages_for() {
         echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \
           ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy
         ;;
-      noetic/test) echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit ;;
+      noetic/test)  # without RapidCheck: the property tests are left out there
+        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit
+        ;;
+      noetic/bench) echo libbenchmark-dev ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;
       noetic/rviz) echo ros-noetic-rviz ;;
       noetic/photo) echo ros-noetic-rviz xvfb xauth imagemagick ;;

@@ -108,21 +108,36 @@ void Clamp::updateHeld() {
 
 void Clamp::follow(const MeshChanges& changes) {
   if (grips_.empty()) return;
-  // New ids are the highest, so what is appended keeps the order and is found at once.
-  for (const NewVertex& added : changes.newVertices) {
-    const Grip* first = findGrip(added.from[0]);
-    if (!first) continue;
-    Grip grip = *first;
-    if (added.from[1] != kNone) {
-      const Grip* second = findGrip(added.from[1]);
-      if (!second) continue;
-      grip.local = added.weight[0] * first->local + added.weight[1] * second->local;
-      grip.squeeze = added.weight[0] * first->squeeze + added.weight[1] * second->squeeze;
+  for (const VertexEdit& edit : changes.vertices) {
+    if (edit.kind == VertexEdit::Kind::kRemove) {
+      replaceHeld(edit);
+    } else if (edit.isNew()) {
+      holdNew(edit);
     }
-    grip.vertex = added.id;
-    grips_.push_back(grip);
-    held_.push_back(added.id);
   }
+}
+
+void Clamp::holdNew(const VertexEdit& edit) {
+  Grip blend;
+  blend.vertex = edit.id;
+  for (std::size_t k = 0; k < edit.from.size() && edit.from[k] != kNone; ++k) {
+    const Grip* source = findGrip(edit.from[k]);
+    if (source == nullptr) return;
+    blend.local += edit.weight[k] * source->local;
+    blend.squeeze += edit.weight[k] * source->squeeze;
+  }
+  // New ids are the highest, so what is appended keeps the order and is found at once.
+  grips_.push_back(blend);
+  held_.push_back(edit.id);
+}
+
+void Clamp::replaceHeld(const VertexEdit& edit) {
+  const auto gone = [&](const Grip& grip) { return grip.vertex == edit.id; };
+  grips_.erase(std::remove_if(grips_.begin(), grips_.end(), gone), grips_.end());
+  for (Grip& grip : grips_) {
+    if (grip.vertex == edit.from[0]) grip.vertex = edit.id;
+  }
+  updateHeld();
 }
 
 }  // namespace cloth_sim

@@ -1,41 +1,44 @@
 #include "cloth_sim/cloth/model.h"
 
 namespace cloth_sim {
-namespace {
 
-double areaAround(const TriangleMesh& mesh, VertexId v) {
-  double area = 0.0;
-  for (FaceId f : mesh.facesAround(v)) area += mesh.restArea(f);
-  return area;
+void lumpMasses(double arealDensity, Model& model) {
+  const auto count = static_cast<std::size_t>(model.particleCount());
+  model.arealDensity = VertexData<double>(count, arealDensity, model.mesh.revision());
+  model.mass = VertexData<double>(count, 0.0, model.mesh.revision());
+  for (VertexId v = 0; v < model.particleCount(); ++v) {
+    model.mass[v] = arealDensity * areaAround(model.mesh, v) / 3.0;
+  }
 }
 
-}  // namespace
-
-VertexData<double> lumpedMasses(const TriangleMesh& mesh, double arealDensity) {
-  VertexData<double> mass(mesh.vertexCount(), 0.0, mesh.revision());
-  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    mass[v] = arealDensity * areaAround(mesh, v) / 3.0;
+void setParticleMasses(double particleMass, Model& model) {
+  const auto count = static_cast<std::size_t>(model.particleCount());
+  model.mass = VertexData<double>(count, particleMass, model.mesh.revision());
+  model.arealDensity = VertexData<double>(count, 0.0, model.mesh.revision());
+  for (VertexId v = 0; v < model.particleCount(); ++v) {
+    model.arealDensity[v] = 3.0 * particleMass / areaAround(model.mesh, v);
   }
-  return mass;
 }
 
-void shareMass(const TriangleMesh& mesh, const MeshChanges& changes, VertexData<double>& mass) {
-  mass.follow(changes);
-  // A copy may have been copied again: going back from the last one, each copy and its source
-  // share what the source stood for when the copy was made.
-  std::vector<double> area(mesh.vertexCount(), 0.0);
-  for (const NewVertex& added : changes.newVertices) {
-    for (VertexId v : {added.id, added.from[0]}) area[v] = areaAround(mesh, v);
+void followMasses(const MeshChanges& changes, Model& model) {
+  double before = 0.0;
+  const auto known = static_cast<VertexId>(model.mass.size());
+  for (VertexId v : changes.touched) {
+    if (v < known) before += model.mass[v];
   }
-  std::vector<double> whole = area;
-  for (auto added = changes.newVertices.rbegin(); added != changes.newVertices.rend(); ++added) {
-    whole[added->from[0]] += whole[added->id];
+  model.mass.follow(changes);
+  model.arealDensity.follow(changes);
+  double after = 0.0;
+  for (VertexId v : changes.touched) {
+    model.mass[v] = model.arealDensity[v] * areaAround(model.mesh, v) / 3.0;
+    after += model.mass[v];
   }
-  for (const NewVertex& added : changes.newVertices) {
-    const VertexId source = added.from[0];
-    mass[added.id] = mass[source] * (whole[added.id] / whole[source]);
-    mass[source] -= mass[added.id];
-    whole[source] -= whole[added.id];
+  if (changes.touched.empty()) return;
+  // Where neighbours differ in density, blending it does not keep the sum.
+  const double ratio = before / after;
+  for (VertexId v : changes.touched) {
+    model.mass[v] *= ratio;
+    model.arealDensity[v] *= ratio;
   }
 }
 

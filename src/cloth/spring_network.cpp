@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 namespace cloth_sim {
 namespace {
@@ -26,19 +27,11 @@ ThreadDirection threadDirection(const Vec2& d) {
   return ThreadDirection::kBias;
 }
 
-double areaOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
+template <typename Faces>
+double areaOf(const TriangleMesh& mesh, const Faces& faces) {
   double area = 0.0;
   for (FaceId f : faces) area += mesh.restArea(f);
   return area;
-}
-
-std::vector<FaceId> facesOn(const TriangleMesh& mesh, const Spring& spring) {
-  if (spring.kind == SpringKind::kBend) return mesh.facesAround(spring.support[0]);
-  std::vector<FaceId> faces;
-  for (FaceId f : mesh.facesOnEdge(spring.support[0], spring.support[1])) {
-    if (f != kNone) faces.push_back(f);
-  }
-  return faces;
 }
 
 /// Index k of the corner or of the edge (k, k+1) of `face` that starts at one of {a, b}.
@@ -60,11 +53,17 @@ double bendStiffnessPerArea(double rigidity, double l) {
   return 16.0 * rigidity / (l * l * l * l * theta * theta);
 }
 
-/// What a spring stands on and joins, independent of the order of the ends.
-using SpringKey = std::array<VertexId, 4>;
+/// What a spring stands on and joins, independent of the order of the ends: two vertices to a word.
+using SpringKey = std::array<std::uint64_t, 2>;
+
+std::uint64_t packed(VertexId p, VertexId q) {
+  const auto low = static_cast<std::uint32_t>(std::min(p, q));
+  const auto high = static_cast<std::uint32_t>(std::max(p, q));
+  return (std::uint64_t{low} << 32U) | high;
+}
 
 SpringKey makeKey(VertexId s, VertexId t, VertexId a, VertexId b) {
-  return {std::min(s, t), std::max(s, t), std::min(a, b), std::max(a, b)};
+  return {packed(s, t), packed(a, b)};
 }
 
 SpringKey ownKey(const Spring& spring) {
@@ -75,15 +74,18 @@ template <typename T>
 struct Keyed {
   SpringKey key;
   T value;
-  bool operator<(const Keyed& other) const { return key < other.key; }
+  bool operator<(const Keyed& other) const {
+    if (key[0] != other.key[0]) return key[0] < other.key[0];
+    return key[1] != other.key[1] ? key[1] < other.key[1] : value < other.value;
+  }
 };
 
 /// What vertices were called before an edit.
 class Ancestors {
  public:
   explicit Ancestors(const MeshChanges& changes) {
-    for (const NewVertex& added : changes.newVertices) {
-      if (added.from[1] == kNone) source_.emplace(added.id, of(added.from[0]));
+    for (const VertexEdit& edit : changes.vertices) {
+      if (edit.kind == VertexEdit::Kind::kCopy) source_.emplace(edit.id, of(edit.from[0]));
     }
   }
   VertexId of(VertexId v) const {
@@ -140,18 +142,29 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric,
 SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw,
                              const SpringSelection& selection)
     : selection_(selection), raw_(raw), rawShares_(mesh.faceCount()) {
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const Face& face = mesh.face(f);
-    for (int k = 0; k < 3; ++k) {
-      double onEdge = 0.0;
-      for (FaceId other : mesh.facesOnEdge(face[k], face[(k + 1) % 3])) {
-        if (other != kNone) onEdge += mesh.restArea(other);
-      }
-      rawShares_[f].edge[k] = mesh.restArea(f) / onEdge;
-      rawShares_[f].corner[k] = mesh.restArea(f) / areaOf(mesh, mesh.facesAround(face[k]));
-    }
-  }
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) shareRaw(mesh, f);
+  std::array<double, kSpringKinds> number{0.0, 0.0, 0.0};
   build(mesh);
+  for (const Spring& spring : slots_) {
+    const auto kind = static_cast<std::size_t>(spring.kind);
+    rawLength_[kind] += spring.restLength;
+    number[kind] += 1.0;
+  }
+  for (std::size_t kind = 0; kind < rawLength_.size(); ++kind) {
+    if (number[kind] > 0.0) rawLength_[kind] /= number[kind];
+  }
+}
+
+void SpringNetwork::shareRaw(const TriangleMesh& mesh, FaceId f) {
+  const Face& face = mesh.face(f);
+  for (int k = 0; k < 3; ++k) {
+    double onEdge = 0.0;
+    for (FaceId other : mesh.facesOnEdge(face[k], face[(k + 1) % 3])) {
+      if (other != kNone) onEdge += mesh.restArea(other);
+    }
+    rawShares_[f].edge[k] = mesh.restArea(f) / onEdge;
+    rawShares_[f].corner[k] = mesh.restArea(f) / areaAround(mesh, face[k]);
+  }
 }
 
 void SpringNetwork::build(const TriangleMesh& mesh) {
@@ -182,14 +195,15 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
   const bool bias = edge.direction == ThreadDirection::kBias;
   edge.kind = bias ? SpringKind::kShear : SpringKind::kStructural;
   if (bias && !selection_.shear) return;
-  const std::vector<FaceId> on = facesOn(mesh, edge);
+  const std::array<FaceId, 2> faces = mesh.facesOnEdge(a, b);
+  const FaceRange on{faces.data(), faces.data() + (faces[1] == kNone ? 1 : 2)};
   setConstants(mesh, on, edge);
   out.push_back(edge);
-  if (!bias || on.size() < 2) return;
+  if (!bias || faces[1] == kNone) return;
 
   Spring across = edge;
-  const VertexId p = mesh.oppositeVertex(on[0], a, b);
-  const VertexId q = mesh.oppositeVertex(on[1], a, b);
+  const VertexId p = mesh.oppositeVertex(faces[0], a, b);
+  const VertexId q = mesh.oppositeVertex(faces[1], a, b);
   across.a = std::min(p, q);
   across.b = std::max(p, q);
   if (threadDirection(mesh.material(q) - mesh.material(p)) != ThreadDirection::kBias) return;
@@ -200,13 +214,14 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
 void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
                                 std::vector<Spring>& out) const {
   const Vec2& centre = mesh.material(v);
+  const std::vector<VertexId> neighbours = mesh.neighbours(v);
   for (const ThreadDirection thread : {ThreadDirection::kWarp, ThreadDirection::kWeft}) {
     const Vec2 axis = thread == ThreadDirection::kWarp ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0);
     VertexId ahead = kNone;
     VertexId behind = kNone;
     double bestAhead = kStraight;
     double bestBehind = kStraight;
-    for (VertexId w : mesh.neighbours(v)) {
+    for (VertexId w : neighbours) {
       const double cosine = (mesh.material(w) - centre).normalized().dot(axis);
       if (cosine > bestAhead) {
         bestAhead = cosine;
@@ -223,26 +238,33 @@ void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
     bend.kind = SpringKind::kBend;
     bend.direction = thread;
     bend.support = {v, kNone};
-    setConstants(mesh, mesh.facesAround(v), bend);
+    const std::vector<FaceId>& around = mesh.facesAround(v);
+    setConstants(mesh, {around.data(), around.data() + around.size()}, bend);
     out.push_back(bend);
   }
 }
 
-void SpringNetwork::setConstants(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+void SpringNetwork::setConstants(const TriangleMesh& mesh, const FaceRange& on,
                                  Spring& spring) const {
   spring.restLength = (mesh.material(spring.b) - mesh.material(spring.a)).norm();
   if (raw_) {
     const double share = rawShare(mesh, on, spring);
     const double constant = raw_->constant[static_cast<int>(spring.kind)];
-    spring.stiffness = share * (raw_->perStretch ? constant / spring.restLength : constant);
-    spring.damping = share * raw_->dashpot;
+    // Half of a spring is twice as stiff: where the mesh was refined, constants go by length.
+    const bool remade =
+        std::any_of(on.begin(), on.end(), [this](FaceId f) { return rawShares_[f].remade; });
+    const double usual = rawLength_[static_cast<std::size_t>(spring.kind)];
+    const double perLength = remade && usual > 0.0 ? usual / spring.restLength : 1.0;
+    spring.stiffness =
+        share * (raw_->perStretch ? constant / spring.restLength : constant * perLength);
+    spring.damping = share * raw_->dashpot * perLength;
   } else {
     spring.stiffness = fabricStiffness(mesh, on, spring);
     spring.damping = calibration_.damping * spring.stiffness;
   }
 }
 
-double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const FaceRange& on,
                                       const Spring& spring) const {
   const double area = areaOf(mesh, on);
   const Vec2 d = mesh.material(spring.b) - mesh.material(spring.a);
@@ -274,7 +296,7 @@ double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const std::vecto
   return 0.0;
 }
 
-double SpringNetwork::rawShare(const TriangleMesh& mesh, const std::vector<FaceId>& on,
+double SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
                                const Spring& spring) const {
   const bool isEdge = spring.kind != SpringKind::kBend && spring.support[0] == spring.a &&
                       spring.support[1] == spring.b;
@@ -289,25 +311,41 @@ double SpringNetwork::rawShare(const TriangleMesh& mesh, const std::vector<FaceI
 }
 
 SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
+  if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
   standing_.resize(mesh.vertexCount());
+  if (raw_) {
+    rawShares_.resize(mesh.faceCount());
+    for (FaceId f : changes.reshapedFaces) {
+      shareRaw(mesh, f);
+      rawShares_[f].remade = true;
+    }
+  }
   const std::vector<std::int32_t> before = standingOnAny(changes.touched);
-  std::vector<Keyed<Spring>> after;
+  const std::vector<Spring> derived = deriveAroundAll(mesh, changes.touched);
+  std::vector<Keyed<std::size_t>> after;
+  after.reserve(derived.size());
   const Ancestors ancestors(changes);
-  for (const Spring& spring : deriveAroundAll(mesh, changes.touched)) {
-    after.push_back({ancestors.key(spring), spring});
+  for (std::size_t k = 0; k < derived.size(); ++k) {
+    const SpringKey key = ancestors.key(derived[k]);
+    if (cleared_.count(key) != 0) {
+      cleared_.insert(ownKey(derived[k]));
+    } else {
+      after.push_back({key, k});
+    }
   }
   std::vector<Keyed<std::int32_t>> old;
   old.reserve(before.size());
   for (std::int32_t slot : before) old.push_back({ownKey(slots_[slot]), slot});
   std::sort(old.begin(), old.end());
-  std::stable_sort(after.begin(), after.end());
+  std::sort(after.begin(), after.end());
 
   // Both are sorted by what the springs were called before the edit: the first of several copies
   // (the one that kept its ends, if any did) goes on in the slot.
   SpringChanges result;
   std::vector<Spring> fresh;
   auto at = old.begin();
-  for (const auto& [key, spring] : after) {
+  for (const auto& [key, k] : after) {
+    const Spring& spring = derived[k];
     for (; at != old.end() && at->key < key; ++at) result.removed.push_back(at->value);
     if (at != old.end() && at->key == key) {
       if (!sameSpring(slots_[at->value], spring)) {
@@ -330,6 +368,69 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
   return result;
 }
 
+SpringChanges SpringNetwork::clear(const std::vector<std::int32_t>& slots) {
+  SpringChanges result;
+  for (std::int32_t slot : slots) {
+    result.removed.push_back(slot);
+    result.removedSprings.push_back(slots_[slot]);
+    cleared_.insert(ownKey(slots_[slot]));
+    erase(slot);
+  }
+  return result;
+}
+
+SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
+  std::vector<VertexId> nameOf(standing_.size());
+  std::iota(nameOf.begin(), nameOf.end(), 0);
+  std::vector<VertexId> original = nameOf;  // by present name
+  for (const VertexEdit& edit : changes.vertices) {
+    nameOf[original[edit.id]] = kNone;
+    if (edit.from[0] != edit.id) nameOf[original[edit.from[0]]] = edit.id;
+    original[edit.id] = original[edit.from[0]];
+  }
+  if (raw_) {
+    for (FaceId f : changes.removedFaces) {
+      rawShares_[f] = rawShares_.back();
+      rawShares_.pop_back();
+    }
+  }
+  std::set<SpringKey> cleared;
+  for (const SpringKey& key : cleared_) {
+    const auto now = [&](std::uint64_t word) {
+      const auto v = static_cast<VertexId>(static_cast<std::uint32_t>(word));
+      return v == kNone ? kNone : nameOf[v];
+    };
+    cleared.insert(makeKey(now(key[0] >> 32U), now(key[0]), now(key[1] >> 32U), now(key[1])));
+  }
+  cleared_ = std::move(cleared);
+  SpringChanges result;
+  standing_.assign(mesh.vertexCount(), {});
+  const auto rename = [&](VertexId& v) { v = v == kNone ? kNone : nameOf[v]; };
+  for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(slots_.size()); ++slot) {
+    Spring& spring = slots_[slot];
+    if (!spring.exists()) continue;
+    const Spring before = spring;
+    for (VertexId* v : {&spring.a, &spring.b, &spring.support[0], &spring.support[1]}) rename(*v);
+    if (!spring.exists()) {
+      result.removed.push_back(slot);
+      result.removedSprings.push_back(before);
+      --count_[static_cast<int>(before.kind)];
+      spring = Spring{};
+      continue;
+    }
+    if (spring.a > spring.b) std::swap(spring.a, spring.b);
+    const bool bend = spring.kind == SpringKind::kBend;
+    if (!bend && spring.support[0] > spring.support[1]) {
+      std::swap(spring.support[0], spring.support[1]);
+    }
+    if (!sameSpring(before, spring)) result.modified.push_back(slot);
+    for (VertexId v : spring.support) {
+      if (v != kNone) standing_[v].push_back(slot);
+    }
+  }
+  return result;
+}
+
 std::vector<std::int32_t> SpringNetwork::standingOnAny(
     const std::vector<VertexId>& vertices) const {
   std::vector<std::int32_t> slots;
@@ -341,17 +442,16 @@ std::vector<std::int32_t> SpringNetwork::standingOnAny(
 
 std::vector<Spring> SpringNetwork::deriveAroundAll(const TriangleMesh& mesh,
                                                    const std::vector<VertexId>& vertices) const {
+  std::vector<bool> listed(standing_.size(), false);
+  for (VertexId v : vertices) listed[v] = true;
   std::vector<Spring> springs;
-  std::vector<Spring> derived;
+  springs.reserve(8 * vertices.size());
   for (VertexId v : vertices) {
-    derived.clear();
-    deriveAround(mesh, v, derived);
-    for (const Spring& spring : derived) {
-      const VertexId first = spring.support[0];
-      const bool foundThere =
-          first != v && std::binary_search(vertices.begin(), vertices.end(), first);
-      if (!foundThere) springs.push_back(spring);
+    for (VertexId w : mesh.neighbours(v)) {
+      const bool foundThere = w < v && listed[w];
+      if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), springs);
     }
+    if (selection_.bend) deriveBends(mesh, v, springs);
   }
   return springs;
 }

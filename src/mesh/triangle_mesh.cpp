@@ -1,6 +1,7 @@
 #include "cloth_sim/mesh/triangle_mesh.h"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 
 namespace cloth_sim {
@@ -77,6 +78,14 @@ TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
   }
   const std::string defect = describeDefect(*this);
   if (!defect.empty()) throw std::invalid_argument(defect);
+  generation_.assign(faces_.size(), 0);
+  for (const Face& face : faces_) {
+    std::uint8_t rim = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone) rim |= 1U << k;
+    }
+    rim_.push_back(rim);
+  }
 }
 
 std::array<FaceId, 2> TriangleMesh::facesOnEdge(VertexId a, VertexId b) const {
@@ -124,6 +133,11 @@ double TriangleMesh::totalRestArea() const {
 }
 
 std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v) {
+  return fansAround(mesh, v, [](VertexId) { return false; });
+}
+
+std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v,
+                                            const std::function<bool(VertexId)>& isWall) {
   const std::vector<FaceId>& faces = mesh.facesAround(v);
   std::vector<std::vector<FaceId>> fans;
   std::vector<bool> taken(faces.size(), false);
@@ -139,7 +153,10 @@ std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v
       const auto [next, previous] = around(mesh.face(faces[k]), v);
       for (std::size_t other = 0; other < faces.size(); ++other) {
         const Face& candidate = mesh.face(faces[other]);
-        if (!taken[other] && (contains(candidate, next) || contains(candidate, previous))) {
+        if (taken[other]) continue;
+        const bool joined = (contains(candidate, next) && !isWall(next)) ||
+                            (contains(candidate, previous) && !isWall(previous));
+        if (joined) {
           taken[other] = true;
           open.push_back(other);
         }
@@ -151,27 +168,34 @@ std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v
   return fans;
 }
 
+double areaAround(const TriangleMesh& mesh, VertexId v) {
+  double area = 0.0;
+  for (FaceId f : mesh.facesAround(v)) area += mesh.restArea(f);
+  return area;
+}
+
 Pieces findPieces(const TriangleMesh& mesh) {
-  // On a manifold, faces that share a vertex are joined by edges around it: walk over vertices.
+  // On a manifold, faces that share a vertex are joined by edges around it: join vertices.
+  std::vector<VertexId> parent(static_cast<std::size_t>(mesh.vertexCount()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto rootOf = [&parent](VertexId v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (const Face& face : mesh.faces()) {
+    const VertexId a = rootOf(face[0]);
+    const VertexId b = rootOf(face[1]);
+    const VertexId c = rootOf(face[2]);
+    const VertexId root = std::min({a, b, c});
+    parent[a] = parent[b] = parent[c] = root;
+  }
   Pieces pieces;
-  pieces.ofFace.assign(mesh.faceCount(), kNone);
-  std::vector<FaceId> open;
-  for (FaceId seed = 0; seed < mesh.faceCount(); ++seed) {
-    if (pieces.ofFace[seed] != kNone) continue;
-    const std::int32_t piece = pieces.count++;
-    pieces.ofFace[seed] = piece;
-    open.push_back(seed);
-    while (!open.empty()) {
-      const FaceId f = open.back();
-      open.pop_back();
-      for (VertexId v : mesh.face(f)) {
-        for (FaceId other : mesh.facesAround(v)) {
-          if (pieces.ofFace[other] != kNone) continue;
-          pieces.ofFace[other] = piece;
-          open.push_back(other);
-        }
-      }
-    }
+  pieces.ofFace.reserve(mesh.faces().size());
+  std::vector<std::int32_t> ofRoot(parent.size(), kNone);
+  for (const Face& face : mesh.faces()) {
+    std::int32_t& piece = ofRoot[rootOf(face[0])];
+    if (piece == kNone) piece = pieces.count++;
+    pieces.ofFace.push_back(piece);
   }
   return pieces;
 }

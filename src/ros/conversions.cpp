@@ -40,6 +40,15 @@ std::uint8_t toStateCode(ClampState state) {
   return ClampStatus::OPEN;
 }
 
+PieceInfo toPieceInfo(const PieceSnapshot& piece) {
+  PieceInfo info;
+  info.faces = piece.faces;
+  info.mass = piece.mass;
+  info.rest_area = piece.restArea;
+  info.centre_of_mass = toPoint(piece.centreOfMass);
+  return info;
+}
+
 ClampStatus toClampStatus(const ClampSnapshot& clamp) {
   ClampStatus status;
   status.name = clamp.name;
@@ -104,6 +113,8 @@ geometry_msgs::Pose toPoseMessage(const Pose& value) {
 
 Vec3 fromPoint(const geometry_msgs::Point& value) { return {value.x, value.y, value.z}; }
 
+Vec3 fromVector(const geometry_msgs::Vector3& value) { return {value.x, value.y, value.z}; }
+
 Quat fromQuaternion(const geometry_msgs::Quaternion& value) {
   return {value.w, value.x, value.y, value.z};
 }
@@ -163,13 +174,19 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.script = toScriptCode(snapshot.script);
   message.particles = snapshot.particles;
   message.faces = snapshot.faces;
-  message.pieces = snapshot.pieces;
+  message.pieces = static_cast<std::uint32_t>(snapshot.pieces.size());
+  for (const PieceSnapshot& piece : snapshot.pieces) message.piece.push_back(toPieceInfo(piece));
+  message.dropped_pieces = snapshot.dropped.count;
+  message.dropped_mass = snapshot.dropped.mass;
+  message.dropped_area = snapshot.dropped.restArea;
   message.springs = toCounts(snapshot.springs);
   message.broken = toCounts(snapshot.broken.byKind);
   message.broken_torn = snapshot.broken.torn;
   message.broken_cut = snapshot.broken.cut;
   message.mass = snapshot.mass;
   message.rest_area = snapshot.restArea;
+  message.shortest_edge = snapshot.topology->shortestEdge;
+  message.stable_step = snapshot.topology->stableStep;
   message.kinetic_energy = snapshot.energies.kinetic;
   message.elastic_energy = snapshot.energies.elastic;
   message.gravity_energy = snapshot.energies.gravity;

@@ -98,8 +98,9 @@ std::string statusLine(const Snapshot& snapshot) {
       text.data(), text.size(),
       "%s  t = %.2f s\n%d particles, pieces %d\nbroken %d (torn %d, cut %d)  strain %.2f%s",
       snapshot.phase.empty() ? "no script" : snapshot.phase.c_str(), snapshot.time,
-      snapshot.particles, snapshot.pieces, snapshot.broken.total, snapshot.broken.torn,
-      snapshot.broken.cut, snapshot.maxStretch - 1.0, snapshot.failed ? "\nFAILED" : "");
+      snapshot.particles, static_cast<int>(snapshot.pieces.size()), snapshot.broken.total,
+      snapshot.broken.torn, snapshot.broken.cut, snapshot.maxStretch - 1.0,
+      snapshot.failed ? "\nFAILED" : "");
   return text.data();
 }
 

@@ -195,7 +195,7 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("simulated time [s]", snapshot.time);
   status.add("max strain", snapshot.maxStretch - 1.0);
   status.add("phase", snapshot.phase);
-  status.add("pieces", snapshot.pieces);
+  status.add("pieces", snapshot.pieces.size());
   status.add("broken springs", snapshot.broken.total);
   status.add("dropped commands", diagnosed_.droppedCommands);
 }

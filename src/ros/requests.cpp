@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's norm: float32 senders round
 constexpr std::size_t kMaxNameLength = 100;
+constexpr std::size_t kMaxPoints = 10000;  ///< of a stroke or path
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -28,6 +29,85 @@ std::string poseDefect(const Pose& pose) {
     return "the orientation is not a unit quaternion (norm " + std::to_string(norm) + ")";
   }
   return "";
+}
+
+bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
+
+bool allFinite(const std::vector<geometry_msgs::Point>& points) {
+  return std::all_of(points.begin(), points.end(),
+                     [](const auto& point) { return fromPoint(point).allFinite(); });
+}
+
+/// Empty if there are points, not too many, all finite.
+std::string pointsDefect(const std::vector<geometry_msgs::Point>& points, const char* what) {
+  if (points.empty()) return std::string(what) + " is empty";
+  if (points.size() > kMaxPoints) {
+    return std::string(what) + " has more than " + std::to_string(kMaxPoints) + " points";
+  }
+  return allFinite(points) ? "" : "a point is not finite";
+}
+
+/// Empty if what `message` says of the blade besides its points can be used.
+std::string bladeDefect(const CutStroke& message) {
+  if (!message.heels.empty()) {
+    if (message.heels.size() != message.points.size()) {
+      return "heels must be none or as many as points (got " +
+             std::to_string(message.heels.size()) + " and " +
+             std::to_string(message.points.size()) + ")";
+    }
+    return allFinite(message.heels) ? "" : "a heel is not finite";
+  }
+  const Vec3 direction = fromVector(message.direction);
+  if (!direction.allFinite()) return "the blade's direction is not finite";
+  if (direction.isZero(0.0)) return "the blade's direction is zero";
+  if (!isNotNegative(message.reach)) return "reach must be a finite number >= 0";
+  return "";
+}
+
+/// Empty if `message` has the form of a stroke; whether its blade gets anywhere is not looked at.
+std::string strokeDefect(const CutStroke& message) {
+  const std::string defect = pointsDefect(message.points, "the stroke");
+  if (!defect.empty()) return defect;
+  if (message.points.size() < 2) return "the stroke needs at least two points";
+  if (!isNotNegative(message.half_width)) return "half_width must be a finite number >= 0";
+  return bladeDefect(message);
+}
+
+std::string refinementDefect(const Refine::Request& message) {
+  if (!isNotNegative(message.radius) || message.radius == 0.0) {
+    return "radius must be a finite number > 0";
+  }
+  if (message.generations > kMostGenerations) {
+    return "generations must be 0 ... " + std::to_string(kMostGenerations) + " (got " +
+           std::to_string(message.generations) + ")";
+  }
+  if (!isNotNegative(message.min_edge)) return "min_edge must be a finite number >= 0";
+  return pointsDefect(message.points, "the path");
+}
+
+/// \param frame  that `points` are in, as a pose in the world.
+std::vector<Vec3> inWorld(const std::vector<geometry_msgs::Point>& points, const Pose& frame) {
+  std::vector<Vec3> result;
+  result.reserve(points.size());
+  for (const geometry_msgs::Point& point : points) {
+    result.push_back(frame.toWorld(fromPoint(point)));
+  }
+  return result;
+}
+
+Stroke toStroke(const CutStroke& message, const Pose& frame) {
+  const std::vector<Vec3> tips = inWorld(message.points, frame);
+  Stroke stroke;
+  if (message.heels.empty()) {
+    const Vec3 direction = frame.orientation * fromVector(message.direction);
+    stroke = strokeAlong(tips, direction, message.reach > 0.0 ? message.reach : kDefaultReach);
+  } else {
+    const std::vector<Vec3> heels = inWorld(message.heels, frame);
+    for (std::size_t i = 0; i < tips.size(); ++i) stroke.poses.push_back({heels[i], tips[i]});
+  }
+  stroke.firstLayerOnly = message.first_layer_only != 0;
+  stroke.halfWidth = message.half_width;
+  return stroke;
 }
 
 }  // namespace
@@ -68,45 +148,31 @@ std::string RequestChecker::steps(std::uint32_t count) const {
          std::to_string(count) + ")";
 }
 
-/// Empty if all points are finite and their frame is known.
-std::string RequestChecker::points(const std_msgs::Header& header,
-                                   const std::vector<geometry_msgs::Point>& points) const {
-  for (const geometry_msgs::Point& point : points) {
-    if (!fromPoint(point).allFinite()) return "a point is not finite";
-  }
+Request RequestChecker::stroke(const CutStroke& message) const {
+  std::string defect = strokeDefect(message);
+  if (!defect.empty()) return Refusal{defect};
   try {
-    toWorld_(Pose(), header);
+    const Stroke stroke = toStroke(message, toWorld_(Pose(), message.header));
+    defect = describeDefect(stroke);
+    if (!defect.empty()) return Refusal{defect};
+    return CutAlong{stroke};
   } catch (const std::runtime_error& error) {
-    return error.what();
+    return Refusal{error.what()};
   }
-  return "";
 }
 
-std::string RequestChecker::stroke(const CutStroke& stroke) const {
-  if (stroke.points.empty()) return "the stroke is empty";
-  const Vec3 first = fromPoint(stroke.points.front());
-  const bool moves =
-      std::any_of(stroke.points.begin(), stroke.points.end(),
-                  [&](const geometry_msgs::Point& point) { return fromPoint(point) != first; });
-  if (!moves) return "the stroke needs at least two different points";
-  const Vec3 direction(stroke.direction.x, stroke.direction.y, stroke.direction.z);
-  if (!direction.allFinite()) return "the blade's direction is not finite";
-  if (direction.isZero(0.0)) return "the blade's direction is zero";
-  if (!std::isfinite(stroke.half_width) || stroke.half_width < 0.0) {
-    return "half_width must be a finite number >= 0";
+Request RequestChecker::refinement(const Refine::Request& message) const {
+  const std::string defect = refinementDefect(message);
+  if (!defect.empty()) return Refusal{defect};
+  Refinement refinement;
+  refinement.radius = message.radius;
+  if (message.generations > 0) refinement.generations = message.generations;
+  refinement.minEdge = message.min_edge;
+  try {
+    return RefineNear{inWorld(message.points, toWorld_(Pose(), message.header)), refinement};
+  } catch (const std::runtime_error& error) {
+    return Refusal{error.what()};
   }
-  return points(stroke.header, stroke.points);
-}
-
-std::string RequestChecker::refinement(const Refine::Request& request) const {
-  if (request.points.empty()) return "the path is empty";
-  if (!std::isfinite(request.radius) || request.radius <= 0.0) {
-    return "radius must be a finite number > 0";
-  }
-  if (!std::isfinite(request.edge_length) || request.edge_length <= 0.0) {
-    return "edge_length must be a finite number > 0";
-  }
-  return points(request.header, request.points);
 }
 
 std::string RequestChecker::stateName(const std::string& name) const {

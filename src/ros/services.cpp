@@ -75,11 +75,11 @@ void Services::grasp(const Grasp::Request& request, Grasp::Response& reply) {
 }
 
 void Services::cut(const Cut::Request& request, Cut::Response& reply) {
-  notAvailable(checker_.stroke(request.stroke), "cutting along a stroke", reply);
+  carryOut(checker_.stroke(request.stroke), "cut", reply);
 }
 
 void Services::refine(const Refine::Request& request, Refine::Response& reply) {
-  notAvailable(checker_.refinement(request), "refining the mesh", reply);
+  carryOut(checker_.refinement(request), "refined", reply);
 }
 
 void Services::setPhase(const StartPhase::Request& request, StartPhase::Response& reply) {

@@ -175,6 +175,7 @@ void SimulationThread::carryOut(Envelope& envelope) {
     }
     startMeasuring();
   }
+  collectEvents();
   if (envelope.withdrawn) publish();  // who waits for the answer shall see its effect
   if (envelope.answer) envelope.answer(result);
 }
@@ -189,15 +190,19 @@ bool SimulationThread::mayStep() const {
 void SimulationThread::stepOnce() {
   const Clock::time_point start = Clock::now();
   simulation_.step();
-  std::vector<FailureEvent> events = simulation_.takeEvents();
-  if (!events.empty()) {
-    const std::lock_guard<std::mutex> lock(outputMutex_);
-    events_.insert(events_.end(), events.begin(), events.end());
-  }
+  collectEvents();
   measure(Clock::now() - start);
   const double sinceLast = duration<double>(Clock::now() - lastObservation_).count();
   if (sinceLast * observationRate_ >= 1.0) publish();
   countJobStep();
+}
+
+/// Springs fail in steps, and by commands that cut.
+void SimulationThread::collectEvents() {
+  const std::vector<FailureEvent> events = simulation_.takeEvents();
+  if (events.empty()) return;
+  const std::lock_guard<std::mutex> lock(outputMutex_);
+  events_.insert(events_.end(), events.begin(), events.end());
 }
 
 void SimulationThread::countJobStep() {

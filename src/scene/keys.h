@@ -16,10 +16,14 @@ inline const Keys kPose{"position", "rpy", "orientation"};
 
 inline const Keys kCloth{"size",     "particles", "pose",        "random_offset",
                          "velocity", "fabric",    "raw_springs", "particle_mass",
-                         "shear",    "bending",   "pins"};
+                         "shear",    "bending",   "pins",        "surgery"};
 inline const Keys kFabric{"preset",  "areal_density", "tensile_warp", "tensile_weft", "shear",
                           "bending", "damping",       "friction",     "thickness"};
 inline const Keys kRawSprings{"structural", "shear", "bend", "per_stretch", "dashpot"};
+
+inline const Keys kSurgery{"snap",       "min_edge",    "max_particles",
+                           "drop_below", "clear_strip", "refine_cuts"};
+inline const Keys kRefinement{"radius", "generations", "min_edge"};
 
 inline const Keys kSolver{"method", "dt"};
 inline const Keys kWind{"velocity", "density", "drag_coefficient"};
@@ -36,16 +40,18 @@ inline const Keys kClamp{
     "closing_speed", "max_speed", "max_angular_speed", "max_acceleration"};
 inline const Keys kPatch{"particle", "radius"};
 
-inline const Keys kTearing{"enabled", "ratio", "seam"};
+inline const Keys kTearing{"enabled", "ratio", "seam", "tip_speed", "refine_tip"};
 inline const Keys kRatio{"structural", "shear", "bend"};
 inline const Keys kSeam{"path", "half_width"};
 
-inline const Keys kPhase{"name",  "clamps", "obstacles", "tearing",
-                         "notch", "until",  "timeout",   "on_timeout"};
+inline const Keys kPhase{"name", "clamps", "obstacles", "tearing", "notch",
+                         "cut",  "refine", "until",     "timeout", "on_timeout"};
 inline const Keys kClampAction{"hold",    "attach", "grasp",       "move_by",
                                "move_to", "rpy",    "orientation", "speed"};
 inline const Keys kObstacleAction{"velocity"};
 inline const Keys kPhaseTearing{"enabled", "ratio"};
+inline const Keys kStroke{"path", "direction", "reach", "blades", "first_layer", "half_width"};
+inline const Keys kRefine{"path", "point", "radius", "generations", "min_edge"};
 inline const Keys kUntil{"elapsed", "mean_speed", "contact", "clamps", "pieces", "broken"};
 inline const Keys kMeanSpeed{"below", "for"};
 

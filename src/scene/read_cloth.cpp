@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 
 #include "keys.h"
@@ -152,6 +153,9 @@ void readCloth(const SceneNode& node, ClothSpec& cloth) {
   node.read("particle_mass", cloth.particleMass, kPositive);
   selectSprings(node, cloth);
   if (const auto pins = node.find("pins")) readPins(*pins, cloth);
+  const int grid = cloth.columns * cloth.rows;
+  cloth.surgery.maxParticles = std::max(cloth.surgery.maxParticles, grid);
+  if (const auto surgery = node.find("surgery")) readSurgery(*surgery, grid, cloth.surgery);
 }
 
 }  // namespace cloth_sim

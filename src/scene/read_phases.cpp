@@ -157,6 +157,8 @@ PhaseSpec readPhase(const SceneNode& node, const Scene& scene) {
   }
   if (const auto tearing = node.find("tearing")) readPhaseTearing(*tearing, phase);
   if (const auto notch = node.find("notch")) readNotches(*notch, scene.cloth, phase.notches);
+  if (const auto cut = node.find("cut")) readStrokes(*cut, phase.strokes);
+  if (const auto refine = node.find("refine")) readRefinements(*refine, phase.refinements);
   readEnd(node, scene, phase);
   return phase;
 }

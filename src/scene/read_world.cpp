@@ -135,6 +135,14 @@ ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
   return clamp;
 }
 
+Seam readSeam(const SceneNode& node, const ClothSpec& cloth) {
+  node.expectKeys(keys::kSeam);
+  Seam seam;
+  seam.path = readPath(node.need("path", "a list of points [u, v]"), cloth);
+  node.read("half_width", seam.halfWidth, kNotNegative);
+  return seam;
+}
+
 }  // namespace
 
 void readSolver(const SceneNode& node, SolverSpec& solver) {
@@ -176,12 +184,9 @@ void readTearing(const SceneNode& node, const ClothSpec& cloth, TearingSettings&
   tearing.enabled = true;
   node.read("enabled", tearing.enabled);
   if (const auto ratio = node.find("ratio")) tearing.ratio = readRatios(*ratio);
-  const auto seam = node.find("seam");
-  if (!seam) return;
-  seam->expectKeys(keys::kSeam);
-  tearing.seam = Seam{};
-  tearing.seam->path = readPath(seam->need("path", "a list of points [u, v]"), cloth);
-  seam->read("half_width", tearing.seam->halfWidth, kNotNegative);
+  if (const auto seam = node.find("seam")) tearing.seam = readSeam(*seam, cloth);
+  node.read("tip_speed", tearing.tipSpeed, kPositive);
+  if (const auto refine = node.find("refine_tip")) tearing.refineTip = readRefinement(*refine);
 }
 
 }  // namespace cloth_sim

@@ -18,15 +18,23 @@ PinSpec readParticle(const SceneNode& node, const ClothSpec& cloth);
 MaterialPath readPath(const SceneNode& node, const ClothSpec& cloth);
 /// A number for all kinds of springs, or a map by kind; kinds not named never fail.
 TearRatios readRatios(const SceneNode& node);
+/// Where and how far to refine (read_surgery.cpp).
+Refinement readRefinement(const SceneNode& node);
 
 // The parts.
 
 void readCloth(const SceneNode& node, ClothSpec& cloth);
 void readSolver(const SceneNode& node, SolverSpec& solver);
+/// \param gridParticles  how many the cloth has at the start.
+void readSurgery(const SceneNode& node, int gridParticles, SurgerySettings& surgery);
 Wind readWind(const SceneNode& node);
 void readObstacles(const SceneNode& node, double friction, std::vector<Obstacle>& obstacles);
 void readClamps(const SceneNode& node, const ClothSpec& cloth, std::vector<ClampSpec>& clamps);
 void readTearing(const SceneNode& node, const ClothSpec& cloth, TearingSettings& tearing);
+/// One stroke of a blade or a list of strokes.
+void readStrokes(const SceneNode& node, std::vector<Stroke>& strokes);
+/// One refinement around a path or point, or a list of them.
+void readRefinements(const SceneNode& node, std::vector<RefineNear>& refinements);
 /// \param scene  the rest of it, complete.
 void readPhases(const SceneNode& node, const Scene& scene, std::vector<PhaseSpec>& phases);
 

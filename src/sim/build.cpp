@@ -27,8 +27,11 @@ Model buildModel(const ClothSpec& spec) {
   model.fabric = spec.fabric;
   model.springs = spec.raw ? SpringNetwork(model.mesh, *spec.raw, spec.springs)
                            : SpringNetwork(model.mesh, spec.fabric, spec.springs);
-  model.mass = spec.particleMass ? VertexData<double>(model.mesh.vertexCount(), *spec.particleMass)
-                                 : lumpedMasses(model.mesh, spec.fabric.arealDensity);
+  if (spec.particleMass) {
+    setParticleMasses(*spec.particleMass, model);
+  } else {
+    lumpMasses(spec.fabric.arealDensity, model);
+  }
   return model;
 }
 
@@ -69,19 +72,6 @@ ColliderSet buildColliders(const Scene& scene) {
     colliders.add(obstacle, 0.5 * scene.cloth.fabric.thickness);
   }
   return colliders;
-}
-
-std::vector<std::array<VertexId, 2>> boundaryEdges(const TriangleMesh& mesh) {
-  std::vector<std::array<VertexId, 2>> edges;
-  for (const Face& face : mesh.faces()) {
-    for (int k = 0; k < 3; ++k) {
-      const VertexId a = face[k];
-      const VertexId b = face[(k + 1) % 3];
-      if (mesh.facesOnEdge(a, b)[1] == kNone) edges.push_back({std::min(a, b), std::max(a, b)});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
 }
 
 }  // namespace cloth_sim

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/sim/build.h"
 
 namespace cloth_sim {
@@ -12,18 +12,16 @@ namespace {
 /// How far a particle may be pulled in one step beyond its own speed times dt and still be among
 /// the contact candidates, at least [m].
 constexpr double kContactReach = 0.05;
+/// Shortest edge that surgery makes, if the scene says nothing: this part of the original ones.
+constexpr double kMinEdgePart = 0.05;
+/// Strides that the tip of a tear takes in a step at most.
+constexpr int kMostStrides = 16;
 
 /// A particle that rests may be pulled along by the fastest one.
 double contactReach(const State& state, double dt) {
   double fastest = 0.0;
   for (const Vec3& v : state.v) fastest = std::max(fastest, v.squaredNorm());
   return std::max(kContactReach, std::sqrt(fastest) * dt);
-}
-
-VertexData<VertexId> identity(const Model& model) {
-  std::vector<VertexId> ids(static_cast<std::size_t>(model.particleCount()));
-  std::iota(ids.begin(), ids.end(), 0);
-  return VertexData<VertexId>(std::move(ids));
 }
 
 std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
@@ -35,17 +33,12 @@ std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model) {
   return info.create(model, completeParameters(info, spec.parameters));
 }
 
-/// Copies of pinned particles stay pinned where they are.
-void followPins(const MeshChanges& changes, std::vector<KinematicTarget>& pins) {
-  for (const NewVertex& added : changes.newVertices) {
-    const auto source = std::find_if(pins.begin(), pins.end(), [&](const KinematicTarget& pin) {
-      return pin.vertex == added.from[0];
-    });
-    if (source == pins.end() || added.from[1] != kNone) continue;
-    KinematicTarget copy = *source;
-    copy.vertex = added.id;
-    pins.push_back(copy);  // new ids are the largest: the order holds
-  }
+SurgeryLimits limitsFor(const SurgerySettings& settings, const TriangleMesh& mesh) {
+  SurgeryLimits limits;
+  limits.shape.snap = settings.snap;
+  limits.shape.minEdge = settings.minEdge.value_or(kMinEdgePart * shortestEdge(mesh));
+  limits.maxParticles = settings.maxParticles;
+  return limits;
 }
 
 }  // namespace
@@ -61,8 +54,8 @@ Simulation::Simulation(Scene scene)
       solver_(makeSolver(scene_.solver, model_)),
       script_(scene_.phases),
       tearing_(scene_.tearing, model_),
-      origin_(identity(model_)),
-      originalBoundary_(boundaryEdges(model_.mesh)) {
+      limits_(limitsFor(scene_.cloth.surgery, model_.mesh)),
+      pieces_(findPieces(model_.mesh)) {
   controls_.gravity = scene_.gravity;
   controls_.drag = scene_.drag;
   controls_.wind = scene_.wind;
@@ -96,7 +89,7 @@ PhaseObservation Simulation::observe() const {
   PhaseObservation now;
   now.time = time();
   now.meanSpeed = meanSpeed(state_);
-  now.pieces = pieces_;
+  now.pieces = pieces();
   now.broken = broken_.total;
   now.inContact =
       std::any_of(contacts_.candidates.begin(), contacts_.candidates.end(),
@@ -120,8 +113,16 @@ void Simulation::beginPhase(const PhaseSpec& phase) {
   }
   if (phase.tearing) tearing_.setEnabled(*phase.tearing);
   if (phase.ratio) tearing_.setRatio(*phase.ratio);
-  for (const MaterialPath& notch : phase.notches) {
-    operate(planNotch(model_, notch), FailureCause::kCut);
+  operateFor(phase);
+}
+
+void Simulation::operateFor(const PhaseSpec& phase) {
+  try {
+    for (const RefineNear& request : phase.refinements) refineMesh(request);
+    for (const MaterialPath& notch : phase.notches) cutNotch(notch);
+    for (const Stroke& stroke : phase.strokes) cutStroke(stroke);
+  } catch (const TooManyParticles& error) {
+    fail("phase '" + phase.name + "': " + error.what());
   }
 }
 
@@ -175,20 +176,12 @@ void Simulation::readClamps() {
   for (Clamp& clamp : clamps_) clamp.readReactions(controls_.kinematic, report_.reactions);
 }
 
-void Simulation::tear() { operate(tearing_.plan(model_, state_), FailureCause::kTear); }
-
-void Simulation::operate(const std::vector<Opening>& openings, FailureCause cause) {
-  if (openings.empty()) return;
-  const SurgeryResult result = openSurface(model_, state_, openings, cause);
-  if (result.changes.mesh.empty()) return;
-  for (const FailureEvent& event : result.events) count(event);
-  for (Clamp& clamp : clamps_) clamp.follow(result.changes.mesh);
-  followPins(result.changes.mesh, pins_);
-  origin_.follow(result.changes.mesh);
-  solver_->onModelChanged(model_, result.changes);
-  tearing_.follow(model_, result.changes);
-  pieces_ = findPieces(model_.mesh).count;
-  topology_.reset();
+void Simulation::tear() {
+  for (int stride = 0; stride < kMostStrides; ++stride) {
+    const CutPlan plan = tearing_.plan(model_, state_, scene_.solver.dt);
+    if (plan.paths.empty()) return;
+    tearing_.opened(operate(plan));
+  }
 }
 
 void Simulation::count(const FailureEvent& event) {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "cloth_sim/sim/simulation.h"
+#include "cloth_sim/surgery/refine.h"
 
 namespace cloth_sim {
 namespace {
@@ -102,6 +103,34 @@ CommandResult Simulation::carryOut(const SetTearing& command) {
   tearing_.setEnabled(command.enabled);
   tearing_.setRatio(command.ratio);
   return done();
+}
+
+CommandResult Simulation::carryOut(const CutAlong& command) {
+  const std::string defect = describeDefect(command.stroke);
+  if (!defect.empty()) return refuse(defect);
+  try {
+    const SurgeryResult result = cutStroke(command.stroke);
+    if (result.changes.mesh.empty()) return done("the stroke misses the cloth: nothing was cut");
+    char text[160];
+    std::snprintf(text, sizeof text, "cut %.4g m, %zu springs severed, %d cleared, %d pieces",
+                  result.length, result.events.size() - static_cast<std::size_t>(result.cleared),
+                  result.cleared, pieces());
+    return done(text);
+  } catch (const TooManyParticles& error) {
+    return refuse(error.what());
+  }
+}
+
+CommandResult Simulation::carryOut(const RefineNear& command) {
+  const std::string defect = describeDefect(command);
+  if (!defect.empty()) return refuse(defect);
+  try {
+    const std::int32_t before = model_.particleCount();
+    refineMesh(command);
+    return done(std::to_string(model_.particleCount() - before) + " particles added");
+  } catch (const TooManyParticles& error) {
+    return refuse(error.what());
+  }
 }
 
 CommandResult Simulation::carryOut(const Reset&) {

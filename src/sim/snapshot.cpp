@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/sim/simulation.h"
 
 namespace cloth_sim {
@@ -46,7 +47,8 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
     shot->springs[kind] = model_.springs.count(static_cast<SpringKind>(kind));
   }
   shot->broken = broken_;
-  shot->pieces = pieces_;
+  shot->pieces = describePieces();
+  shot->dropped = dropped_;
   shot->mass = totalMass(model_);
   shot->restArea = model_.mesh.totalRestArea();
   shot->energies = energies(model_, state_, controls_.gravity);
@@ -55,6 +57,24 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
   shot->failed = failed();
   shot->failure = failure_;
   return shot;
+}
+
+std::vector<PieceSnapshot> Simulation::describePieces() const {
+  std::vector<PieceSnapshot> pieces(static_cast<std::size_t>(pieces_.count));
+  for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+    PieceSnapshot& piece = pieces[pieces_.ofFace[f]];
+    ++piece.faces;
+    piece.restArea += model_.mesh.restArea(f);
+  }
+  for (VertexId v = 0; v < model_.particleCount(); ++v) {
+    PieceSnapshot& piece = pieces[pieces_.ofFace[model_.mesh.facesAround(v).front()]];
+    piece.mass += model_.mass[v];
+    piece.centreOfMass += model_.mass[v] * state_.x[v];
+  }
+  for (PieceSnapshot& piece : pieces) piece.centreOfMass /= piece.mass;
+  std::stable_sort(pieces.begin(), pieces.end(),
+                   [](const auto& p, const auto& q) { return p.restArea > q.restArea; });
+  return pieces;
 }
 
 std::shared_ptr<const Topology> Simulation::makeTopology() const {
@@ -66,13 +86,17 @@ std::shared_ptr<const Topology> Simulation::makeTopology() const {
     if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
     topology->links.push_back({spring.a, spring.b, spring.restLength});
   }
-  for (const auto& edge : boundaryEdges(model_.mesh)) {
-    std::array<VertexId, 2> before{origin_[edge[0]], origin_[edge[1]]};
-    std::sort(before.begin(), before.end());
-    const bool wasBoundary =
-        std::binary_search(originalBoundary_.begin(), originalBoundary_.end(), before);
-    if (!wasBoundary) topology->tornEdges.push_back(edge);
+  for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+    const Face& face = model_.mesh.face(f);
+    for (int k = 0; k < 3; ++k) {
+      const VertexId a = face[k];
+      const VertexId b = face[(k + 1) % 3];
+      const bool border = model_.mesh.facesOnEdge(a, b)[1] == kNone;
+      if (border && !model_.mesh.isRim(f, k)) topology->tornEdges.push_back({a, b});
+    }
   }
+  topology->shortestEdge = shortestEdge(model_.mesh);
+  topology->stableStep = stableStep(model_);
   return topology;
 }
 

@@ -5,6 +5,9 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/mesh/quality.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -42,6 +45,19 @@ Json springsJson(const SpringNetwork& springs) {
           {"bend", springs.count(SpringKind::kBend)}};
 }
 
+Json piecesJson(const Simulation& simulation) {
+  Json pieces = Json::array();
+  for (const PieceSnapshot& piece : simulation.describePieces()) {
+    const Vec3& centre = piece.centreOfMass;
+    pieces.push_back(
+        {{"faces", piece.faces},
+         {"mass_kg", number(piece.mass)},
+         {"rest_area_m2", number(piece.restArea)},
+         {"centre_of_mass_m", {number(centre.x()), number(centre.y()), number(centre.z())}}});
+  }
+  return pieces;
+}
+
 std::string statusOf(const Simulation& simulation, bool interrupted) {
   if (simulation.failed()) return "failed";
   return interrupted ? "interrupted" : "done";
@@ -71,6 +87,12 @@ std::string summaryJson(const Simulation& simulation, const InitialFigures& init
   json["springs"] = springsJson(model.springs);
   json["broken"] = brokenJson(simulation.broken());
   json["pieces"] = simulation.pieces();
+  json["piece_list"] = piecesJson(simulation);
+  json["dropped"] = {{"count", simulation.dropped().count},
+                     {"mass_kg", number(simulation.dropped().mass)},
+                     {"rest_area_m2", number(simulation.dropped().restArea)}};
+  json["shortest_edge_m"] = number(shortestEdge(model.mesh));
+  json["stable_step_s"] = number(stableStep(model));
   json["mass_kg"] = number(totalMass(model));
   json["rest_area_m2"] = number(model.mesh.totalRestArea());
   json["initial_mass_kg"] = number(initial.mass);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/solver/vector_clones.h"
 #include "spring_forces.h"
 
@@ -26,6 +27,16 @@ void driftAxis(std::size_t count, double h, const double* v, double* x) {
 
 }  // namespace
 
+ForceSolver::ForceSolver(const Model& model, int substeps)
+    : PackedSolver(model, substeps), stableAtFirst_(stableStep(model)) {}
+
+int ForceSolver::substepsFor(const Model& model, int configured) {
+  const double now = stableStep(model);
+  if (!(now < stableAtFirst_) || !std::isfinite(stableAtFirst_)) return configured;
+  // What rounding adds to the ratio is not worth a substep.
+  return static_cast<int>(std::ceil(configured * stableAtFirst_ / now - 1e-9));
+}
+
 void ForceSolver::evaluateForces(const Substep& now) {
   for (std::vector<double>* axis : {&force_.x, &force_.y, &force_.z}) {
     std::fill(axis->begin(), axis->end(), 0.0);
@@ -35,7 +46,7 @@ void ForceSolver::evaluateForces(const Substep& now) {
 }
 
 void ForceSolver::kick(const Substep& now) {
-  const auto n = static_cast<std::size_t>(particles_.count());
+  const auto n = static_cast<std::size_t>(particles_.slots);
   const Vec3& g = now.controls.gravity;
   const double* w = particles_.inverseMass.data();
   kickAxis(n, now.h, g.x(), force_.x.data(), w, particles_.v.x.data());
@@ -47,7 +58,7 @@ void ForceSolver::kick(const Substep& now) {
 }
 
 void ForceSolver::drift(double h) {
-  const auto n = static_cast<std::size_t>(particles_.count());
+  const auto n = static_cast<std::size_t>(particles_.slots);
   driftAxis(n, h, particles_.v.x.data(), particles_.x.x.data());
   driftAxis(n, h, particles_.v.y.data(), particles_.x.y.data());
   driftAxis(n, h, particles_.v.z.data(), particles_.x.z.data());

@@ -6,9 +6,12 @@
 namespace cloth_sim {
 
 /// Evaluates forces, and kicks and drifts particles.
+///
+/// Surgery makes edges shorter, and shorter steps are stable then. Substeps are divided further in
+/// the same proportion, so that a scene keeps the margin to the limit that it began with.
 class ForceSolver : public PackedSolver {
  protected:
-  using PackedSolver::PackedSolver;
+  ForceSolver(const Model& model, int substeps);
 
   /// `force_` = springs, dashpots and wind at the current positions and velocities.
   void evaluateForces(const Substep& now);
@@ -18,6 +21,11 @@ class ForceSolver : public PackedSolver {
   void drift(double h);
   /// v *= exp(-drag h): exact for linear drag.
   void damp(const Controls& controls, double h);
+
+  int substepsFor(const Model& model, int configured) final;
+
+ private:
+  double stableAtFirst_;  ///< stableStep of the undamaged model [s]
 };
 
 }  // namespace cloth_sim

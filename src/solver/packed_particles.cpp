@@ -28,15 +28,28 @@ void PackedParticles::layOut(const Model& model) {
       }
     }
   }
-  follow(model);
+  for (VertexId k = count(); k < model.particleCount(); ++k) slotOf.push_back(k);
+  slots = count();
+  resize();
 }
 
-void PackedParticles::follow(const Model& model) {
-  for (VertexId k = count(); k < model.particleCount(); ++k) slotOf.push_back(k);
-  const auto n = static_cast<std::size_t>(count());
+void PackedParticles::follow(const MeshChanges& changes) {
+  for (const VertexEdit& edit : changes.vertices) {
+    if (edit.isNew()) {
+      slotOf.push_back(slots++);
+    } else if (edit.kind == VertexEdit::Kind::kRemove) {
+      slotOf[edit.id] = std::int32_t{slotOf[edit.from[0]]};
+      slotOf.pop_back();
+    }
+  }
+  resize();
+}
+
+void PackedParticles::resize() {
+  const auto n = static_cast<std::size_t>(slots);
   for (PackedVectors* vectors : {&x, &start, &v}) vectors->resize(n);
-  mass.resize(n);
-  inverseMass.resize(n);
+  mass.assign(n, 0.0);
+  inverseMass.assign(n, 0.0);
 }
 
 void PackedParticles::load(const State& state) {
@@ -55,6 +68,7 @@ void PackedParticles::store(State& state) const {
 
 void PackedParticles::loadMasses(const Model& model,
                                  const std::vector<KinematicTarget>& kinematic) {
+  // Slots of particles that were taken away keep a mass of zero.
   for (VertexId k = 0; k < count(); ++k) mass[slotOf[k]] = model.mass[k];
   for (const KinematicTarget& target : kinematic) mass[slotOf[target.vertex]] = 0.0;
   for (std::size_t k = 0; k < mass.size(); ++k) {

@@ -2,18 +2,20 @@
 
 namespace cloth_sim {
 
-PackedSolver::PackedSolver(const Model& model, int substeps) : substeps_(substeps) {
+PackedSolver::PackedSolver(const Model& model, int substeps)
+    : configured_(substeps), substeps_(substeps) {
   particles_.layOut(model);
   schedule_.build(model, particles_.slotOf);
-  force_.resize(particles_.count());
-  before_.resize(particles_.count());
+  force_.resize(particles_.slots);
+  before_.resize(particles_.slots);
 }
 
 void PackedSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
-  particles_.follow(model);
+  particles_.follow(changes.mesh);
   schedule_.follow(model, changes.springs, particles_.slotOf);
-  force_.resize(particles_.count());
-  before_.resize(particles_.count());
+  force_.resize(particles_.slots);
+  before_.resize(particles_.slots);
+  substeps_ = substepsFor(model, configured_);
   layoutChanged_ = true;
 }
 

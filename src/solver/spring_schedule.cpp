@@ -1,6 +1,7 @@
 #include "cloth_sim/solver/spring_schedule.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -15,6 +16,8 @@ constexpr double kGridTolerance = 1e-6;
 /// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not
 /// be so short that a colour loads what the colour before it has hardly stored.
 constexpr std::size_t kStrandSprings = 4096;
+/// ... of those that edits made.
+constexpr std::size_t kLaterStrand = 512;
 /// A batch that falls apart into fewer sets leaves threads idle.
 constexpr std::int32_t kFewestSets = 16;
 
@@ -49,31 +52,37 @@ int gridColour(const Model& model, const Spring& spring) {
 /// Greedy colouring that prefers a given colour where it is free.
 class Colouring {
  public:
-  explicit Colouring(std::int32_t particles) : used_(static_cast<std::size_t>(particles)) {}
+  explicit Colouring(std::int32_t particles)
+      : place_(static_cast<std::size_t>(particles), kNone) {}
 
   int pick(const Spring& spring, int preferred) {
-    std::vector<bool>& a = used_[spring.a];
-    std::vector<bool>& b = used_[spring.b];
+    const std::size_t first = placeOf(spring.a);
+    const std::size_t second = placeOf(spring.b);
+    Used& a = used_[first];
+    Used& b = used_[second];
     int colour = preferred;
-    if (isUsed(a, colour) || isUsed(b, colour)) {
+    if (a[colour] || b[colour]) {
       colour = 0;
-      while (isUsed(a, colour) || isUsed(b, colour)) ++colour;
+      while (a[colour] || b[colour]) ++colour;
     }
-    use(a, colour);
-    use(b, colour);
+    a[colour] = b[colour] = true;
     return colour;
   }
 
  private:
-  static bool isUsed(const std::vector<bool>& set, int colour) {
-    return static_cast<std::size_t>(colour) < set.size() && set[colour];
-  }
-  static void use(std::vector<bool>& set, int colour) {
-    if (set.size() <= static_cast<std::size_t>(colour)) set.resize(colour + 1, false);
-    set[colour] = true;
+  /// Twice the springs that a particle can reasonably have.
+  using Used = std::bitset<512>;
+
+  std::size_t placeOf(VertexId v) {
+    if (place_[v] == kNone) {
+      place_[v] = static_cast<std::int32_t>(used_.size());
+      used_.emplace_back();
+    }
+    return static_cast<std::size_t>(place_[v]);
   }
 
-  std::vector<std::vector<bool>> used_;
+  std::vector<std::int32_t> place_;  ///< in used_, by particle
+  std::vector<Used> used_;           ///< of particles that have been seen
 };
 
 /// Particles joined by springs into connected sets.
@@ -124,12 +133,17 @@ void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& 
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
                             const std::vector<std::int32_t>& slotOf) {
+  position_.resize(model.springs.slots().size(), kNone);
+  isAppended_.resize(model.springs.slots().size(), false);
   for (const auto* slots : {&changes.removed, &changes.modified, &changes.added}) {
     for (std::int32_t slot : *slots) settle(model.springs[slot], slot, slotOf);
   }
   truncate(original_);
-  position_.resize(model.springs.slots().size(), kNone);
-  append(model, slotOf, colour(model, {appended_.begin(), appended_.end()}));
+  std::vector<std::int32_t> appended;
+  for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(isAppended_.size()); ++slot) {
+    if (isAppended_[slot]) appended.push_back(slot);
+  }
+  appendLater(model, slotOf, colour(model, appended));
 }
 
 void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
@@ -143,11 +157,7 @@ void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
   } else if (home != kNone) {
     stiffness[home] = damping[home] = 0.0;
   }
-  if (spring.exists() && !atHome) {
-    appended_.insert(slot);
-  } else {
-    appended_.erase(slot);
-  }
+  isAppended_[slot] = spring.exists() && !atHome;
 }
 
 SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
@@ -164,10 +174,31 @@ SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
   return colours;
 }
 
+/// Springs of a colour share no particle: they may be swept in any order, or at once.
+void SpringSchedule::appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
+                                 const Coloured& colours) {
+  for (const std::vector<std::int32_t>& slots : colours) {
+    if (slots.empty()) continue;
+    Batch batch;
+    batch.firstStrand = static_cast<std::int32_t>(strands_.size());
+    batch.springs = static_cast<std::int32_t>(slots.size());
+    for (std::size_t first = 0; first < slots.size(); first += kLaterStrand) {
+      const std::size_t end = std::min(first + kLaterStrand, slots.size());
+      Strand strand;
+      strand.firstSpan = static_cast<std::int32_t>(spans_.size());
+      appendSpan(model.springs, slotOf, {slots.begin() + first, slots.begin() + end}, false);
+      strand.endSpan = static_cast<std::int32_t>(spans_.size());
+      strands_.push_back(strand);
+    }
+    batch.endStrand = static_cast<std::int32_t>(strands_.size());
+    batches_.push_back(batch);
+  }
+}
+
 void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>& slotOf,
                             Coloured colours) {
   const SpringNetwork& springs = model.springs;
-  const auto particles = static_cast<std::int32_t>(slotOf.size());
+  const std::int32_t particles = *std::max_element(slotOf.begin(), slotOf.end()) + 1;
   const auto joinAll = [&](Sets& sets, const std::vector<std::int32_t>& slots) {
     for (std::int32_t slot : slots) sets.join(slotOf[springs[slot].a], slotOf[springs[slot].b]);
   };

@@ -145,7 +145,7 @@ void Xpbd::prepare(const Controls& /*controls*/, double h) {
     computeGains(h);
     takeAttachments();
   }
-  const auto n = static_cast<std::size_t>(particles_.count());
+  const auto n = static_cast<std::size_t>(particles_.slots);
   const auto back = [&](const std::vector<double>& x, const std::vector<double>& v,
                         std::vector<double>& start) {
     backwardAxis(n, h, x.data(), v.data(), start.data());
@@ -174,7 +174,7 @@ void Xpbd::computeGains(double h) {
 void Xpbd::takeAttachments() {
   attachments_.clear();
   if (kinematicSlots_.empty()) return;
-  std::vector<std::int32_t> heldBySlot(particles_.count(), kNone);
+  std::vector<std::int32_t> heldBySlot(particles_.slots, kNone);
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     heldBySlot[kinematicSlots_[k]] = static_cast<std::int32_t>(k);
   }
@@ -198,7 +198,7 @@ void Xpbd::substep(const Substep& now) {
   solveAttachments(now.h);
   now.contacts.project(particles_.view(), now.time, now.h);
   if (now.fraction == 1.0 || now.controls.wind) {
-    const auto n = static_cast<std::size_t>(particles_.count());
+    const auto n = static_cast<std::size_t>(particles_.slots);
     const double rate = 1.0 / now.h;
     const PackedVectors& x = particles_.x;
     const PackedVectors& start = particles_.start;
@@ -209,7 +209,7 @@ void Xpbd::substep(const Substep& now) {
 }
 
 void Xpbd::predict(const Substep& now) {
-  const auto n = static_cast<std::size_t>(particles_.count());
+  const auto n = static_cast<std::size_t>(particles_.slots);
   const double decay = std::exp(-now.controls.drag * now.h);
   const Vec3 fall = now.h * now.h * now.controls.gravity;
   if (now.controls.wind) {

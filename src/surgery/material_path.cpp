@@ -57,6 +57,21 @@ double distanceTo(const MaterialPath& path, const Vec2& point) {
   return std::sqrt(nearest);
 }
 
+bool separates(const MaterialPath& path, const Vec2& p, const Vec2& q) {
+  for (std::size_t k = 0; k + 1 < path.size(); ++k) {
+    if (!boxesMeet(path[k], path[k + 1], p, q)) continue;
+    const double a = offLine(path[k], path[k + 1], p);
+    const double b = offLine(path[k], path[k + 1], q);
+    const double c = offLine(p, q, path[k]);
+    const double d = offLine(p, q, path[k + 1]);
+    if (std::min(a, b) < -kTolerance && std::max(a, b) > kTolerance &&
+        std::min(c, d) <= kTolerance && std::max(c, d) >= -kTolerance) {
+      return true;
+    }
+  }
+  return false;
+}
+
 bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q) {
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
     const double a = offLine(path[k], path[k + 1], p);

@@ -1,91 +1,50 @@
 #include "cloth_sim/surgery/tearing.h"
 
 #include <algorithm>
-#include <unordered_map>
+#include <cmath>
+
+#include "cloth_sim/surgery/tear_line.h"
 
 namespace cloth_sim {
 namespace {
 
-/// The faces around `v` that reach to the left of the crack.
-template <typename Side>
-std::vector<FaceId> facesReachingLeft(const TriangleMesh& mesh, VertexId v, const Side& side) {
-  std::vector<FaceId> faces;
-  for (FaceId f : mesh.facesAround(v)) {
-    const Face& face = mesh.face(f);
-    const bool left = std::any_of(face.begin(), face.end(),
-                                  [&](VertexId w) { return side(mesh.material(w)) < 0.0; });
-    if (left) faces.push_back(f);
-  }
-  return faces;
+/// Springs this near to a tip make it go on [edges].
+constexpr double kGrip = 3.0;
+/// A running tear unloads what is this near to it: no other one begins there [edges].
+constexpr double kShade = 12.0;
+/// How long it is known where tears have run [s].
+constexpr double kMemory = 1.0;
+/// When cuts ended whose tips have not run yet [s].
+constexpr double kLongAgo = -1e9;
+
+Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
+  return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
 }
 
-/// Opens the surface at the first of a spring's vertices that lies to the right of the crack and
-/// has faces on both sides.
-template <typename Side>
-std::optional<Opening> openingFor(const Model& model, std::int32_t slot, const Side& side) {
-  const Spring& spring = model.springs[slot];
-  const bool bend = spring.kind == SpringKind::kBend;
-  for (VertexId v : {spring.a, spring.b, bend ? spring.support[0] : kNone}) {
-    if (v == kNone || side(model.mesh.material(v)) < 0.0) continue;
-    std::vector<FaceId> detach = facesReachingLeft(model.mesh, v, side);
-    if (!detach.empty() && detach.size() < model.mesh.facesAround(v).size()) {
-      return Opening{v, std::move(detach), {slot}};
+bool straddles(const TriangleMesh& mesh, const Spring& spring, const MaterialPath& path) {
+  return separates(path, mesh.material(spring.a), mesh.material(spring.b));
+}
+
+double lengthOf(const SurfacePath& path) {
+  double length = 0.0;
+  for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+    length += (path.points[k + 1].material - path.points[k].material).norm();
+  }
+  return length;
+}
+
+double longestEdge(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
+  double squared = 0.0;
+  for (FaceId f : faces) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 edge = mesh.material(mesh.face(f)[(k + 1) % 3]) - mesh.material(mesh.face(f)[k]);
+      squared = std::max(squared, edge.squaredNorm());
     }
   }
-  return std::nullopt;
+  return std::sqrt(squared);
 }
-
-bool straddles(const Model& model, const Spring& spring, const MaterialPath& path) {
-  const Vec2& p = model.mesh.material(spring.a);
-  const Vec2& q = model.mesh.material(spring.b);
-  return (sideOf(path, p) < 0.0) != (sideOf(path, q) < 0.0) && crosses(path, p, q);
-}
-
-std::optional<Opening> openAlong(const Model& model, std::int32_t slot, const MaterialPath& path) {
-  return openingFor(model, slot, [&](const Vec2& p) { return sideOf(path, p); });
-}
-
-/// Opens across the spring itself: the crack is its perpendicular bisector, with the right side
-/// where the surface has opened already, so that a crack goes on from its tip.
-std::optional<Opening> openAcross(const Model& model, std::int32_t slot) {
-  const Spring& spring = model.springs[slot];
-  const Vec2& p = model.mesh.material(spring.a);
-  const Vec2& q = model.mesh.material(spring.b);
-  const Vec2 middle = 0.5 * (p + q);
-  const Vec2 across = (q - p).normalized();
-  const auto towards = [&](double sign) {
-    return openingFor(model, slot, [&, sign](const Vec2& r) {
-      // The end itself is right of the bisector, its neighbours along the crack are too.
-      return sign * across.dot(r - middle);
-    });
-  };
-  const bool openAtA = model.mesh.isBoundary(spring.a) && !model.mesh.isBoundary(spring.b);
-  std::optional<Opening> first = towards(openAtA ? -1.0 : 1.0);
-  return first ? first : towards(openAtA ? 1.0 : -1.0);
-}
-
-/// Openings in the order of the first spring that asked for each; later ones join it.
-class OpeningList {
- public:
-  void add(std::optional<Opening> opening) {
-    if (!opening) return;
-    const auto [known, isNew] = byVertex_.try_emplace(opening->vertex, openings_.size());
-    if (isNew) {
-      openings_.push_back(std::move(*opening));
-    } else {
-      openings_[known->second].springs.push_back(opening->springs.front());
-    }
-  }
-  std::vector<Opening> take() { return std::move(openings_); }
-
- private:
-  std::vector<Opening> openings_;
-  std::unordered_map<VertexId, std::size_t> byVertex_;
-};
 
 }  // namespace
-
-const char* toString(FailureCause cause) { return cause == FailureCause::kTear ? "torn" : "cut"; }
 
 Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::move(settings)) {
   const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
@@ -98,47 +57,130 @@ bool Tearing::allowed(const Model& model, const Spring& spring) const {
   if (!spring.exists()) return false;
   if (!settings_.seam) return true;
   const Seam& seam = *settings_.seam;
-  if (straddles(model, spring, seam.path)) return true;
-  const Vec2 middle = 0.5 * (model.mesh.material(spring.a) + model.mesh.material(spring.b));
-  return seam.halfWidth > 0.0 && distanceTo(seam.path, middle) <= seam.halfWidth;
+  if (straddles(model.mesh, spring, seam.path)) return true;
+  return seam.halfWidth > 0.0 &&
+         distanceTo(seam.path, middleOf(model.mesh, spring)) <= seam.halfWidth;
 }
 
 void Tearing::follow(const Model& model, const ModelChanges& changes) {
   for (std::int32_t slot : changes.springs.added) {
     if (allowed(model, model.springs[slot])) candidates_.push_back(slot);
   }
+  for (const VertexEdit& edit : changes.mesh.vertices) {
+    if (edit.kind != VertexEdit::Kind::kRemove) continue;
+    tips_.erase(edit.id);
+    auto moved = tips_.extract(edit.from[0]);
+    if (moved.empty()) continue;
+    moved.key() = edit.id;
+    tips_.insert(std::move(moved));
+  }
 }
 
-std::vector<Opening> Tearing::plan(const Model& model, const State& state) const {
-  std::vector<Opening> openings;
-  if (!settings_.enabled) return openings;
-  std::vector<std::pair<double, std::int32_t>> overloaded;
+std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model,
+                                                      const State& state) const {
+  std::vector<Overload> found;
   for (std::int32_t slot : candidates_) {
     const Spring& spring = model.springs[slot];
     if (!spring.exists()) continue;
-    const double overload =
+    const double excess =
         stretch(spring, state) / settings_.ratio[static_cast<std::size_t>(spring.kind)];
-    if (overload > 1.0) overloaded.emplace_back(-overload, slot);
+    if (excess > 1.0) found.push_back({excess, slot});
   }
-  std::sort(overloaded.begin(), overloaded.end());
-  OpeningList list;
-  for (const auto& [overload, slot] : overloaded) {
-    const bool onSeam =
-        settings_.seam && straddles(model, model.springs[slot], settings_.seam->path);
-    list.add(onSeam ? openAlong(model, slot, settings_.seam->path) : openAcross(model, slot));
-  }
-  return list.take();
+  std::sort(found.begin(), found.end(), [](const Overload& p, const Overload& q) {
+    return p.excess != q.excess ? p.excess > q.excess : p.slot < q.slot;
+  });
+  return found;
 }
 
-std::vector<Opening> planNotch(const Model& model, const MaterialPath& path) {
-  OpeningList list;
-  const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
-  for (std::int32_t slot = 0; slot < slots; ++slot) {
-    const Spring& spring = model.springs[slot];
-    if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
-    if (straddles(model, spring, path)) list.add(openAlong(model, slot, path));
+CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
+  CutPlan plan;
+  plan.cause = FailureCause::kTear;
+  plan.refine = settings_.refineTip;
+  strides_.clear();
+  if (!settings_.enabled) return plan;
+  forget(model.mesh, state.t);
+  std::vector<Vec2> begun;  // where strides of this plan are
+  for (const Overload& overload : findOverloads(model, state)) {
+    plan.overloaded.push_back(overload.slot);
+    const Spring& spring = model.springs[overload.slot];
+    const std::vector<FaceId> faces = facesUnder(model.mesh, spring);
+    const Vec2 middle = middleOf(model.mesh, spring);
+    const double edge = longestEdge(model.mesh, faces);
+    const auto near = [&](const Vec2& p, double edges) {
+      return (p - middle).norm() < edges * edge;
+    };
+    if (std::any_of(begun.begin(), begun.end(), [&](const Vec2& p) { return near(p, kGrip); })) {
+      continue;
+    }
+    const VertexId tip = nearestTip(model.mesh, middle, kGrip * edge);
+    if (tip != kNone && tips_.at(tip) > state.t) continue;
+    const bool onSeam = settings_.seam && straddles(model.mesh, spring, settings_.seam->path);
+    const bool begins = tip == kNone && !onSeam;
+    if (begins && isShaded(middle, edge, state.t)) continue;
+    std::optional<SurfacePath> line =
+        onSeam ? seamOver(model.mesh, faces, settings_.seam->path, model.mesh.material(spring.a),
+                          model.mesh.material(spring.b))
+               : lineFor(model, state, spring, tip);
+    if (!line) continue;
+    const double ready = tip == kNone ? 0.0 : tips_.at(tip);
+    strides_.push_back({std::max(ready, state.t - dt), lengthOf(*line)});
+    begun.push_back(tip == kNone ? middle : model.mesh.material(tip));
+    for (const SurfacePoint& p : line->points) runs_.push_back({p.material, state.t});
+    plan.paths.push_back(std::move(*line));
   }
-  return list.take();
+  std::sort(plan.overloaded.begin(), plan.overloaded.end());
+  return plan;
+}
+
+std::optional<SurfacePath> Tearing::lineFor(const Model& model, const State& state,
+                                            const Spring& spring, VertexId tip) const {
+  const TriangleMesh& mesh = model.mesh;
+  const std::vector<FaceId> faces = facesUnder(mesh, spring);
+  const VertexId origin = tip == kNone ? borderVertex(mesh, faces) : tip;
+  const Vec2 tension = tensionDirection(model, state, origin == kNone ? spring.a : origin);
+  const Vec2 along(-tension.y(), tension.x());
+  const Vec2 middle = middleOf(mesh, spring);
+  return origin == kNone ? lineThrough(mesh, faces, middle, along)
+                         : rayFrom(mesh, origin, along, middle);
+}
+
+VertexId Tearing::nearestTip(const TriangleMesh& mesh, const Vec2& p, double within) const {
+  VertexId nearest = kNone;
+  double least = within;
+  for (const auto& [tip, ready] : tips_) {
+    const double distance = (mesh.material(tip) - p).norm();
+    if (distance < least) {
+      least = distance;
+      nearest = tip;
+    }
+  }
+  return nearest;
+}
+
+bool Tearing::isShaded(const Vec2& p, double edge, double time) const {
+  const double reach = kShade * edge;
+  return std::any_of(runs_.begin(), runs_.end(), [&](const Run& run) {
+    return run.time >= time - reach / settings_.tipSpeed && (run.at - p).norm() < reach;
+  });
+}
+
+void Tearing::forget(const TriangleMesh& mesh, double time) {
+  const auto old = [time](const Run& run) { return run.time < time - kMemory; };
+  runs_.erase(std::remove_if(runs_.begin(), runs_.end(), old), runs_.end());
+  for (auto tip = tips_.begin(); tip != tips_.end();) {
+    tip = isTip(mesh, tip->first) ? std::next(tip) : tips_.erase(tip);
+  }
+}
+
+void Tearing::opened(const SurgeryResult& result) {
+  for (std::size_t k = 0; k < strides_.size(); ++k) {
+    const double ready = strides_[k].start + strides_[k].length / settings_.tipSpeed;
+    for (VertexId tip : {result.tips[2 * k], result.tips[2 * k + 1]}) tips_[tip] = ready;
+  }
+}
+
+void Tearing::noteTips(const SurgeryResult& result) {
+  for (VertexId tip : result.tips) tips_.emplace(tip, kLongAgo);
 }
 
 }  // namespace cloth_sim

@@ -37,19 +37,28 @@ BAD_POSES = dict(nan=pose(x=NAN), infinite=pose(z=math.inf), not_unit=pose(w=0.5
                  unknown_frame=pose(frame='nowhere'), no_frame=pose(frame=''))
 
 
-def stroke(points=((-0.1, 0.0, 0.5), (0.1, 0.0, 0.5)), direction=(0, 0, -1), frame='world',
-           half_width=0.0):
+def stroke(points=((-0.1, 0.01, 0.5), (0.1, 0.01, 0.5)), direction=(0, 0, -1), frame='world',
+           half_width=0.0, heels=(), reach=0.0):
+    """By default a slit inside of the cloth, which lies at z = 0.5 from -0.2 to 0.2 in x and y."""
     message = msg.CutStroke()
     message.header.frame_id = frame
     message.points = [Point(*point) for point in points]
+    message.heels = [Point(*point) for point in heels]
     message.direction = Vector3(*direction)
+    message.reach = reach
     message.half_width = half_width
     return message
 
 
+THROUGH = stroke(points=((-0.3, 0.01, 0.5), (0.3, 0.01, 0.5)))  # parts the cloth
+MISSES = stroke(points=((-0.3, 0.01, 2.5), (0.3, 0.01, 2.5)))   # reaches down to z = 1.5
 BAD_STROKES = dict(empty=stroke(points=()), single=stroke(points=((0, 0, 0),)),
-                   nan=stroke(points=((0, 0, NAN), (1, 0, 0))), no_direction=stroke(direction=(0, 0, 0)),
-                   unknown_frame=stroke(frame='nowhere'), negative=stroke(half_width=-0.1))
+                   nan=stroke(points=((0, 0, NAN), (1, 0, 0))),
+                   no_direction=stroke(direction=(0, 0, 0)),
+                   nan_direction=stroke(direction=(0, 0, NAN)),
+                   still=stroke(points=((0, 0, 0.5), (0, 0, 0.5))), reach=stroke(reach=-1.0),
+                   heels=stroke(heels=((0, 0, 1),)), unknown_frame=stroke(frame='nowhere'),
+                   no_frame=stroke(frame=''), negative=stroke(half_width=-0.1))
 
 
 class ApiTest(unittest.TestCase):
@@ -179,20 +188,93 @@ class ApiTest(unittest.TestCase):
         self.refused('set_phase', 'fly', says='wait, notch, stop')
         self.refused('set_phase', '')
 
-    def test_cut_says_that_it_is_not_there(self):
-        self.refused('cut', stroke(), says='not available')
+    def test_cut_through_the_cloth(self):
+        before = self.state()
+        reply = self.accepted('cut', THROUGH)
+        self.assertIn('2 pieces', reply.message)
+        state = self.state()
+        self.assertEqual((state.pieces, len(state.piece)), (2, 2))
+        self.assertGreater(state.revision, before.revision)
+        self.assertGreater(state.broken_cut, 0)
+        self.assertEqual(state.broken_cut, state.broken.total)
+        # The line y = 0.01 leaves 0.4 m x 0.21 m on its one side and 0.4 m x 0.19 m on its other,
+        # but for the part of an edge (0.2 of 0.025 m) by which cuts snap to vertices.
+        areas = [piece.rest_area for piece in state.piece]
+        self.assertGreaterEqual(areas[0], areas[1])
+        self.assertAlmostEqual(areas[0], 0.4 * 0.21, delta=0.4 * 0.2 * 0.025)
+        self.assertAlmostEqual(sum(areas) + state.dropped_area, before.rest_area, places=9)
+        self.assertAlmostEqual(sum(piece.mass for piece in state.piece) + state.dropped_mass,
+                               before.mass, places=9)
+        self.assertEqual(sum(piece.faces for piece in state.piece), state.faces)
+        self.assertLess(state.piece[0].centre_of_mass.y, state.piece[1].centre_of_mass.y)
+        self.assertGreater(state.shortest_edge, 0.0)
+        self.assertGreater(state.stable_step, 0.0)
+
+        self.accepted('step', 60)  # the part without pins falls
+        heights = [piece.centre_of_mass.z for piece in self.state().piece]
+        self.assertLess(heights[0], heights[1] - 0.1)
+        self.assertFalse(self.state().failed)
+
+        self.accepted('reset')
+        self.assertEqual(self.state().pieces, 1)
+
+    def test_cut_of_a_slit_leaves_one_piece(self):
+        self.accepted('cut', stroke())
+        state = self.state()
+        self.assertEqual(state.pieces, 1)
+        self.assertGreater(state.broken_cut, 0)
+
+    def test_cut_by_a_blade_with_heels(self):
+        heels = ((-0.3, 0.01, 0.6), (0.3, 0.01, 0.6))
+        self.accepted('cut', stroke(points=((-0.3, 0.01, 0.4), (0.3, 0.01, 0.4)), heels=heels,
+                                    direction=(0, 0, 0)))
+        self.assertEqual(self.state().pieces, 2)
+        self.accepted('reset')
+        above = stroke(points=((-0.3, 0.01, 0.55), (0.3, 0.01, 0.55)), heels=heels)
+        self.assertIn('nothing was cut', self.accepted('cut', above).message)
+
+    def test_cut_that_misses_changes_nothing(self):
+        before = self.state()
+        self.assertIn('nothing was cut', self.accepted('cut', MISSES).message)
+        after = self.state()
+        before.header = after.header
+        self.assertEqual(before, after)
+
+    def test_cut_refuses(self):
         for name, bad in BAD_STROKES.items():
             with self.subTest(name):
-                self.assertNotIn('not available', self.refused('cut', bad))
+                self.assertNotIn('\n', self.refused('cut', bad))
 
-    def test_refine_says_that_it_is_not_there(self):
+    def test_refine(self):
+        before = self.state()
         header = stroke().header
         point = [Point(0.0, 0.0, 0.5)]
-        self.refused('refine', header, point, 0.1, 0.01, says='not available')
-        self.refused('refine', header, [], 0.1, 0.01, says='empty')
-        self.refused('refine', header, point, NAN, 0.01, says='radius')
-        self.refused('refine', header, point, 0.1, 0.0, says='edge_length')
-        self.refused('refine', stroke(frame='nowhere').header, point, 0.1, 0.01, says='nowhere')
+        self.accepted('refine', header, point, 0.05, 2, 0.0)
+        after = self.state()
+        self.assertGreater(after.particles, before.particles)
+        self.assertGreater(after.faces, before.faces)
+        self.assertGreater(after.revision, before.revision)
+        self.assertLess(after.shortest_edge, before.shortest_edge)
+        self.assertEqual((after.pieces, after.broken.total), (1, 0))
+        self.assertAlmostEqual(after.rest_area, before.rest_area, places=9)
+        self.assertAlmostEqual(after.mass, before.mass, places=9)
+        self.accepted('cut', THROUGH)
+        self.assertEqual(self.state().pieces, 2)
+        self.accepted('step', 10)
+        self.assertFalse(self.state().failed)
+
+    def test_refine_refuses(self):
+        header = stroke().header
+        point = [Point(0.0, 0.0, 0.5)]
+        self.refused('refine', header, [], 0.1, 0, 0.0, says='empty')
+        self.refused('refine', header, [Point(0.0, NAN, 0.5)], 0.1, 0, 0.0, says='finite')
+        self.refused('refine', header, point, NAN, 0, 0.0, says='radius')
+        self.refused('refine', header, point, 0.0, 0, 0.0, says='radius')
+        self.refused('refine', header, point, 0.1, 13, 0.0, says='generations')
+        self.refused('refine', header, point, 0.1, 0, -1.0, says='min_edge')
+        self.refused('refine', stroke(frame='nowhere').header, point, 0.1, 0, 0.0, says='nowhere')
+        # 512 faces, each halved 6 times: 32768, with about half as many particles.
+        self.refused('refine', header, point, 1.0, 6, 0.0, says='max_particles = 5000')
 
     def test_save_and_load_say_that_they_are_not_there(self):
         for name in ('save_state', 'load_state'):
@@ -245,11 +327,34 @@ class ApiTest(unittest.TestCase):
 
     def test_cut_stroke(self):
         publisher = connected('/cloth/cut_stroke', msg.CutStroke)
-        before = self.state()
-        for each in list(BAD_STROKES.values()) + [stroke()]:
-            publisher.publish(each)
-        self.accepted('step', 1)
-        self.assertEqual(self.state().broken, before.broken)
+        publisher.publish(MISSES)
+        publisher.publish(THROUGH)
+        wait_until(lambda: self.state().pieces == 2, 'the cut')
+
+    def test_bad_cut_strokes_change_nothing(self):
+        self.accepted('cut', stroke())
+        wanted = self.state()
+        self.accepted('reset')
+        publisher = connected('/cloth/cut_stroke', msg.CutStroke)
+        for name in ('empty', 'nan', 'still', 'unknown_frame'):
+            publisher.publish(BAD_STROKES[name])
+        publisher.publish(stroke())  # a good one behind them: strokes are taken in order
+        wait_until(lambda: self.state().broken.total > 0, 'the cut')
+        self.assertEqual(self.state().broken, wanted.broken)
+        self.assertEqual(self.state().particles, wanted.particles)
+
+    def test_cuts_are_told_while_paused(self):
+        with Listener('/cloth/tear_events', msg.TearEvents) as events, \
+                Listener('/cloth/topology', msg.ClothTopology) as topologies:
+            revision = topologies.wait().revision
+            wait_until(lambda: events.subscriber.get_num_connections() > 0, 'tear_events')
+            self.accepted('cut', THROUGH)
+            total = self.state().broken.total
+            wait_until(lambda: sum(len(m.events) for m in events.messages) >= total, 'events')
+            every = [event for m in events.messages for event in m.events]
+            self.assertEqual(len(every), total)
+            self.assertTrue(all(event.cause == msg.TearEvent.CUT for event in every))
+            self.assertGreater(len(topologies.wait(lambda t: t.revision > revision).torn_edges), 0)
 
     # ---- topics out ------------------------------------------------------------------------------
 

@@ -394,19 +394,45 @@ TEST(ClampFollow, HoldsCopiesAndWhatIsBetweenHeldParticles) {
   ASSERT_THAT(clamp.held(), ElementsAre(0, 1));
   MeshChanges changes;
   changes.toRevision = 1;
-  changes.newVertices = {
-      {3, {1, kNone}, {1.0, 0.0}},  // a copy of a held one
-      {4, {3, kNone}, {1.0, 0.0}},  // a copy of that copy
-      {5, {2, kNone}, {1.0, 0.0}},  // a copy of a free one
-      {6, {0, 1}, {0.5, 0.5}},      // between held ones
-      {7, {1, 2}, {0.5, 0.5}},      // half held
+  using Kind = VertexEdit::Kind;
+  changes.vertices = {
+      {Kind::kCopy, 3, {1, kNone, kNone}, {1.0, 0.0, 0.0}},  // a copy of a held one
+      {Kind::kCopy, 4, {3, kNone, kNone}, {1.0, 0.0, 0.0}},  // a copy of that copy
+      {Kind::kCopy, 5, {2, kNone, kNone}, {1.0, 0.0, 0.0}},  // a copy of a free one
+      {Kind::kInsert, 6, {0, 1, kNone}, {0.5, 0.5, 0.0}},    // between held ones
+      {Kind::kInsert, 7, {1, 2, kNone}, {0.5, 0.5, 0.0}},    // half held
+      {Kind::kInsert, 8, {0, 1, 6}, {0.25, 0.25, 0.5}},      // in a held face
+      {Kind::kInsert, 9, {0, 1, 2}, {0.25, 0.25, 0.5}},      // in a face that is not all held
+      {Kind::kMove, 2, {2, 0, 1}, {0.5, 0.25, 0.25}},        // a free one moves
   };
   clamp.follow(changes);
-  EXPECT_THAT(clamp.held(), ElementsAre(0, 1, 3, 4, 6));
+  EXPECT_THAT(clamp.held(), ElementsAre(0, 1, 3, 4, 6, 8));
   const std::vector<KinematicTarget> targets = targetsOf(clamp);
   EXPECT_EQ(targets[2].position, targets[1].position);
   EXPECT_EQ(targets[3].position, targets[1].position);
   EXPECT_LT((targets[4].position - Vec3(0.015, 0.005, 0.0)).norm(), 1e-15);
+  EXPECT_LT((targets[5].position - Vec3(0.015, 0.005, 0.0)).norm(), 1e-15);
+}
+
+TEST(ClampFollow, RenumbersWhatTookThePlaceOfParticlesThatWereTakenAway) {
+  Clamp clamp(spec());
+  std::vector<Vec3> places(6, Vec3(0.5, 0.0, 0.0));
+  for (int k : {0, 2, 5}) places[k] = Vec3(0.004 * k, 0.0, 0.0);
+  closeFully(clamp, Model(), stateAt(places));
+  ASSERT_THAT(clamp.held(), ElementsAre(0, 2, 5));
+  MeshChanges changes;
+  changes.toRevision = 1;
+  using Kind = VertexEdit::Kind;
+  changes.vertices = {
+      {Kind::kRemove, 2, {5, kNone, kNone}, {1.0, 0.0, 0.0}},  // a held one goes, another comes
+      {Kind::kRemove, 0, {4, kNone, kNone}, {1.0, 0.0, 0.0}},  // a free one takes its place
+      {Kind::kRemove, 3, {3, kNone, kNone}, {1.0, 0.0, 0.0}},  // the last one goes
+      {Kind::kRemove, 1, {2, kNone, kNone}, {1.0, 0.0, 0.0}},  // ... and once more
+  };
+  clamp.follow(changes);
+  EXPECT_THAT(clamp.held(), ElementsAre(1));
+  ASSERT_EQ(targetsOf(clamp).size(), 1U);
+  EXPECT_LT((targetsOf(clamp)[0].position - places[5]).norm(), 1e-15);
 }
 
 TEST(ClampReactions, SumToAWrenchAboutItsOrigin) {

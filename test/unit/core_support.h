@@ -2,12 +2,15 @@
 /// \file What the core's tests build their cases from. Header-only; test/ is on the include path.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cloth_sim/mesh/mesh_editor.h"
+#include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/scene/scene.h"
 #include "cloth_sim/sim/build.h"
 #include "cloth_sim/solver/registry.h"
@@ -92,6 +95,12 @@ inline std::vector<FaceId> randomFaces(const TriangleMesh& mesh, VertexId v, Gen
   return some;
 }
 
+/// A vertex to split, and the faces that let go of it.
+struct Opening {
+  VertexId vertex = kNone;
+  std::vector<FaceId> detach;
+};
+
 /// A vertex to split at random, and how.
 inline Opening randomOpening(const TriangleMesh& mesh, Generator& random) {
   Opening opening;
@@ -107,6 +116,212 @@ inline std::vector<double> pieceAreas(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) areas[pieces.ofFace[f]] += mesh.restArea(f);
   return areas;
 }
+
+/// Sum of the rest areas in extended precision, so that a comparison to 1e-14 tells what an edit
+/// did and not in which order faces were summed.
+inline double preciseArea(const TriangleMesh& mesh) {
+  long double twice = 0.0L;
+  for (const Face& face : mesh.faces()) {
+    const auto side = [&](int k, int axis) {
+      return static_cast<long double>(mesh.material(face[k])[axis]) -
+             static_cast<long double>(mesh.material(face[0])[axis]);
+    };
+    twice += side(1, 0) * side(2, 1) - side(2, 0) * side(1, 1);
+  }
+  return static_cast<double>(0.5L * twice);
+}
+
+/// Smallest angle of all faces [rad].
+inline double smallestAngle(const TriangleMesh& mesh) {
+  double smallest = M_PI;
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) smallest = std::min(smallest, minAngle(mesh, f));
+  return smallest;
+}
+
+/// Length of the border edges that are rim [m].
+inline double rimLength(const TriangleMesh& mesh) {
+  double length = 0.0;
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Face& face = mesh.face(f);
+      if (mesh.isRim(f, k)) {
+        length += (mesh.material(face[(k + 1) % 3]) - mesh.material(face[k])).norm();
+      }
+    }
+  }
+  return length;
+}
+
+/// What `describeDefect` says, and else whether the tables agree with a search through all faces
+/// and only border edges are rim. Empty if all is well.
+inline std::string defectOf(const TriangleMesh& mesh) {
+  std::string defect = describeDefect(mesh);
+  if (!defect.empty()) return defect;
+  std::vector<std::vector<FaceId>> around(static_cast<std::size_t>(mesh.vertexCount()));
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    for (VertexId v : mesh.face(f)) around[v].push_back(f);
+  }
+  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
+    if (mesh.facesAround(v) != around[v]) return "wrong faces around " + std::to_string(v);
+  }
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Face& face = mesh.face(f);
+      const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
+      if (mesh.isRim(f, k) && !border) return "rim inside, at face " + std::to_string(f);
+    }
+  }
+  return "";
+}
+
+/// A grid whose inner vertices are shaken by up to `shake` spacings along each axis.
+inline TriangleMesh irregularMesh(const Grid& grid, double shake, Generator& random) {
+  const TriangleMesh even = makeGridMesh(grid);
+  std::vector<Vec2> material = even.material();
+  for (VertexId v = 0; v < even.vertexCount(); ++v) {
+    if (even.isBoundary(v)) continue;
+    material[v] += shake * Vec2(uniform(random, -1.0, 1.0) * grid.spacingU(),
+                                uniform(random, -1.0, 1.0) * grid.spacingV());
+  }
+  return TriangleMesh(std::move(material), even.faces());
+}
+
+/// Three positive numbers that sum to one, none below `least`.
+inline std::array<double, 3> randomWeights(Generator& random, double least) {
+  const double a = uniform(random, 0.0, 1.0);
+  const double b = uniform(random, 0.0, 1.0 - a);
+  const double rest = 1.0 - 3.0 * least;
+  return {least + rest * a, least + rest * b, 1.0 - (least + rest * a) - (least + rest * b)};
+}
+
+/// Point of a face at barycentric weights.
+inline Vec2 pointIn(const TriangleMesh& mesh, FaceId f, const std::array<double, 3>& weight) {
+  Vec2 p = Vec2::Zero();
+  for (int k = 0; k < 3; ++k) p += weight[k] * mesh.material(mesh.face(f)[k]);
+  return p;
+}
+
+/// Random edits of every kind (but taking pieces away), that leave no face with an angle below
+/// some 2 degrees. Each returns whether it did something.
+class RandomEditor {
+ public:
+  RandomEditor(MeshEditor& editor, Generator& random) : editor_(editor), random_(random) {}
+
+  bool splitEdge() {
+    const auto [f, k] = someSide();
+    if (minAngle(mesh(), f) < kEnough) return false;
+    const Face face = mesh().face(f);
+    for (FaceId other : mesh().facesOnEdge(face[k], face[(k + 1) % 3])) {
+      if (other != kNone && minAngle(mesh(), other) < kEnough) return false;
+    }
+    editor_.splitEdge(face[k], face[(k + 1) % 3], uniform(random_, 0.3, 0.7));
+    return true;
+  }
+
+  bool splitFace() {
+    const FaceId f = someFace();
+    if (minAngle(mesh(), f) < 2.0 * kEnough) return false;
+    editor_.splitFace(f, randomWeights(random_, 0.25));
+    return true;
+  }
+
+  bool flipEdge() {
+    const auto [f, k] = someSide();
+    const VertexId a = mesh().face(f)[k];
+    const VertexId b = mesh().face(f)[(k + 1) % 3];
+    const auto on = mesh().facesOnEdge(a, b);
+    if (on[1] == kNone) return false;
+    const FaceId other = on[0] == f ? on[1] : on[0];
+    const VertexId c = mesh().oppositeVertex(f, a, b);
+    const VertexId d = mesh().oppositeVertex(other, a, b);
+    if (mesh().facesOnEdge(c, d)[0] != kNone) return false;
+    const auto angle = [&](VertexId p, VertexId q, VertexId r) {
+      return minAngle(mesh().material(p), mesh().material(q), mesh().material(r));
+    };
+    if (std::min(angle(a, d, c), angle(d, b, c)) < kLeast) return false;
+    editor_.flipEdge(a, b);
+    return true;
+  }
+
+  /// Inside, anywhere in the faces around; at the border, along it.
+  bool moveVertex() {
+    const VertexId v = whole(random_, 0, mesh().vertexCount() - 1);
+    const std::vector<FaceId>& around = mesh().facesAround(v);
+    const FaceId f = around[whole(random_, 0, static_cast<int>(around.size()) - 1)];
+    std::array<double, 3> weight = randomWeights(random_, 0.0);
+    if (mesh().isBoundary(v) && !slide(v, f, weight)) return false;
+    const Vec2 to = pointIn(mesh(), f, weight);
+    for (FaceId moved : around) {
+      std::array<Vec2, 3> corner;
+      for (int k = 0; k < 3; ++k) {
+        const VertexId w = mesh().face(moved)[k];
+        corner[k] = w == v ? to : mesh().material(w);
+      }
+      if (minAngle(corner[0], corner[1], corner[2]) < kLeast) return false;
+    }
+    editor_.moveVertex(v, f, weight);
+    return true;
+  }
+
+  bool open() {
+    const Opening opening = randomOpening(mesh(), random_);
+    return editor_.splitVertex(opening.vertex, opening.detach);
+  }
+
+  bool any() {
+    switch (whole(random_, 0, 9)) {
+      case 0:
+        return open();
+      case 1:
+      case 2:
+        return splitEdge();
+      case 3:
+        return splitFace();
+      case 4:
+      case 5:
+      case 6:
+        return flipEdge();
+      default:
+        return moveVertex();
+    }
+  }
+
+ private:
+  static constexpr double kLeast = 0.035;
+  static constexpr double kEnough = 0.15;
+
+  const TriangleMesh& mesh() const { return editor_.mesh(); }
+  FaceId someFace() { return whole(random_, 0, mesh().faceCount() - 1); }
+  std::pair<FaceId, int> someSide() {
+    const FaceId f = someFace();
+    return {f, whole(random_, 0, 2)};
+  }
+
+  /// Puts `weight` on a border edge of `f` at `v`, if the border runs along an axis through there.
+  bool slide(VertexId v, FaceId f, std::array<double, 3>& weight) {
+    const Face& face = mesh().face(f);
+    const int k = static_cast<int>(std::find(face.begin(), face.end(), v) - face.begin());
+    bool done = false;
+    bool alongU = true;
+    bool alongV = true;
+    for (VertexId w : mesh().neighbours(v)) {
+      if (mesh().facesOnEdge(v, w)[1] != kNone) continue;
+      alongU = alongU && mesh().material(w).y() == mesh().material(v).y();
+      alongV = alongV && mesh().material(w).x() == mesh().material(v).x();
+      const auto at = std::find(face.begin(), face.end(), w);
+      if (at == face.end() || done) continue;
+      const double t = uniform(random_, 0.0, 0.5);
+      weight = {0.0, 0.0, 0.0};
+      weight[k] = 1.0 - t;
+      weight[at - face.begin()] = t;
+      done = true;
+    }
+    return done && (alongU || alongV);
+  }
+
+  MeshEditor& editor_;
+  Generator& random_;
+};
 
 /// For INSTANTIATE_TEST_SUITE_P over the registry: the method's name.
 inline std::vector<std::string> solverNames() {

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 namespace cloth_sim {
 namespace {
 
@@ -78,6 +81,62 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Crosses, AnySegment) {
   EXPECT_TRUE(crosses(kCorner, {-0.5, 0.9}, {-0.5, 1.1}));
   EXPECT_FALSE(crosses(kCorner, {-0.5, 0.1}, {-0.5, 0.9}));
+}
+
+/// Asks for both directions of both.
+void expectSeparates(const MaterialPath& path, const Vec2& p, const Vec2& q, bool expected) {
+  MaterialPath back = path;
+  std::reverse(back.begin(), back.end());
+  for (const MaterialPath& way : {path, back}) {
+    EXPECT_EQ(separates(way, p, q), expected) << p.transpose() << " to " << q.transpose();
+    EXPECT_EQ(separates(way, q, p), expected) << q.transpose() << " to " << p.transpose();
+  }
+}
+
+TEST(Separates, WhatLiesOnDifferentSidesAndCrosses) {
+  expectSeparates(kUp, {-0.1, 0.5}, {0.1, 0.5}, true);
+  expectSeparates(kUp, {-0.1, 0.2}, {0.3, 0.9}, true);
+  expectSeparates(kUp, {0.1, 0.2}, {0.3, 0.9}, false);
+  expectSeparates(kUp, {-0.1, 1.5}, {0.1, 1.5}, false);  // beyond its end
+  expectSeparates(kUp, {-0.1, 1.0 + 1e-6}, {0.1, 1.0 + 1e-6}, false);
+}
+
+TEST(Separates, AtTheEndOfThePathToo) {
+  expectSeparates(kUp, {-0.1, 1.0}, {0.1, 1.0}, true);
+  expectSeparates(kUp, {-0.1, 0.0}, {0.1, 0.0}, true);
+}
+
+TEST(Separates, NotWhatEndsOnThePath) {
+  expectSeparates(kUp, {0.0, 0.5}, {0.1, 0.5}, false);
+  expectSeparates(kUp, {0.9e-9, 0.5}, {-0.1, 0.5}, false);
+  expectSeparates(kUp, {1.1e-9, 0.5}, {-0.1, 0.5}, true);
+  expectSeparates(kUp, {0.0, 0.2}, {0.0, 0.4}, false);   // along it
+  expectSeparates(kUp, {0.0, -0.2}, {0.0, 1.4}, false);  // over all of it
+  // Mesh edges that end at a vertex of a cut, on either side.
+  expectSeparates(kCorner, {0.0, 1.0}, {0.3, 1.2}, false);
+  expectSeparates(kCorner, {0.0, 1.0}, {-0.3, 0.8}, false);
+}
+
+TEST(Separates, BySomeSegmentOfThePath) {
+  expectSeparates(kCorner, {-0.5, 0.9}, {-0.5, 1.1}, true);
+  expectSeparates(kCorner, {-0.5, 0.5}, {0.5, 0.5}, true);
+  expectSeparates(kCorner, {-0.5, 0.1}, {-0.5, 0.9}, false);
+  // Through the corner, from inside to outside.
+  expectSeparates(kCorner, {-0.1, 0.9}, {0.1, 1.1}, true);
+}
+
+TEST(Separates, ImpliesCrossing) {
+  std::mt19937_64 random(4);
+  const auto uniform = [&] { return 3.0 * static_cast<double>(random() >> 11) * 0x1.0p-53 - 1.5; };
+  int separated = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Vec2 p(uniform(), uniform());
+    const Vec2 q(uniform(), uniform());
+    // Points at random do not lie on the path: there both mean the same.
+    EXPECT_EQ(separates(kCorner, p, q), crosses(kCorner, p, q));
+    separated += separates(kCorner, p, q) ? 1 : 0;
+  }
+  EXPECT_GT(separated, 200);
 }
 
 }  // namespace

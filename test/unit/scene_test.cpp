@@ -182,6 +182,108 @@ TEST(Scene, NotchIsOnePathOrSeveral) {
   EXPECT_EQ(notches("[[[0, 0], [0, 1]], [[1, 0], [1, 1]]]").size(), 2u);
 }
 
+TEST(Scene, SurgeryHasDefaults) {
+  const Scene scene = parse("cloth: {}");
+  EXPECT_EQ(scene.cloth.surgery.snap, 0.2);
+  EXPECT_FALSE(scene.cloth.surgery.minEdge.has_value());
+  EXPECT_EQ(scene.cloth.surgery.maxParticles, 1048576);
+  EXPECT_EQ(scene.cloth.surgery.dropBelow, 0.0);
+  EXPECT_FALSE(scene.cloth.surgery.clearStrip);
+  EXPECT_FALSE(scene.cloth.surgery.refineCuts.has_value());
+  EXPECT_EQ(scene.tearing.tipSpeed, TearingSettings().tipSpeed);
+  EXPECT_FALSE(scene.tearing.refineTip.has_value());
+}
+
+TEST(Scene, ReadsSurgery) {
+  const SurgerySettings surgery = parse(R"(
+cloth:
+  surgery: {snap: 0.1, min_edge: 0.001, max_particles: 5000, drop_below: 1e-4, clear_strip: true,
+            refine_cuts: {radius: 0.05, generations: 0, min_edge: 0.002}}
+)",
+                                        {"cloth.particles=[50, 100]"})
+                                      .cloth.surgery;
+  EXPECT_EQ(surgery.snap, 0.1);
+  EXPECT_EQ(surgery.minEdge, 0.001);
+  EXPECT_EQ(surgery.maxParticles, 5000);  // as many as the grid has: nothing can be added
+  EXPECT_EQ(surgery.dropBelow, 1e-4);
+  EXPECT_TRUE(surgery.clearStrip);
+  EXPECT_EQ(surgery.refineCuts->radius, 0.05);
+  EXPECT_EQ(surgery.refineCuts->generations, 0);
+  EXPECT_EQ(surgery.refineCuts->minEdge, 0.002);
+}
+
+TEST(Scene, LargestGridsMayHaveTheParticlesTheyStartWith) {
+  EXPECT_EQ(parse("cloth: {particles: [1024, 1074]}").cloth.surgery.maxParticles, 1024 * 1074);
+}
+
+TEST(Scene, ReadsHowTearsRun) {
+  const TearingSettings tearing =
+      parse("cloth: {}\ntearing: {tip_speed: 0.5, refine_tip: {radius: 0.1}}").tearing;
+  EXPECT_EQ(tearing.tipSpeed, 0.5);
+  EXPECT_EQ(tearing.refineTip->radius, 0.1);
+  EXPECT_EQ(tearing.refineTip->generations, 3);
+  EXPECT_EQ(tearing.refineTip->minEdge, 0.0);
+}
+
+std::vector<Stroke> strokes(const std::string& cut) {
+  return parse("cloth: {}\nphases: [{name: a, cut: " + cut + "}]").phases[0].strokes;
+}
+
+TEST(Scene, StrokeAlongAPathReachesToBothSides) {
+  const std::vector<Stroke> read =
+      strokes("{path: [[0, 0, 1], [0.5, 0, 1]], direction: [0, 3, 0]}");
+  ASSERT_EQ(read.size(), 1u);
+  ASSERT_EQ(read[0].poses.size(), 2u);
+  EXPECT_TRUE(read[0].poses[0].heel.isApprox(Vec3(0.0, -1.0, 1.0), 1e-12));
+  EXPECT_TRUE(read[0].poses[1].tip.isApprox(Vec3(0.5, 1.0, 1.0), 1e-12));
+  EXPECT_FALSE(read[0].firstLayerOnly);
+  EXPECT_EQ(read[0].halfWidth, 0.0);
+}
+
+TEST(Scene, StrokesOfAMovingBladeInAList) {
+  const std::vector<Stroke> read = strokes(
+      "[{path: [[0, 0, 1], [1, 0, 1]], direction: [0, 1, 0], reach: 0.2, half_width: 0.01},"
+      " {blades: [[[0, 0, 0], [0, 0, 1]], [[1, 0, 0], [1, 0, 2]]], first_layer: true}]");
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_TRUE(read[0].poses[0].tip.isApprox(Vec3(0.0, 0.2, 1.0), 1e-12));
+  EXPECT_EQ(read[0].halfWidth, 0.01);
+  ASSERT_EQ(read[1].poses.size(), 2u);
+  EXPECT_EQ(read[1].poses[1].heel, Vec3(1.0, 0.0, 0.0));
+  EXPECT_EQ(read[1].poses[1].tip, Vec3(1.0, 0.0, 2.0));
+  EXPECT_TRUE(read[1].firstLayerOnly);
+}
+
+TEST(Scene, RefinementsAroundPathsAndPoints) {
+  const auto refinements = [](const std::string& refine) {
+    return parse("cloth: {}\nphases: [{name: a, refine: " + refine + "}]").phases[0].refinements;
+  };
+  const auto one = refinements("{point: [0, 0, 1], radius: 0.2}");
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].path, std::vector<Vec3>{Vec3(0.0, 0.0, 1.0)});
+  EXPECT_EQ(one[0].refinement.radius, 0.2);
+  EXPECT_EQ(one[0].refinement.generations, 3);
+  const auto two = refinements(
+      "[{path: [[0, 0, 1]], radius: 1},"
+      " {path: [[0, 0, 1], [1, 0, 1]], radius: 0.1, generations: 12, min_edge: 0.01}]");
+  ASSERT_EQ(two.size(), 2u);
+  EXPECT_EQ(two[1].path.size(), 2u);
+  EXPECT_EQ(two[1].refinement.generations, 12);
+  EXPECT_EQ(two[1].refinement.minEdge, 0.01);
+}
+
+TEST(Scene, StrokesThatCannotBeCarriedOutAreRefusedByWhatIsWrongWithThem) {
+  for (const char* cut :
+       {"{path: [[0, 0, 1], [0, 0, 1]], direction: [0, 1, 0]}",           // goes nowhere
+        "{blades: [[[0, 0, 0], [0, 0, 0]], [[1, 0, 0], [1, 0, 0]]]}",     // no blade
+        "{blades: [[[0, 0, 0], [0, 0, 1]], [[0, 0, 0], [0, 0, 1]]]}"}) {  // goes nowhere
+    SCOPED_TRACE(cut);
+    const std::string message =
+        complaint("cloth: {}\nphases: [{name: a, cut: " + std::string(cut) + "}]");
+    EXPECT_THAT(message, testing::StartsWith("s.yaml:2: phases.a.cut: "));
+    EXPECT_EQ(message.find('\n'), std::string::npos);
+  }
+}
+
 TEST(Scene, ConditionsAndTimeouts) {
   const PhaseSpec phase = parse(std::string(kFull) + R"(  - name: last
     until: {mean_speed: {below: 0.1, for: 2}, contact: true, clamps: [at_target, closed],
@@ -299,7 +401,7 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   EXPECT_EQ(complaint(yaml, {"cloth.shaer=true"}),
             "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of size, "
             "particles, pose, random_offset, velocity, fabric, raw_springs, particle_mass, shear, "
-            "bending, pins");
+            "bending, pins, surgery");
   EXPECT_EQ(complaint(yaml, {"drag"}), "s.yaml: override 'drag': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"drag="}), "s.yaml: override 'drag=': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"=1"}), "s.yaml: override '=1': expected dotted.key=value");
@@ -482,6 +584,85 @@ INSTANTIATE_TEST_SUITE_P(
                  "s.yaml:2: phases.a.notch: expected a list of points [u, v], or a list of such "
                  "lists (got 3)"}));
 
+#define CUT CLOTH "phases: [{name: a, cut: "
+#define REFINE CLOTH "phases: [{name: a, refine: "
+
+INSTANTIATE_TEST_SUITE_P(
+    Surgery, BadInput,
+    testing::Values(
+        BadScene{"cloth: {surgery: {snap: 0.5}}",
+                 "s.yaml:1: cloth.surgery.snap: expected a number >= 0.05 and <= 0.45 (got 0.5)"},
+        BadScene{"cloth: {surgery: {min_edge: 0}}",
+                 "s.yaml:1: cloth.surgery.min_edge: expected a number > 0 (got 0)"},
+        BadScene{"cloth: {particles: [5, 5], surgery: {max_particles: 24}}",
+                 "s.yaml:1: cloth.surgery.max_particles: expected a whole number from 25 to "
+                 "100000000 (got 24)"},
+        BadScene{"cloth: {surgery: {drop_below: -1}}",
+                 "s.yaml:1: cloth.surgery.drop_below: expected a number >= 0 (got -1)"},
+        BadScene{"cloth: {surgery: {clear_strip: 1}}",
+                 "s.yaml:1: cloth.surgery.clear_strip: expected true or false (got 1)"},
+        BadScene{"cloth: {surgery: {snpa: 0.2}}",
+                 "s.yaml:1: cloth.surgery.snpa: unknown key, did you mean 'snap'? expected one of "
+                 "snap, min_edge, max_particles, drop_below, clear_strip, refine_cuts"},
+        BadScene{"cloth: {surgery: {refine_cuts: {}}}",
+                 "s.yaml:1: cloth.surgery.refine_cuts.radius: missing, expected a number > 0"},
+        BadScene{"cloth: {surgery: {refine_cuts: {radius: 1, generations: 13}}}",
+                 "s.yaml:1: cloth.surgery.refine_cuts.generations: expected a whole number from 0 "
+                 "to 12 (got 13)"},
+        BadScene{CLOTH "tearing: {tip_speed: 0}",
+                 "s.yaml:2: tearing.tip_speed: expected a number > 0 (got 0)"},
+        BadScene{CLOTH "tearing: {refine_tip: {radius: 1, min_edge: -1}}",
+                 "s.yaml:2: tearing.refine_tip.min_edge: expected a number >= 0 (got -1)"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Strokes, BadInput,
+    testing::Values(
+        BadScene{CUT "3}]", "s.yaml:2: phases.a.cut: expected a map, or a list of maps (got 3)"},
+        BadScene{CUT "[]}]",
+                 "s.yaml:2: phases.a.cut: expected a map, or a list of maps (got a list of 0)"},
+        BadScene{CUT "[{reach: 1}]}]",
+                 "s.yaml:2: phases.a.cut.0: expected either path or blades (got none)"},
+        BadScene{CUT "{path: [], blades: []}}]",
+                 "s.yaml:2: phases.a.cut: expected either path or blades (got both)"},
+        BadScene{CUT "{path: [[0, 0, 1]], direction: [0, 1, 0]}}]",
+                 "s.yaml:2: phases.a.cut.path: expected a list of at least 2 points [x, y, z] (got "
+                 "a list of 1)"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0]], direction: [0, 1, 0]}}]",
+                 "s.yaml:2: phases.a.cut.path.1: expected a list of 3 numbers (got a list of 2)"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0, .nan]], direction: [0, 1, 0]}}]",
+                 "s.yaml:2: phases.a.cut.path.1.2: expected a number (got .nan)"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0, 1]]}}]",
+                 "s.yaml:2: phases.a.cut.direction: missing, expected [x, y, z]"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0, 1]], direction: [0, 0, 0]}}]",
+                 "s.yaml:2: phases.a.cut.direction: expected a direction other than zero"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0, 1]], direction: [0, 1, 0], reach: 0}}]",
+                 "s.yaml:2: phases.a.cut.reach: expected a number > 0 (got 0)"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0, 1]], direction: [0, 1, 0], half_width: -1}}]",
+                 "s.yaml:2: phases.a.cut.half_width: expected a number >= 0 (got -1)"},
+        BadScene{CUT "{path: [[0, 0, 1], [1, 0, 1]], direction: [0, 1, 0], depth: 1}}]",
+                 "s.yaml:2: phases.a.cut.depth: unknown key, expected one of path, direction, "
+                 "reach, blades, first_layer, half_width"},
+        BadScene{CUT "{blades: [[[0, 0, 0], [0, 0, 1]]]}}]",
+                 "s.yaml:2: phases.a.cut.blades: expected a list of at least 2 blades, [heel, tip] "
+                 "each (got a list of 1)"},
+        BadScene{CUT "{blades: [[[0, 0, 0]], [[1, 0, 0]]]}}]",
+                 "s.yaml:2: phases.a.cut.blades.0: expected the ends of a blade, [[x, y, z], [x, "
+                 "y, z]] (got a list of 1)"},
+        BadScene{CUT "{blades: [[[0, 0, 0], [0, 0, 1]], [[1, 0, 0], [1, 0, 1]]], reach: 1}}]",
+                 "s.yaml:2: phases.a.cut.reach: expected no reach beside blades"},
+        BadScene{REFINE "{radius: 1}}]",
+                 "s.yaml:2: phases.a.refine: expected either path or point (got none)"},
+        BadScene{REFINE "{path: [], radius: 1}}]",
+                 "s.yaml:2: phases.a.refine.path: expected a list of at least 1 point [x, y, z] "
+                 "(got a list of 0)"},
+        BadScene{REFINE "{point: [0, 0, 1]}}]",
+                 "s.yaml:2: phases.a.refine.radius: missing, expected a number > 0"},
+        BadScene{REFINE "{point: [0, 0, 1], radius: 1, generations: 2.5}}]",
+                 "s.yaml:2: phases.a.refine.generations: expected a whole number from 0 to 12 (got "
+                 "2.5)"}));
+
+#undef CUT
+#undef REFINE
 #undef CLOTH
 #undef GRID
 #undef CLAMP
@@ -553,6 +734,8 @@ TEST(SceneDocumentation, ListsEveryKeyAndNoOther) {
       {"`cloth`", keys::kCloth},
       {"`cloth.fabric`", keys::kFabric},
       {"`cloth.raw_springs`", keys::kRawSprings},
+      {"`cloth.surgery`", keys::kSurgery},
+      {"Refinements", keys::kRefinement},
       {"Poses", keys::kPose},
       {"`solver`", keys::kSolver},
       {"`wind`", keys::kWind},
@@ -566,6 +749,8 @@ TEST(SceneDocumentation, ListsEveryKeyAndNoOther) {
       {"`phases.<name>.clamps.<name>`", keys::kClampAction},
       {"`phases.<name>.obstacles.<name>`", keys::kObstacleAction},
       {"`phases.<name>.tearing`", keys::kPhaseTearing},
+      {"`phases.<name>.cut`", keys::kStroke},
+      {"`phases.<name>.refine`", keys::kRefine},
       {"`phases.<name>.until`", keys::kUntil},
       {"`phases.<name>.until.mean_speed`", keys::kMeanSpeed}};
   const auto documented = documentedKeys();

@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <map>
+#include <set>
+#include <sstream>
 #include <tuple>
 
 #include "cloth_sim/cloth/state.h"
@@ -280,6 +283,27 @@ std::vector<Row> sortedRows(const SpringNetwork& springs) {
   return rows;
 }
 
+/// Ids, kinds and constants of a row in words.
+std::string describe(const Row& row) {
+  std::ostringstream out;
+  out << "kind " << std::get<2>(row) << ": " << std::get<0>(row) << "-" << std::get<1>(row)
+      << " on " << std::get<4>(row) << "-" << std::get<5>(row) << ", k = " << std::get<7>(row);
+  return out.str();
+}
+
+/// What one of two sorted lists has and the other has not; empty if they are equal.
+std::string difference(const std::vector<Row>& rows, const std::vector<Row>& expected) {
+  std::vector<Row> more, less;
+  std::set_difference(rows.begin(), rows.end(), expected.begin(), expected.end(),
+                      std::back_inserter(more));
+  std::set_difference(expected.begin(), expected.end(), rows.begin(), rows.end(),
+                      std::back_inserter(less));
+  std::string text;
+  for (const Row& row : more) text += "unexpected " + describe(row) + "\n";
+  for (const Row& row : less) text += "missing " + describe(row) + "\n";
+  return text;
+}
+
 bool same(const Spring& s, const Spring& t) { return s.a == t.a && rowOf(s) == rowOf(t); }
 
 /// The slots that `changes` names, and no others, differ between `before` and `after`.
@@ -337,7 +361,7 @@ TEST(SpringNetworkFollow, GivesTheNetworkOfTheEditedMesh) {
       expectChangesTell(before, springs.slots(), changes);
       expectStandingAgrees(mesh, springs);
       const SpringNetwork scratch(mesh, fabric, selection);
-      ASSERT_EQ(sortedRows(springs), sortedRows(scratch))
+      ASSERT_EQ(difference(sortedRows(springs), sortedRows(scratch)), "")
           << "sequence " << sequence << ", edit " << edit;
       for (int kind = 0; kind < kSpringKinds; ++kind) {
         EXPECT_EQ(springs.count(static_cast<SpringKind>(kind)),
@@ -345,6 +369,131 @@ TEST(SpringNetworkFollow, GivesTheNetworkOfTheEditedMesh) {
       }
     }
   }
+}
+
+TEST(SpringNetworkFollow, GivesTheNetworkOfTheEditedMeshForEveryKindOfEdit) {
+  Generator random(12);
+  for (int sequence = 0; sequence < 20; ++sequence) {
+    const Grid grid{whole(random, 3, 7), whole(random, 3, 7), 0.7, 0.9};
+    TriangleMesh mesh = makeGridMesh(grid);
+    const Fabric fabric = fabricPreset("denim");
+    const SpringSelection selection{sequence % 3 != 1, sequence % 3 != 2};
+    SpringNetwork springs(mesh, fabric, selection);
+    MeshEditor editor(mesh);
+    RandomEditor edits(editor, random);
+    for (int edit = 0; edit < 60; ++edit) {
+      for (int k = whole(random, 1, 4); k > 0; --k) edits.any();
+      const std::vector<Spring> before = springs.slots();
+      const SpringChanges changes = springs.follow(mesh, editor.finish());
+      expectChangesTell(before, springs.slots(), changes);
+      expectStandingAgrees(mesh, springs);
+      const SpringNetwork scratch(mesh, fabric, selection);
+      ASSERT_EQ(difference(sortedRows(springs), sortedRows(scratch)), "")
+          << "sequence " << sequence << ", edit " << edit;
+      for (int kind = 0; kind < kSpringKinds; ++kind) {
+        ASSERT_EQ(springs.count(static_cast<SpringKind>(kind)),
+                  scratch.count(static_cast<SpringKind>(kind)))
+            << "sequence " << sequence << ", edit " << edit;
+      }
+    }
+  }
+}
+
+TEST(SpringNetworkFollow, CountsASpringThatTurnedIntoAnotherKind) {
+  // The middle of 3 x 3 moves by 0.45 of a spacing along u: the spring to the one below it turns
+  // by 24 degrees, past the 22.5 that make it a bias spring, and the diagonal to the lower left by
+  // 10 degrees, so that it stays one (34.6 degrees).
+  TriangleMesh mesh = makeGridMesh({3, 3, 2.0, 2.0});
+  const SpringSelection selection{true, false};
+  SpringNetwork springs(mesh, fabricPreset("silk"), selection);
+  MeshEditor editor(mesh);
+  editor.moveVertex(4, 6, {0.55, 0.45, 0.0});  // face 6 is 4, 5, 8
+  springs.follow(mesh, editor.finish());
+  const SpringNetwork scratch(mesh, fabricPreset("silk"), selection);
+  EXPECT_EQ(difference(sortedRows(springs), sortedRows(scratch)), "");
+  EXPECT_EQ(scratch.count(SpringKind::kStructural), 10) << "4-1 and 4-7 are bias now";
+  EXPECT_EQ(springs.count(SpringKind::kStructural), scratch.count(SpringKind::kStructural));
+  EXPECT_EQ(springs.count(SpringKind::kShear), scratch.count(SpringKind::kShear));
+}
+
+/// Kind, material end points in order, and constants of every spring: what does not depend on how
+/// vertices and faces are numbered.
+using MaterialRow = std::array<double, 8>;
+
+std::vector<MaterialRow> materialRows(const TriangleMesh& mesh, const SpringNetwork& springs) {
+  std::vector<MaterialRow> rows;
+  for (const Spring& s : springs.slots()) {
+    if (!s.exists()) continue;
+    std::array<double, 2> a{mesh.material(s.a).x(), mesh.material(s.a).y()};
+    std::array<double, 2> b{mesh.material(s.b).x(), mesh.material(s.b).y()};
+    if (b < a) std::swap(a, b);
+    rows.push_back({static_cast<double>(s.kind), a[0], a[1], b[0], b[1], s.restLength, s.stiffness,
+                    s.damping});
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+void expectSameByMaterial(const std::vector<MaterialRow>& rows,
+                          const std::vector<MaterialRow>& expected) {
+  ASSERT_EQ(rows.size(), expected.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (std::size_t i = 0; i < rows[k].size(); ++i) {
+      ASSERT_NEAR(rows[k][i], expected[k][i], 1e-12 * std::abs(expected[k][i]));
+    }
+  }
+}
+
+/// Springs of pieces and of what is around them, gone over to other numbers.
+void expectRemovalFollowed(Generator& random, const std::vector<FaceId>& faces, TriangleMesh& mesh,
+                           SpringNetwork& springs, const Fabric& fabric) {
+  const std::vector<Spring> before = springs.slots();
+  MeshEditor editor(mesh);
+  editor.removePieces(faces);
+  const SpringChanges changes = springs.follow(mesh, editor.finish());
+  EXPECT_TRUE(changes.added.empty());
+  expectChangesTell(before, springs.slots(), changes);
+  expectStandingAgrees(mesh, springs);
+  expectSameByMaterial(materialRows(mesh, springs),
+                       materialRows(mesh, SpringNetwork(mesh, fabric, {})));
+  // ... and it goes on from there.
+  RandomEditor edits(editor, random);
+  for (int k = 0; k < 10; ++k) edits.any();
+  springs.follow(mesh, editor.finish());
+  expectStandingAgrees(mesh, springs);
+  expectSameByMaterial(materialRows(mesh, springs),
+                       materialRows(mesh, SpringNetwork(mesh, fabric, {})));
+}
+
+TEST(SpringNetworkFollow, GivesTheNetworkOfTheMeshWithoutThePiecesThatWereTakenAway) {
+  Generator random(14);
+  Fabric fabric = fabricPreset("denim");
+  fabric.damping = 1e-3;
+  int taken = 0;
+  for (int sequence = 0; sequence < 30; ++sequence) {
+    const Grid grid{whole(random, 3, 6), whole(random, 3, 6), 0.7, 0.9};
+    TriangleMesh mesh = makeGridMesh(grid);
+    SpringNetwork springs(mesh, fabric, {});
+    MeshEditor editor(mesh);
+    RandomEditor edits(editor, random);
+    while (findPieces(mesh).count < 4) {
+      edits.open();
+      edits.any();
+    }
+    springs.follow(mesh, editor.finish());
+    const Pieces pieces = findPieces(mesh);
+    const int kept = whole(random, 0, pieces.count - 1);
+    std::vector<FaceId> faces;
+    for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+      const bool goes = pieces.ofFace[f] != kept && pieces.ofFace[f] % 2 == sequence % 2;
+      if (goes) faces.push_back(f);
+    }
+    if (faces.empty()) continue;
+    ++taken;
+    expectRemovalFollowed(random, faces, mesh, springs, fabric);
+    if (HasFatalFailure()) FAIL() << "sequence " << sequence;
+  }
+  EXPECT_GT(taken, 20);
 }
 
 TEST(SpringNetworkFollow, KeepsTheSlotOfASpringWhoseEndWasSplit) {
@@ -385,54 +534,353 @@ TEST(SpringNetworkFollow, DoesNothingForNoChange) {
   EXPECT_TRUE(changes.added.empty() && changes.modified.empty() && changes.removed.empty());
 }
 
+// ---- raw constants on refined meshes
+// -------------------------------------------------------------
+
+const Spring* find(const SpringNetwork& springs, VertexId a, VertexId b, SpringKind kind) {
+  for (const Spring& s : springs.slots()) {
+    const bool joins = (s.a == a && s.b == b) || (s.a == b && s.b == a);
+    if (joins && s.kind == kind) return &s;
+  }
+  return nullptr;
+}
+
+const RawSprings kRaw{{300.0, 200.0, 100.0}, false, 7.0};
+
+class RawSplitEdge : public testing::TestWithParam<bool> {
+ protected:
+  /// Square cells, or cells twice as high as wide.
+  Grid grid() const { return {6, 6, 0.5, GetParam() ? 0.5 : 1.0}; }
+};
+
+TEST_P(RawSplitEdge, HalvesOfASpringAreTwiceAsStiff) {
+  for (const bool perStretch : {false, true}) {
+    TriangleMesh mesh = makeGridMesh(grid());
+    RawSprings raw = kRaw;
+    raw.perStretch = perStretch;
+    SpringNetwork springs(mesh, raw, {});
+    const std::array<VertexId, 2> warp{grid().vertex(2, 3), grid().vertex(3, 3)};
+    const std::array<VertexId, 2> weft{grid().vertex(4, 1), grid().vertex(4, 2)};
+    for (const auto& [a, b] : {warp, weft}) {
+      const Spring whole = *find(springs, a, b, SpringKind::kStructural);
+      MeshEditor editor(mesh);
+      const VertexId middle = editor.splitEdge(a, b, 0.5);
+      springs.follow(mesh, editor.finish());
+      EXPECT_EQ(find(springs, a, b, SpringKind::kStructural), nullptr);
+      for (VertexId end : {a, b}) {
+        const Spring* half = find(springs, end, middle, SpringKind::kStructural);
+        ASSERT_NE(half, nullptr);
+        EXPECT_NEAR(half->stiffness, 2.0 * whole.stiffness, 1e-12 * whole.stiffness);
+      }
+    }
+  }
+}
+
+TEST_P(RawSplitEdge, ConstantsOfOtherSpringsDoNotChange) {
+  // Also of those on the outer edges of faces that were split: no spring that is whole and has
+  // cloth on the same sides as before is any other than it was.
+  Generator random(3);
+  TriangleMesh mesh = makeGridMesh(grid());
+  SpringNetwork springs(mesh, kRaw, {});
+  const SpringNetwork before = springs;
+  MeshEditor editor(mesh);
+  editor.splitEdge(grid().vertex(2, 3), grid().vertex(3, 3), 0.5);
+  springs.follow(mesh, editor.finish());
+  int kept = 0;
+  for (const Spring& spring : before.slots()) {
+    const Spring* now = find(springs, spring.a, spring.b, spring.kind);
+    if (now == nullptr) continue;
+    ++kept;
+    EXPECT_NEAR(now->stiffness, spring.stiffness, 1e-12 * spring.stiffness)
+        << toString(spring.kind) << " " << spring.a << "-" << spring.b;
+    EXPECT_NEAR(now->damping, spring.damping, 1e-12 * spring.damping)
+        << toString(spring.kind) << " " << spring.a << "-" << spring.b;
+  }
+  EXPECT_GT(kept, before.count() - 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cells, RawSplitEdge, testing::Bool(), [](const auto& test) {
+  return std::string(test.param ? "Square" : "High");
+});
+
+TEST(RawSprings, SpringsFarAwayKeepTheirBits) {
+  const Grid grid{8, 8, 0.7, 0.7};
+  TriangleMesh mesh = makeGridMesh(grid);
+  SpringNetwork springs(mesh, kRaw, {});
+  const std::vector<Spring> before = springs.slots();
+  MeshEditor editor(mesh);
+  editor.splitFace(0, {0.4, 0.3, 0.3});
+  editor.moveVertex(grid.vertex(1, 1), 0, {0.1, 0.1, 0.8});
+  editor.flipEdge(grid.vertex(0, 2), grid.vertex(1, 3));
+  const MeshChanges changes = editor.finish();
+  springs.follow(mesh, changes);
+  for (std::size_t slot = 0; slot < before.size(); ++slot) {
+    bool stands = false;
+    for (VertexId v : before[slot].support) {
+      stands = stands || std::binary_search(changes.touched.begin(), changes.touched.end(), v);
+    }
+    if (!stands) {
+      EXPECT_TRUE(same(springs.slots()[slot], before[slot]));
+    }
+  }
+}
+
+// ---- clearing
+// ------------------------------------------------------------------------------------
+
+using KindAndEnds = std::array<double, 5>;
+
+KindAndEnds kindAndEnds(const TriangleMesh& mesh, const Spring& s) {
+  std::array<double, 2> a{mesh.material(s.a).x(), mesh.material(s.a).y()};
+  std::array<double, 2> b{mesh.material(s.b).x(), mesh.material(s.b).y()};
+  if (b < a) std::swap(a, b);
+  return {static_cast<double>(s.kind), a[0], a[1], b[0], b[1]};
+}
+
+/// Slots of springs whose middle is within `radius` of a point.
+std::vector<std::int32_t> slotsNear(const TriangleMesh& mesh, const SpringNetwork& springs,
+                                    const Vec2& p, double radius) {
+  std::vector<std::int32_t> slots;
+  for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(springs.slots().size()); ++slot) {
+    const Spring& s = springs[slot];
+    if (s.exists() && (0.5 * (mesh.material(s.a) + mesh.material(s.b)) - p).norm() <= radius) {
+      slots.push_back(slot);
+    }
+  }
+  return slots;
+}
+
+TEST(SpringNetworkClear, TakesThemAwayAndTells) {
+  const TriangleMesh mesh = makeGridMesh({6, 6, 0.5, 0.5});
+  SpringNetwork springs(mesh, fabricPreset("silk"), {});
+  const std::vector<Spring> before = springs.slots();
+  const int count = springs.count();
+  const std::vector<std::int32_t> slots = slotsNear(mesh, springs, {0.25, 0.25}, 0.1);
+  ASSERT_GT(slots.size(), 5U);
+  const SpringChanges changes = springs.clear(slots);
+  EXPECT_EQ(changes.removed, slots);
+  expectChangesTell(before, springs.slots(), changes);
+  expectStandingAgrees(mesh, springs);
+  EXPECT_EQ(springs.count(), count - static_cast<int>(slots.size()));
+}
+
+TEST(SpringNetworkClear, TheyStayAwayWhenTheSurfaceOpensNearby) {
+  Generator random(8);
+  for (int sequence = 0; sequence < 30; ++sequence) {
+    const Grid grid{6, 6, 0.5, 0.5};
+    TriangleMesh mesh = makeGridMesh(grid);
+    const Fabric fabric = fabricPreset("silk");
+    SpringNetwork springs(mesh, fabric, {});
+    SpringNetwork whole(mesh, fabric, {});
+    const Vec2 centre(uniform(random, 0.1, 0.4), uniform(random, 0.1, 0.4));
+    std::set<KindAndEnds> gone;
+    for (const Spring& s : springs.clear(slotsNear(mesh, springs, centre, 0.1)).removedSprings) {
+      gone.insert(kindAndEnds(mesh, s));
+    }
+    for (int edit = 0; edit < 12; ++edit) {
+      MeshEditor editor(mesh);
+      for (int k = 0; k < 1 + edit % 3; ++k) {
+        const Opening opening = randomOpening(mesh, random);
+        editor.splitVertex(opening.vertex, opening.detach);
+      }
+      const MeshChanges changes = editor.finish();
+      springs.follow(mesh, changes);
+      whole.follow(mesh, changes);
+      expectStandingAgrees(mesh, springs);
+      // What is there is what would be there otherwise, without what was cleared.
+      std::vector<Row> expected;
+      for (const Spring& s : whole.slots()) {
+        if (s.exists() && gone.count(kindAndEnds(mesh, s)) == 0) expected.push_back(rowOf(s));
+      }
+      std::sort(expected.begin(), expected.end());
+      ASSERT_EQ(difference(sortedRows(springs), expected), "")
+          << "sequence " << sequence << ", edit " << edit;
+    }
+  }
+}
+
+TEST(SpringNetworkClear, BendSpringsOverTheTipOfASlitStayAwayWhenItGoesOn) {
+  // Up the middle column, vertex by vertex. When the tip is at 12 there are two of vertex 7 beside
+  // it, and only one of them is an end of the bend spring over 12.
+  const Grid grid{5, 5, 1.0, 1.0};
+  TriangleMesh mesh = makeGridMesh(grid);
+  SpringNetwork springs(mesh, fabricPreset("silk"), {});
+  const auto isCleared = [&](const Spring& s) {
+    return s.exists() && s.kind == SpringKind::kBend && mesh.material(s.a).x() == 0.5 &&
+           mesh.material(s.b).x() == 0.5 && mesh.material(s.a).y() + mesh.material(s.b).y() == 1.0;
+  };
+  const auto found = [&] {
+    std::vector<std::int32_t> slots;
+    for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(springs.slots().size()); ++slot) {
+      if (isCleared(springs[slot])) slots.push_back(slot);
+    }
+    return slots;
+  };
+  ASSERT_EQ(found().size(), 1U);
+  springs.clear(found());
+  MeshEditor editor(mesh);
+  for (VertexId v : {7, 12}) {
+    std::vector<FaceId> right;
+    for (FaceId f : mesh.facesAround(v)) {
+      double u = 0.0;
+      for (VertexId w : mesh.face(f)) u += mesh.material(w).x() / 3.0;
+      if (u > 0.5) right.push_back(f);
+    }
+    ASSERT_TRUE(editor.splitVertex(v, right));
+    springs.follow(mesh, editor.finish());
+    EXPECT_EQ(found().size(), 0U) << "after opening at " << v;
+  }
+}
+
+TEST(SpringNetworkClear, TheyStayAwayWhenPiecesAreTakenAway) {
+  // Two cloths of 3 x 3 in one mesh; the first goes, so that the second is renumbered.
+  const TriangleMesh one = makeGridMesh({3, 3, 1.0, 1.0});
+  std::vector<Vec2> material = one.material();
+  std::vector<Face> faces = one.faces();
+  for (const Vec2& p : one.material()) material.emplace_back(p.x() + 2.0, p.y());
+  for (const Face& face : one.faces()) faces.push_back({face[0] + 9, face[1] + 9, face[2] + 9});
+  TriangleMesh mesh(material, faces);
+  SpringNetwork springs(mesh, fabricPreset("silk"), {});
+  std::set<KindAndEnds> gone;
+  for (const Spring& s : springs.clear(slotsNear(mesh, springs, {2.5, 0.5}, 0.3)).removedSprings) {
+    gone.insert(kindAndEnds(mesh, s));
+  }
+  ASSERT_GT(gone.size(), 4U);
+  MeshEditor editor(mesh);
+  editor.removePieces({0, 1, 2, 3, 4, 5, 6, 7});
+  springs.follow(mesh, editor.finish());
+  expectStandingAgrees(mesh, springs);
+  for (VertexId v = 0; v < 9; ++v) {
+    const std::vector<FaceId> around = mesh.facesAround(v);
+    editor.splitVertex(v, {around.front()});
+    springs.follow(mesh, editor.finish());
+  }
+  for (const Spring& s : springs.slots()) {
+    if (s.exists()) {
+      EXPECT_EQ(gone.count(kindAndEnds(mesh, s)), 0U);
+    }
+  }
+}
+
 // ---- masses
 // --------------------------------------------------------------------------------------
 
+Model modelOn(TriangleMesh mesh) {
+  Model model;
+  model.mesh = std::move(mesh);
+  return model;
+}
+
 TEST(Masses, AreAThirdOfEveryFaceToEachCorner) {
   const Grid grid{4, 4, 0.3, 0.3};
-  const TriangleMesh mesh = makeGridMesh(grid);
+  Model model = modelOn(makeGridMesh(grid));
+  lumpMasses(0.2, model);
   const double face = 0.2 * 0.5 * 0.1 * 0.1;  // density times area [kg]
-  const VertexData<double> mass = lumpedMasses(mesh, 0.2);
-  EXPECT_NEAR(mass[grid.vertex(1, 1)], 6 * face / 3, 1e-18);
-  EXPECT_NEAR(mass[grid.vertex(1, 0)], 3 * face / 3, 1e-18);
-  EXPECT_NEAR(mass[grid.vertex(0, 0)], 2 * face / 3, 1e-18);
-  EXPECT_NEAR(mass[grid.vertex(3, 0)], 1 * face / 3, 1e-18);
+  EXPECT_NEAR(model.mass[grid.vertex(1, 1)], 6 * face / 3, 1e-18);
+  EXPECT_NEAR(model.mass[grid.vertex(1, 0)], 3 * face / 3, 1e-18);
+  EXPECT_NEAR(model.mass[grid.vertex(0, 0)], 2 * face / 3, 1e-18);
+  EXPECT_NEAR(model.mass[grid.vertex(3, 0)], 1 * face / 3, 1e-18);
+  for (double density : model.arealDensity) EXPECT_EQ(density, 0.2);
+}
+
+TEST(Masses, OfParticlesAreTheSameForAll) {
+  Model model = modelOn(makeGridMesh({3, 3, 2.0, 2.0}));
+  setParticleMasses(0.5, model);
+  for (double mass : model.mass) EXPECT_EQ(mass, 0.5);
+  EXPECT_DOUBLE_EQ(model.arealDensity[4], 0.5 / (6 * 0.5 / 3));  // six faces around the middle
+  EXPECT_DOUBLE_EQ(model.arealDensity[2], 0.5 / (1 * 0.5 / 3));
 }
 
 TEST(Masses, FollowSplitsByTheAreaOnEachSideAndKeepTheTotal) {
   Generator random(5);
   for (int sequence = 0; sequence < 20; ++sequence) {
-    TriangleMesh mesh = makeGridMesh({6, 6, 0.5, 0.5});
-    VertexData<double> mass = lumpedMasses(mesh, 0.3);
-    double before = 0.0;
-    for (double m : mass) before += m;
+    Model model = modelOn(makeGridMesh({6, 6, 0.5, 0.5}));
+    lumpMasses(0.3, model);
+    const double before = totalMass(model);
     for (int edit = 0; edit < 10; ++edit) {
-      MeshEditor editor(mesh);
+      MeshEditor editor(model.mesh);
       for (int k = 0; k < 3; ++k) {
-        const Opening opening = randomOpening(mesh, random);
+        const Opening opening = randomOpening(model.mesh, random);
         editor.splitVertex(opening.vertex, opening.detach);
       }
-      shareMass(mesh, editor.finish(), mass);
+      followMasses(editor.finish(), model);
     }
-    double after = 0.0;
-    for (double m : mass) after += m;
-    EXPECT_NEAR(after, before, 1e-12 * before);
+    EXPECT_NEAR(totalMass(model), before, 1e-13 * before);
     // Masses that were by area stay by area.
-    const VertexData<double> expected = lumpedMasses(mesh, 0.3);
-    for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-      EXPECT_NEAR(mass[v], expected[v], 1e-12 * expected[v]);
+    Model expected = modelOn(model.mesh);
+    lumpMasses(0.3, expected);
+    for (VertexId v = 0; v < model.mesh.vertexCount(); ++v) {
+      EXPECT_NEAR(model.mass[v], expected.mass[v], 1e-12 * expected.mass[v]);
     }
   }
 }
 
 TEST(Masses, OfEqualParticlesAreSharedToo) {
-  TriangleMesh mesh = makeGridMesh({3, 3, 1.0, 1.0});
-  VertexData<double> mass(9, 1.0);
-  MeshEditor editor(mesh);
-  ASSERT_TRUE(editor.splitVertex(4, {mesh.facesAround(4)[0]}));
-  shareMass(mesh, editor.finish(), mass);
-  EXPECT_DOUBLE_EQ(mass[9], 1.0 / 6.0);  // one of six equal faces
-  EXPECT_DOUBLE_EQ(mass[4], 5.0 / 6.0);
+  Model model = modelOn(makeGridMesh({3, 3, 1.0, 1.0}));
+  setParticleMasses(1.0, model);
+  MeshEditor editor(model.mesh);
+  ASSERT_TRUE(editor.splitVertex(4, {model.mesh.facesAround(4)[0]}));
+  followMasses(editor.finish(), model);
+  EXPECT_NEAR(model.mass[9], 1.0 / 6.0, 1e-15);  // one of six equal faces
+  EXPECT_NEAR(model.mass[4], 5.0 / 6.0, 1e-15);
+  EXPECT_NEAR(model.mass[8], 1.0, 1e-15) << "its own faces did not change";
+}
+
+enum class MassMode { kFabric, kParticles };
+
+class AnyEdit : public testing::TestWithParam<MassMode> {};
+
+TEST_P(AnyEdit, KeepsTheTotalMass) {
+  Generator random(6);
+  for (int sequence = 0; sequence < 10; ++sequence) {
+    Model model = modelOn(irregularMesh({6, 5, 0.5, 0.4}, 0.2, random));
+    if (GetParam() == MassMode::kFabric) {
+      lumpMasses(0.3, model);
+    } else {
+      setParticleMasses(1e-3, model);
+    }
+    const double before = totalMass(model);
+    MeshEditor editor(model.mesh);
+    RandomEditor edits(editor, random);
+    for (int edit = 0; edit < 100; ++edit) {
+      for (int k = whole(random, 1, 3); k > 0; --k) edits.any();
+      followMasses(editor.finish(), model);
+      ASSERT_EQ(model.mass.size(), static_cast<std::size_t>(model.particleCount()));
+    }
+    EXPECT_NEAR(totalMass(model), before, 1e-13 * before);
+    for (double mass : model.mass) EXPECT_GT(mass, 0.0);
+    for (VertexId v = 0; v < model.particleCount(); ++v) {
+      const double lumped = model.arealDensity[v] * areaAround(model.mesh, v) / 3.0;
+      EXPECT_NEAR(model.mass[v], lumped, 1e-12 * lumped);
+      if (GetParam() == MassMode::kFabric) {
+        EXPECT_NEAR(model.arealDensity[v], 0.3, 0.3e-12);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Masses, AnyEdit, testing::Values(MassMode::kFabric, MassMode::kParticles),
+                         [](const auto& test) {
+                           return std::string(test.param == MassMode::kFabric ? "Fabric"
+                                                                              : "Particles");
+                         });
+
+TEST(Masses, OfPiecesGoWithThem) {
+  // Opened along the middle column of 3 x 3: two halves of the same area.
+  Model model = modelOn(makeGridMesh({3, 3, 1.0, 1.0}));
+  lumpMasses(0.3, model);
+  MeshEditor editor(model.mesh);
+  ASSERT_TRUE(editor.splitVertex(4, {3, 6, 7}));
+  followMasses(editor.finish(), model);
+  ASSERT_EQ(findPieces(model.mesh).count, 2);
+  editor.removePieces({0, 1, 4, 5});
+  followMasses(editor.finish(), model);
+  EXPECT_NEAR(totalMass(model), 0.15, 1e-15);
+  Model expected = modelOn(model.mesh);
+  lumpMasses(0.3, expected);
+  for (VertexId v = 0; v < model.particleCount(); ++v) {
+    EXPECT_NEAR(model.mass[v], expected.mass[v], 1e-15);
+  }
 }
 
 }  // namespace

@@ -116,7 +116,7 @@ class Clamp {
                      const std::vector<Vec3>& reactions);
 
   /// Copies of held particles are held too, at the same place; so is a particle that an edit put
-  /// between two held ones.
+  /// between held ones. Held particles must not be moved within the surface.
   void follow(const MeshChanges& changes);
 
  private:
@@ -135,6 +135,8 @@ class Clamp {
   void take(VertexId vertex, const Vec3& local);
   void squeeze(double dt);
   const Grip* findGrip(VertexId vertex) const;
+  void holdNew(const VertexEdit& edit);
+  void replaceHeld(const VertexEdit& edit);
   void updateHeld();
 
   ClampSpec spec_;

@@ -12,6 +12,9 @@ struct Model {
   TriangleMesh mesh;
   SpringNetwork springs;
   VertexData<double> mass;  ///< lumped [kg], > 0
+  /// Mass over a third of the rest area around each vertex [kg/m^2]: the fabric's, unless the scene
+  /// gave the particles masses of their own.
+  VertexData<double> arealDensity;
   Fabric fabric;
   std::optional<Grid> grid;  ///< how the mesh came to be, if it was a grid
 
@@ -24,12 +27,15 @@ struct ModelChanges {
   SpringChanges springs;
 };
 
-/// A third of the areal density times rest area of every face, to each of its corners [kg].
-VertexData<double> lumpedMasses(const TriangleMesh& mesh, double arealDensity);
+/// Masses and areal densities of a mesh of one areal density [kg/m^2]: a third of that times the
+/// rest area of every face goes to each of its corners.
+void lumpMasses(double arealDensity, Model& model);
+/// Masses and areal densities where every particle has the same mass [kg].
+void setParticleMasses(double particleMass, Model& model);
 
-/// Each vertex that was split shares its mass with its copies in proportion to the rest area
-/// around each, so the total is kept whatever it was made of.
-void shareMass(const TriangleMesh& mesh, const MeshChanges& changes, VertexData<double>& mass);
+/// Lumps the masses again around the vertices that an edit touched, at their areal densities. The
+/// total is kept to round-off, whatever the densities (but for pieces that were taken away).
+void followMasses(const MeshChanges& changes, Model& model);
 
 /// Summed in ascending order of vertices, so it is the same bits for the same model.
 double totalMass(const Model& model);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "cloth_sim/cloth/fabric.h"
@@ -82,6 +83,11 @@ class SpringNetwork {
   /// Rebuilds the springs around the vertices that an edit touched.
   SpringChanges follow(const TriangleMesh& mesh, const MeshChanges& changes);
 
+  /// Takes springs away for good: they do not come back when the network follows an opening (but
+  /// refining the mesh there makes new ones).
+  /// \param slots  ascending.
+  SpringChanges clear(const std::vector<std::int32_t>& slots);
+
  private:
   /// Membrane constants that the springs of a square grid need [N/m], and what bends need.
   struct Calibration {
@@ -96,17 +102,26 @@ class SpringNetwork {
   struct RawShares {
     std::array<double, 3> edge;
     std::array<double, 3> corner;
+    bool remade = false;  ///< the face is not one of the original mesh any more
+  };
+
+  /// The faces that a spring stands on.
+  struct FaceRange {
+    const FaceId* first = nullptr;
+    const FaceId* last = nullptr;
+    const FaceId* begin() const { return first; }
+    const FaceId* end() const { return last; }
   };
 
   void build(const TriangleMesh& mesh);
+  void shareRaw(const TriangleMesh& mesh, FaceId f);
+  SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
   void deriveAround(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
   void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, std::vector<Spring>& out) const;
   void deriveBends(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
-  void setConstants(const TriangleMesh& mesh, const std::vector<FaceId>& on, Spring& spring) const;
-  double fabricStiffness(const TriangleMesh& mesh, const std::vector<FaceId>& on,
-                         const Spring& spring) const;
-  double rawShare(const TriangleMesh& mesh, const std::vector<FaceId>& on,
-                  const Spring& spring) const;
+  void setConstants(const TriangleMesh& mesh, const FaceRange& on, Spring& spring) const;
+  double fabricStiffness(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
+  double rawShare(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
   std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
   std::vector<Spring> deriveAroundAll(const TriangleMesh& mesh,
                                       const std::vector<VertexId>& vertices) const;
@@ -117,10 +132,12 @@ class SpringNetwork {
   SpringSelection selection_;
   Calibration calibration_;
   std::optional<RawSprings> raw_;
-  std::vector<RawShares> rawShares_;
+  std::vector<RawShares> rawShares_;                           ///< by face
+  std::array<double, kSpringKinds> rawLength_{0.0, 0.0, 0.0};  ///< usual rest lengths at first [m]
   std::vector<Spring> slots_;
   std::vector<std::vector<std::int32_t>> standing_;
   std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};
+  std::set<std::array<std::uint64_t, 2>> cleared_;  ///< keys of springs that were cleared
 };
 
 }  // namespace cloth_sim

@@ -8,11 +8,20 @@
 
 namespace cloth_sim {
 
-/// A vertex that an edit made. Data on it is the weighted sum of the data on `from`.
-struct NewVertex {
+/// One edit of the list of vertices.
+struct VertexEdit {
+  enum class Kind : std::uint8_t {
+    kCopy,    ///< a new last vertex, equal to from[0]: the surface opened there
+    kInsert,  ///< a new last vertex: the weighted sum of up to three others
+    kMove,    ///< `id` becomes the weighted sum of up to three vertices, itself perhaps among them
+    kRemove,  ///< `id` goes; the last vertex, from[0], takes its place
+  };
+  Kind kind = Kind::kCopy;
   VertexId id = kNone;
-  std::array<VertexId, 2> from{kNone, kNone};  ///< second is kNone for a copy
-  std::array<double, 2> weight{1.0, 0.0};      ///< sums to one
+  std::array<VertexId, 3> from{kNone, kNone, kNone};  ///< those that count come first
+  std::array<double, 3> weight{1.0, 0.0, 0.0};        ///< sums to one
+
+  bool isNew() const { return kind == Kind::kCopy || kind == Kind::kInsert; }
 };
 
 /// The difference between two revisions of a mesh. Applying it to anything that was up to date at
@@ -20,8 +29,10 @@ struct NewVertex {
 struct MeshChanges {
   std::uint64_t fromRevision = 0;
   std::uint64_t toRevision = 0;
-  std::vector<NewVertex> newVertices;  ///< in order of their ids
-  std::vector<FaceId> changedFaces;    ///< faces whose vertices were renamed, ascending, unique
+  std::vector<VertexEdit> vertices;   ///< in the order of the edits
+  std::vector<FaceId> changedFaces;   ///< new, or with other vertices than before; ascending
+  std::vector<FaceId> reshapedFaces;  ///< new, or with another shape at rest; ascending, unique
+  std::vector<FaceId> removedFaces;   ///< in order; the last face took the place of each
   std::vector<VertexId> touched;  ///< vertices whose surrounding faces changed, ascending, unique
 
   bool empty() const { return fromRevision == toRevision; }

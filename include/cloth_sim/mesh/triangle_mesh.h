@@ -2,6 +2,7 @@
 /// \file Oriented triangle mesh with material coordinates: connectivity only, no dynamics.
 
 #include <array>
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -43,6 +44,11 @@ class TriangleMesh {
   /// Vertices joined to `v` by an edge, ascending by id.
   std::vector<VertexId> neighbours(VertexId v) const;
   bool isBoundary(VertexId v) const;
+  /// Whether the edge from corner k to the next one of `f` is part of the border that the mesh was
+  /// made with. Border edges that are not are where it came apart since.
+  bool isRim(FaceId f, int k) const { return ((rim_[f] >> k) & 1U) != 0; }
+  /// How many bisections a face is from the original mesh.
+  int generation(FaceId f) const { return generation_[f]; }
 
   /// Rest area of a face, in material coordinates [m^2].
   double restArea(FaceId f) const;
@@ -54,12 +60,20 @@ class TriangleMesh {
   std::vector<Vec2> material_;
   std::vector<Face> faces_;
   std::vector<std::vector<FaceId>> incident_;
+  std::vector<std::uint8_t> rim_;  ///< by face: bit k for the edge from corner k
+  std::vector<std::uint8_t> generation_;
   std::uint64_t revision_ = 0;
 };
 
 /// Faces around `v` grouped by connection across edges at `v`: one group per fan, ordered by the
 /// smallest face id in it. A manifold vertex has exactly one.
 std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v);
+/// The same, where edges {v, w} for which `isWall(w)` holds do not connect.
+std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v,
+                                            const std::function<bool(VertexId)>& isWall);
+
+/// Rest areas around `v`, summed [m^2].
+double areaAround(const TriangleMesh& mesh, VertexId v);
 
 /// Connected pieces by shared edges: a piece number per face, and how many there are.
 /// Pieces are numbered by their smallest face id.

@@ -31,23 +31,41 @@ class VertexData {
   const std::vector<T>& values() const { return values_; }
   std::uint64_t revision() const { return revision_; }
 
-  /// Gives every new vertex the weighted sum of its sources' values (a copy for split vertices).
+  /// Copies, blends and removes values as the edits say.
   /// \throws std::logic_error if `changes` does not start at this data's revision.
   void follow(const MeshChanges& changes) {
     if (changes.fromRevision != revision_) {
       throw std::logic_error("vertex data is at another mesh revision than the changes start from");
     }
-    values_.reserve(values_.size() + changes.newVertices.size());
-    for (const NewVertex& added : changes.newVertices) values_.push_back(blend(added));
+    for (const VertexEdit& edit : changes.vertices) apply(edit);
     revision_ = changes.toRevision;
   }
 
+  /// One of the edits that `follow` would apply.
+  void apply(const VertexEdit& edit) {
+    switch (edit.kind) {
+      case VertexEdit::Kind::kCopy:
+      case VertexEdit::Kind::kInsert:
+        values_.push_back(blend(edit));
+        break;
+      case VertexEdit::Kind::kMove:
+        (*this)[edit.id] = blend(edit);
+        break;
+      case VertexEdit::Kind::kRemove:
+        (*this)[edit.id] = T((*this)[edit.from[0]]);
+        values_.pop_back();
+        break;
+    }
+  }
+
  private:
-  T blend(const NewVertex& added) const {
-    const T& first = values_[static_cast<std::size_t>(added.from[0])];
-    if (added.from[1] == kNone) return first;
-    return static_cast<T>(first * added.weight[0] +
-                          values_[static_cast<std::size_t>(added.from[1])] * added.weight[1]);
+  T blend(const VertexEdit& edit) const {
+    if (edit.from[1] == kNone) return (*this)[edit.from[0]];
+    T sum = (*this)[edit.from[0]] * edit.weight[0];
+    for (std::size_t k = 1; k < edit.from.size() && edit.from[k] != kNone; ++k) {
+      sum += (*this)[edit.from[k]] * edit.weight[k];
+    }
+    return sum;
   }
 
   std::vector<T> values_;

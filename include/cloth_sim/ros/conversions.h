@@ -23,6 +23,7 @@ geometry_msgs::Vector3 toVector(const Vec3& value);
 geometry_msgs::Quaternion toQuaternion(const Quat& value);
 geometry_msgs::Pose toPoseMessage(const Pose& value);
 Vec3 fromPoint(const geometry_msgs::Point& value);
+Vec3 fromVector(const geometry_msgs::Vector3& value);
 Quat fromQuaternion(const geometry_msgs::Quaternion& value);
 
 /// A wrench about the clamp's origin in the clamp's axes [N, N m]; the core has the world's axes.

@@ -36,10 +36,8 @@ class RequestChecker {
   Request phase(const std::string& phase) const;
   /// Empty if the number of steps can be asked for.
   std::string steps(std::uint32_t count) const;
-  /// Empty if the stroke is well formed; its engine decides the rest.
-  std::string stroke(const CutStroke& stroke) const;
-  /// Empty if the request is well formed.
-  std::string refinement(const Refine::Request& request) const;
+  Request stroke(const CutStroke& message) const;
+  Request refinement(const Refine::Request& message) const;
   /// Empty if `name` can be the name of a saved state: no path, nothing hidden.
   std::string stateName(const std::string& name) const;
 
@@ -47,9 +45,6 @@ class RequestChecker {
   const std::vector<std::string>& phases() const { return phases_; }
 
  private:
-  std::string points(const std_msgs::Header& header,
-                     const std::vector<geometry_msgs::Point>& points) const;
-
   std::vector<std::string> clamps_;
   std::vector<std::string> phases_;
   WorldTransform toWorld_;

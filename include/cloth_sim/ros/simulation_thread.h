@@ -92,6 +92,7 @@ class SimulationThread {
   void carryOut(Envelope& envelope);
   bool mayStep() const;
   void stepOnce();
+  void collectEvents();
   void countJobStep();
   void answerJobs(const CommandResult& result);
   void waitForWork();

@@ -7,9 +7,14 @@
 #include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/solver/registry.h"
+#include "cloth_sim/surgery/settings.h"
+#include "cloth_sim/surgery/stroke.h"
 #include "cloth_sim/surgery/tearing.h"
 
 namespace cloth_sim {
+
+/// How far a blade drawn along a path reaches to both sides of it, where nobody says [m].
+constexpr double kDefaultReach = 1.0;
 
 /// Which particles a pin holds where the cloth starts.
 struct PinSpec {
@@ -32,6 +37,7 @@ struct ClothSpec {
   std::optional<double> particleMass;  ///< [kg] instead of the fabric's areal density
   SpringSelection springs;
   std::vector<PinSpec> pins;
+  SurgerySettings surgery;
 };
 
 struct SolverSpec {
@@ -79,9 +85,11 @@ struct PhaseSpec {
   std::vector<ObstacleAction> obstacles;
   std::optional<bool> tearing;        ///< enable switch
   std::optional<TearRatios> ratio;    ///< thresholds from here on
-  std::vector<MaterialPath> notches;  ///< sections along which the springs are failed as cut
-  PhaseConditions until;              ///< none: the phase lasts until its time-out or a command
-  std::optional<double> timeout;      ///< [s]
+  std::vector<MaterialPath> notches;  ///< cuts given in material coordinates
+  std::vector<Stroke> strokes;        ///< cuts given in the world
+  std::vector<RefineNear> refinements;
+  PhaseConditions until;          ///< none: the phase lasts until its time-out or a command
+  std::optional<double> timeout;  ///< [s]
   OnTimeout onTimeout = OnTimeout::kFail;
 };
 

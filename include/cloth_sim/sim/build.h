@@ -16,7 +16,4 @@ std::vector<KinematicTarget> pinTargets(const ClothSpec& spec, const Model& mode
 
 ColliderSet buildColliders(const Scene& scene);
 
-/// Edges with one face, each with its smaller vertex first; ascending.
-std::vector<std::array<VertexId, 2>> boundaryEdges(const TriangleMesh& mesh);
-
 }  // namespace cloth_sim

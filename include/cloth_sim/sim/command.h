@@ -5,6 +5,8 @@
 #include <string>
 #include <variant>
 
+#include "cloth_sim/surgery/settings.h"
+#include "cloth_sim/surgery/stroke.h"
 #include "cloth_sim/surgery/tearing.h"
 #include "cloth_sim/types.h"
 
@@ -33,11 +35,15 @@ struct SetTearing {
   bool enabled = false;
   TearRatios ratio{};
 };
+/// Cuts along a stroke. Answers success and that nothing was cut if it misses.
+struct CutAlong {
+  Stroke stroke;
+};
 /// Back to the start of the scene.
 struct Reset {};
 
-using Command =
-    std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle, SetTearing, Reset>;
+using Command = std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle,
+                             SetTearing, CutAlong, RefineNear, Reset>;
 
 /// Whether a command was carried out, and if not, why, in one sentence.
 struct CommandResult {

@@ -7,7 +7,6 @@
 #include "cloth_sim/sim/command.h"
 #include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/solver/solver.h"
-#include "cloth_sim/surgery/apply.h"
 
 namespace cloth_sim {
 
@@ -36,7 +35,8 @@ class Simulation {
   const PhaseScript& script() const { return script_; }
   const BrokenCounts& broken() const { return broken_; }
   const StepReport& lastReport() const { return report_; }
-  int pieces() const { return pieces_; }
+  int pieces() const { return pieces_.count; }
+  const DroppedScraps& dropped() const { return dropped_; }
   double time() const { return state_.t; }
   std::uint64_t stepCount() const { return stepCount_; }
   bool failed() const { return !failure_.empty(); }
@@ -49,6 +49,9 @@ class Simulation {
 
   /// Failures since the last call, in order; they are also counted in `broken`.
   std::vector<FailureEvent> takeEvents();
+
+  /// The connected pieces of cloth, the largest first.
+  std::vector<PieceSnapshot> describePieces() const;
 
   /// A copy of what others may see. The topology is shared between snapshots of one revision.
   std::shared_ptr<const Snapshot> snapshot();
@@ -63,8 +66,16 @@ class Simulation {
 
   PhaseObservation observe() const;
   void beginPhase(const PhaseSpec& phase);
+  void operateFor(const PhaseSpec& phase);
   void act(const ClampAction& action, Clamp& clamp);
-  void operate(const std::vector<Opening>& openings, FailureCause cause);
+  /// Cuts, and brings everything along. Throws TooManyParticles, and nothing has changed.
+  SurgeryResult operate(const CutPlan& plan);
+  SurgeryResult cutStroke(const Stroke& stroke);
+  SurgeryResult cutNotch(const MaterialPath& notch);
+  void refineMesh(const RefineNear& request);
+  void follow(const SurgeryResult& result);
+  void dropScraps();
+  std::vector<VertexId> heldVertices() const;
   void count(const FailureEvent& event);
   void fail(const std::string& why);
 
@@ -74,6 +85,8 @@ class Simulation {
   CommandResult carryOut(const SetGravity& command);
   CommandResult carryOut(const MoveObstacle& command);
   CommandResult carryOut(const SetTearing& command);
+  CommandResult carryOut(const CutAlong& command);
+  CommandResult carryOut(const RefineNear& command);
   CommandResult carryOut(const Reset& command);
   Clamp* findClamp(const std::string& name);
   std::shared_ptr<const Topology> makeTopology() const;
@@ -94,9 +107,9 @@ class Simulation {
   BrokenCounts broken_;
   std::vector<FailureEvent> events_;
   std::shared_ptr<const Topology> topology_;
-  VertexData<VertexId> origin_;  ///< the vertex of the undamaged mesh that each came from
-  std::vector<std::array<VertexId, 2>> originalBoundary_;  ///< ascending
-  int pieces_ = 1;
+  SurgeryLimits limits_;
+  Pieces pieces_;
+  DroppedScraps dropped_;
   std::uint64_t stepCount_ = 0;
   double maxStretchSeen_ = 1.0;
   std::string failure_;

@@ -23,6 +23,8 @@ struct Topology {
   std::vector<Link> links;
   /// Boundary edges that were not boundary at the start: where it tore.
   std::vector<std::array<VertexId, 2>> tornEdges;
+  double shortestEdge = 0.0;  ///< at rest [m]
+  double stableStep = 0.0;    ///< bound for explicit methods [s]; see cloth/stable_step.h
 };
 
 struct ClampSnapshot {
@@ -43,6 +45,21 @@ struct BrokenCounts {
   int cut = 0;
 };
 
+/// One connected piece of cloth.
+struct PieceSnapshot {
+  int faces = 0;
+  double mass = 0.0;                 ///< [kg]
+  double restArea = 0.0;             ///< [m^2]
+  Vec3 centreOfMass = Vec3::Zero();  ///< in the world [m]
+};
+
+/// Loose pieces that were taken away.
+struct DroppedScraps {
+  int count = 0;
+  double mass = 0.0;      ///< [kg]
+  double restArea = 0.0;  ///< [m^2]
+};
+
 struct Snapshot {
   double time = 0.0;       ///< [s]
   std::uint64_t step = 0;  ///< steps since the start or the last reset
@@ -56,7 +73,8 @@ struct Snapshot {
   int faces = 0;
   std::array<int, kSpringKinds> springs{0, 0, 0};  ///< active, by kind
   BrokenCounts broken;
-  int pieces = 1;
+  std::vector<PieceSnapshot> pieces{PieceSnapshot{}};  ///< the largest first
+  DroppedScraps dropped;
   double mass = 0.0;      ///< [kg]
   double restArea = 0.0;  ///< [m^2]
   Energies energies;

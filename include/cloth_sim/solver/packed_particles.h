@@ -36,17 +36,22 @@ struct PackedParticles {
   std::vector<double> inverseMass;   ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
 
+  std::int32_t slots = 0;  ///< some may be empty, with mass 0
+
   std::int32_t count() const { return static_cast<std::int32_t>(slotOf.size()); }
 
   /// Chooses slots and sizes every array.
   void layOut(const Model& model);
   /// Adds slots for the vertices that an edit made.
-  void follow(const Model& model);
+  void follow(const MeshChanges& changes);
   void load(const State& state);
   void store(State& state) const;
   /// Sets masses; the particles in `kinematic` get zero.
   void loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic);
   ParticleView view();
+
+ private:
+  void resize();
 };
 
 }  // namespace cloth_sim

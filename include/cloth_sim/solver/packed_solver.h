@@ -31,6 +31,9 @@ class PackedSolver : public Solver {
   /// Called once before the substeps of a step; masses and kinematic slots are set.
   virtual void prepare(const Controls& /*controls*/, double /*h*/) {}
   virtual void substep(const Substep& now) = 0;
+  /// How many substeps a step takes from here on, given how many it was configured with; asked
+  /// after every edit of the model.
+  virtual int substepsFor(const Model& /*model*/, int configured) { return configured; }
 
   /// Copies positions to `particles_.start`.
   void markStart();
@@ -61,6 +64,7 @@ class PackedSolver : public Solver {
   void loadKinematics(const Model& model, const Controls& controls, double dt);
   void finishReactions(const Model& model, const Controls& controls, double dt);
 
+  int configured_;  ///< substeps that the scene asked for
   int substeps_;
   StepReport report_;
   PackedVectors before_;  ///< positions before contacts are enforced [m]

@@ -1,8 +1,6 @@
 #pragma once
 /// \file The order in which sweeps visit springs, and their constants in that order.
 
-#include <set>
-
 #include "cloth_sim/cloth/model.h"
 #include "cloth_sim/solver/parallel_for.h"
 
@@ -77,6 +75,8 @@ class SpringSchedule {
   /// appended ones; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
+  void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
+                   const Coloured& colours);
   void appendStrand(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
                     const Coloured& colours);
   void appendColour(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
@@ -91,7 +91,7 @@ class SpringSchedule {
   std::vector<Span> spans_;
   std::vector<std::int32_t> position_;          ///< by spring slot
   std::vector<std::int32_t> originalPosition_;  ///< by spring slot of the undamaged mesh
-  std::set<std::int32_t> appended_;             ///< spring slots after the original positions
+  std::vector<bool> isAppended_;                ///< by spring slot: after the original positions
   std::int32_t originalSlots_ = 0;
   Extent original_;
 };

@@ -17,6 +17,10 @@ double sideOf(const MaterialPath& path, const Vec2& point);
 /// Distance to `path` [m].
 double distanceTo(const MaterialPath& path, const Vec2& point);
 
+/// Whether p and q lie on different sides of some segment of `path` (neither nearer to its line
+/// than 1e-9 m) that p-q crosses or touches.
+bool separates(const MaterialPath& path, const Vec2& p, const Vec2& q);
+
 /// Whether the segment p-q meets `path` (touching counts, within 1e-9 m).
 bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q);
 

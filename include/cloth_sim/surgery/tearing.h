@@ -1,12 +1,13 @@
 #pragma once
-/// \file Tearing: which springs fail, and where the surface opens for them. Plans only; see
-/// surgery/apply.h for the edit.
+/// \file Tearing: which springs fail, and along which lines the surface opens for them. Plans only;
+/// see surgery/operation.h for the edit.
 
 #include <limits>
+#include <map>
 #include <optional>
 
-#include "cloth_sim/cloth/state.h"
 #include "cloth_sim/surgery/material_path.h"
+#include "cloth_sim/surgery/operation.h"
 
 namespace cloth_sim {
 
@@ -25,37 +26,20 @@ struct TearingSettings {
   TearRatios ratio{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
                    std::numeric_limits<double>::infinity()};
   std::optional<Seam> seam;  ///< absent: the cloth may tear everywhere
+  double tipSpeed = 5.0;  ///< fastest that the tip of a tear runs through the material [m/s], > 0
+  std::optional<Refinement> refineTip;  ///< around where it tears next
 };
 
-enum class FailureCause : std::uint8_t { kTear, kCut };
-const char* toString(FailureCause cause);  ///< "torn" or "cut"
-
-/// One spring that failed.
-struct FailureEvent {
-  double time = 0.0;   ///< [s]
-  VertexId a = kNone;  ///< its ends when it failed
-  VertexId b = kNone;
-  SpringKind kind = SpringKind::kStructural;
-  FailureCause cause = FailureCause::kTear;
-  double stretch = 0.0;          ///< length over rest length when it failed
-  Vec3 position = Vec3::Zero();  ///< of its middle in the world [m]
-  Vec2 material = Vec2::Zero();  ///< of its middle in material coordinates [m]
-  bool overloaded = false;  ///< passed its own limit; false: went because the surface opened there
-};
-
-/// One opening of the surface: the faces in `detach` let go of `vertex`.
-struct Opening {
-  VertexId vertex = kNone;
-  std::vector<FaceId> detach;
-  std::vector<std::int32_t> springs;  ///< slots of the springs that fail by it, the first decided
-};
-
-/// Finds the springs that fail, and how the surface opens for each.
+/// Finds the springs that fail, and the line along which the surface opens for each.
 ///
-/// A failed spring opens the surface at the end of it that lies to the right of the crack: the
-/// faces around that vertex that reach to the left let go. The crack so runs along mesh edges
-/// within one edge of where it should be, and which vertices it passes through does not depend on
-/// the order of failures. A spring whose failure would open nothing does not fail.
+/// A spring that crosses the seam opens the seam across the faces that it stands on. Any other one
+/// makes the nearest tip within three edges run on, or, if there is none, a new tear begins: at the
+/// border, or in the middle of the spring; but not near a tear that runs, which will unload it. A
+/// tear runs at right angles to the direction of largest tension around its tip, whatever way the
+/// mesh runs, across the faces around the tip.
+///
+/// A tip runs at `tipSpeed` at most, and keeps account of what is left over of a step, so how far
+/// it gets depends neither on the step nor on the mesh.
 class Tearing {
  public:
   Tearing(TearingSettings settings, const Model& model);
@@ -64,22 +48,50 @@ class Tearing {
   void setEnabled(bool enabled) { settings_.enabled = enabled; }
   void setRatio(const TearRatios& ratio) { settings_.ratio = ratio; }
 
-  /// What fails now, most overloaded first (by stretch over limit; ties by slot); at most one
-  /// opening per vertex. Visits only springs that the gate allows.
-  std::vector<Opening> plan(const Model& model, const State& state) const;
+  /// What tears now, most overloaded first (by stretch over limit; ties by slot); at most one line
+  /// through each face. Visits only springs that the gate allows. To be asked again after the cut
+  /// and `opened`, until it has no paths: a fast tip takes several strides in a step.
+  /// \param dt  length of the step that led to `state` [s].
+  CutPlan plan(const Model& model, const State& state, double dt);
+
+  /// Tells that the last plan was carried out.
+  void opened(const SurgeryResult& result);
+  /// Tells of another operation: tears may go on where cuts end.
+  void noteTips(const SurgeryResult& result);
 
   /// To be called after every edit of the model.
   void follow(const Model& model, const ModelChanges& changes);
 
  private:
+  /// A line that the last plan had.
+  struct Stride {
+    double start = 0.0;   ///< [s]
+    double length = 0.0;  ///< [m]
+  };
+  /// Where a tear has run.
+  struct Run {
+    Vec2 at = Vec2::Zero();  ///< material coordinates [m]
+    double time = 0.0;       ///< [s]
+  };
+  struct Overload {
+    double excess = 0.0;  ///< stretch over limit
+    std::int32_t slot = kNone;
+  };
+
   bool allowed(const Model& model, const Spring& spring) const;
+  std::vector<Overload> findOverloads(const Model& model, const State& state) const;
+  std::optional<SurfacePath> lineFor(const Model& model, const State& state, const Spring& spring,
+                                     VertexId tip) const;
+  VertexId nearestTip(const TriangleMesh& mesh, const Vec2& p, double within) const;
+  bool isShaded(const Vec2& p, double edge, double time) const;
+  void forget(const TriangleMesh& mesh, double time);
 
   TearingSettings settings_;
   std::vector<std::int32_t>
-      candidates_;  ///< slots that the gate allows, ascending; some may be gone
+      candidates_;                   ///< slots that the gate allows, ascending; some may be gone
+  std::map<VertexId, double> tips_;  ///< when each may go on [s]
+  std::vector<Run> runs_;
+  std::vector<Stride> strides_;  ///< of the last plan, by path
 };
-
-/// Openings along `path`: every structural spring that crosses it fails, as if cut.
-std::vector<Opening> planNotch(const Model& model, const MaterialPath& path);
 
 }  // namespace cloth_sim

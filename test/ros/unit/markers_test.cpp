@@ -125,6 +125,16 @@ TEST(Markers, EmptyListsAreDeletedAndComeBack) {
   }
 }
 
+TEST(Markers, ClothMayGrowAndShrink) {
+  MarkerBuilder builder{MarkerStyle()};
+  for (const std::size_t n : {5u, 9u, 3u}) {
+    const Marker* cloth =
+        find(builder.build(flatCloth(static_cast<int>(n)), ros::Time(1.0)), "cloth");
+    EXPECT_EQ(cloth->points.size(), (n - 1) * (n - 1) * 2 * 3);
+    EXPECT_EQ(cloth->colors.size(), cloth->points.size());
+  }
+}
+
 TEST(Markers, NamespaceAndIdStayTheSameFromCallToCall) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(5);
@@ -175,7 +185,7 @@ TEST(Markers, ObstaclesHaveTheirShapes) {
 TEST(Markers, TextTellsPhaseCountsAndTime) {
   Snapshot snapshot = flatCloth(3);
   snapshot.time = 7.25;
-  snapshot.pieces = 2;
+  snapshot.pieces.resize(2);
   snapshot.broken.total = 14;
   const std::string text = statusLine(snapshot);
   for (const char* part : {"pull", "7.25", "pieces 2", "broken 14"}) {

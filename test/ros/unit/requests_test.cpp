@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <limits>
 
 #include "cloth_sim/scene/names.h"
@@ -36,11 +38,35 @@ class RequestsTest : public testing::Test {
     scene.phases[0].name = "pull";
     return scene;
   }
-  /// Knows "world" and "hand", which is 1 m above it.
+  /// Knows "world", "hand", which is 1 m above it, and "tilted", whose z points along its y.
   static Pose toWorld(const Pose& pose, const std_msgs::Header& header) {
     if (header.frame_id == "world") return pose;
+    if (header.frame_id == "tilted") {
+      const Quat turn(Eigen::AngleAxisd(-0.5 * M_PI, Vec3::UnitX()));
+      return {turn * pose.position, turn * pose.orientation};
+    }
     if (header.frame_id != "hand") throw std::runtime_error("unknown frame " + header.frame_id);
     return {pose.position + Vec3::UnitZ(), pose.orientation};
+  }
+  std::string defect(const std::function<void(CutStroke&)>& spoil) const {
+    CutStroke bad = stroke_;
+    spoil(bad);
+    return refusal(checker_.stroke(bad));
+  }
+  Stroke carriedOut(const CutStroke& stroke) const {
+    return std::get<CutAlong>(std::get<Command>(checker_.stroke(stroke))).stroke;
+  }
+  Refine::Request refinement() const {
+    Refine::Request request;
+    request.header.frame_id = "world";
+    request.points.resize(1);
+    request.radius = 0.1;
+    return request;
+  }
+  std::string defect(const std::function<void(Refine::Request&)>& spoil) const {
+    Refine::Request bad = refinement();
+    spoil(bad);
+    return refusal(checker_.refinement(bad));
   }
   static std::string refusal(const Request& request) {
     const auto* refused = std::get_if<Refusal>(&request);
@@ -100,26 +126,93 @@ TEST_F(RequestsTest, StepsHaveARange) {
   EXPECT_NE(checker_.steps(1000001), "");
 }
 
-TEST_F(RequestsTest, StrokesAreChecked) {
-  EXPECT_EQ(checker_.stroke(stroke_), "");
-  CutStroke bad = stroke_;
-  bad.points.clear();
-  EXPECT_THAT(checker_.stroke(bad), HasSubstr("empty"));
-  bad = stroke_;
-  bad.points[1] = bad.points[0];
-  EXPECT_THAT(checker_.stroke(bad), HasSubstr("two different"));
-  bad = stroke_;
-  bad.points[1].z = kNan;
-  EXPECT_THAT(checker_.stroke(bad), HasSubstr("finite"));
-  bad = stroke_;
-  bad.direction.z = 0.0;
-  EXPECT_THAT(checker_.stroke(bad), HasSubstr("zero"));
-  bad = stroke_;
-  bad.half_width = -1.0;
-  EXPECT_THAT(checker_.stroke(bad), HasSubstr("half_width"));
-  bad = stroke_;
-  bad.header.frame_id = "nowhere";
-  EXPECT_THAT(checker_.stroke(bad), HasSubstr("nowhere"));
+TEST_F(RequestsTest, StrokeAlongAPathReachesToBothSides) {
+  const Stroke stroke = carriedOut(stroke_);
+  ASSERT_EQ(stroke.poses.size(), 2u);
+  EXPECT_TRUE(stroke.poses[0].heel.isApprox(Vec3(0.0, 0.0, 1.0), 1e-12));  // against -z, by 1 m
+  EXPECT_TRUE(stroke.poses[1].tip.isApprox(Vec3(0.5, 0.0, -1.0), 1e-12));
+  EXPECT_FALSE(stroke.firstLayerOnly);
+  EXPECT_EQ(stroke.halfWidth, 0.0);
+}
+
+TEST_F(RequestsTest, StrokeIsTakenAsItIsGiven) {
+  stroke_.direction.z = -5.0;  // any length
+  stroke_.reach = 0.25;
+  stroke_.half_width = 0.01;
+  stroke_.first_layer_only = true;
+  const Stroke stroke = carriedOut(stroke_);
+  EXPECT_TRUE(stroke.poses[1].tip.isApprox(Vec3(0.5, 0.0, -0.25), 1e-12));
+  EXPECT_TRUE(stroke.firstLayerOnly);
+  EXPECT_EQ(stroke.halfWidth, 0.01);
+}
+
+TEST_F(RequestsTest, HeelsTakeThePlaceOfDirectionAndReach) {
+  stroke_.heels = stroke_.points;
+  for (geometry_msgs::Point& heel : stroke_.heels) heel.y = 0.5;
+  stroke_.direction.z = 0.0;
+  stroke_.reach = kNan;
+  const Stroke stroke = carriedOut(stroke_);
+  ASSERT_EQ(stroke.poses.size(), 2u);
+  EXPECT_EQ(stroke.poses[1].heel, Vec3(0.5, 0.5, 0.0));
+  EXPECT_EQ(stroke.poses[1].tip, Vec3(0.5, 0.0, 0.0));
+}
+
+TEST_F(RequestsTest, StrokesAreTurnedIntoTheWorldFrame) {
+  stroke_.header.frame_id = "hand";
+  EXPECT_TRUE(carriedOut(stroke_).poses[1].tip.isApprox(Vec3(0.5, 0.0, 0.0), 1e-12));
+  stroke_.header.frame_id = "tilted";  // the direction, -z there, is -y in the world
+  EXPECT_TRUE(carriedOut(stroke_).poses[1].tip.isApprox(Vec3(0.5, -1.0, 0.0), 1e-12));
+  stroke_.heels = stroke_.points;
+  for (geometry_msgs::Point& heel : stroke_.heels) heel.z = 0.5;
+  EXPECT_TRUE(carriedOut(stroke_).poses[1].heel.isApprox(Vec3(0.5, 0.5, 0.0), 1e-12));
+}
+
+TEST_F(RequestsTest, BadStrokesAreRefused) {
+  EXPECT_THAT(defect([](CutStroke& s) { s.points.clear(); }), HasSubstr("empty"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.points.resize(1); }), HasSubstr("two points"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.points.resize(10001); }), HasSubstr("10000"));
+  EXPECT_NE(defect([](CutStroke& s) { s.points[1] = s.points[0]; }), "");
+  EXPECT_THAT(defect([](CutStroke& s) { s.points[1].z = kNan; }), HasSubstr("finite"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.direction.x = kNan; }), HasSubstr("finite"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.direction.z = 0.0; }), HasSubstr("zero"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.reach = -1.0; }), HasSubstr("reach"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.half_width = -1.0; }), HasSubstr("half_width"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.half_width = kNan; }), HasSubstr("half_width"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.header.frame_id = "nowhere"; }), HasSubstr("nowhere"));
+  EXPECT_THAT(defect([](CutStroke& s) { s.heels.resize(1); }), HasSubstr("1 and 2"));
+  EXPECT_THAT(defect([](CutStroke& s) {
+                s.heels.resize(2);
+                s.heels[0].x = kNan;
+              }),
+              HasSubstr("finite"));
+  EXPECT_NE(defect([](CutStroke& s) { s.heels = s.points; }), "");  // blades of no length
+}
+
+TEST_F(RequestsTest, RefinementBecomesACommandInTheWorldFrame) {
+  Refine::Request request = refinement();
+  request.header.frame_id = "hand";
+  const Request made = checker_.refinement(request);
+  const auto& command = std::get<RefineNear>(std::get<Command>(made));
+  EXPECT_EQ(command.path, std::vector<Vec3>{Vec3(0.0, 0.0, 1.0)});
+  EXPECT_EQ(command.refinement.radius, 0.1);
+  EXPECT_EQ(command.refinement.generations, 3);
+  EXPECT_EQ(command.refinement.minEdge, 0.0);
+
+  request.generations = 12;
+  request.min_edge = 0.01;
+  const Request finer = checker_.refinement(request);
+  EXPECT_EQ(std::get<RefineNear>(std::get<Command>(finer)).refinement.generations, 12);
+  EXPECT_EQ(std::get<RefineNear>(std::get<Command>(finer)).refinement.minEdge, 0.01);
+}
+
+TEST_F(RequestsTest, BadRefinementsAreRefused) {
+  EXPECT_THAT(defect([](Refine::Request& r) { r.points.clear(); }), HasSubstr("empty"));
+  EXPECT_THAT(defect([](Refine::Request& r) { r.points[0].y = kNan; }), HasSubstr("finite"));
+  EXPECT_THAT(defect([](Refine::Request& r) { r.radius = 0.0; }), HasSubstr("radius"));
+  EXPECT_THAT(defect([](Refine::Request& r) { r.radius = kNan; }), HasSubstr("radius"));
+  EXPECT_THAT(defect([](Refine::Request& r) { r.generations = 13; }), HasSubstr("generations"));
+  EXPECT_THAT(defect([](Refine::Request& r) { r.min_edge = -1.0; }), HasSubstr("min_edge"));
+  EXPECT_THAT(defect([](Refine::Request& r) { r.header.frame_id = ""; }), HasSubstr("frame"));
 }
 
 TEST_F(RequestsTest, StateNamesAreNoPaths) {

@@ -92,6 +92,21 @@ TEST(SimulationThread, ResetGoesBackToTheStartAndIsCounted) {
   EXPECT_EQ(now.resets, 1u);
 }
 
+TEST(SimulationThread, SpringsThatACommandCutAreToldAtOnce) {
+  SimulationThread simulation(smallScene(), paused());
+  const Stroke middle =
+      strokeAlong({Vec3(-1.0, 0.02, 0.0), Vec3(1.0, 0.02, 0.0)}, Vec3::UnitZ(), 1.0);
+  const CommandResult result = simulation.execute(CutAlong{middle}, kTimeout);
+  ASSERT_TRUE(result.success) << result.message;
+  const Observation now = simulation.observe();
+  EXPECT_EQ(now.snapshot->pieces.size(), 2u);
+  EXPECT_GT(now.snapshot->broken.cut, 0);
+  EXPECT_EQ(simulation.takeEvents().size(), static_cast<std::size_t>(now.snapshot->broken.total));
+  EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
+  EXPECT_EQ(simulation.observe().snapshot->pieces.size(), 1u);
+  EXPECT_TRUE(simulation.takeEvents().empty());
+}
+
 TEST(SimulationThread, ResultDoesNotDependOnHowItIsDriven) {
   SimulationThread inOne(smallScene(), paused());
   SimulationThread oneByOne(smallScene(), paused());

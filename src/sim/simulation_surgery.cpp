@@ -1,0 +1,127 @@
+#include <algorithm>
+
+#include "cloth_sim/sim/simulation.h"
+#include "cloth_sim/surgery/refine.h"
+
+namespace cloth_sim {
+namespace {
+
+/// A path in material coordinates as a stroke over the cloth laid flat.
+std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath& notch) {
+  VertexData<Vec3> flat(static_cast<std::size_t>(mesh.vertexCount()), Vec3::Zero());
+  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
+    flat[v].head<2>() = mesh.material(v);
+  }
+  std::vector<Vec3> path;
+  for (const Vec2& p : notch) path.emplace_back(p.x(), p.y(), 0.0);
+  return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, flat);
+}
+
+const KinematicTarget* findPin(const std::vector<KinematicTarget>& pins, VertexId v) {
+  const auto pin = std::lower_bound(
+      pins.begin(), pins.end(), v,
+      [](const KinematicTarget& target, VertexId vertex) { return target.vertex < vertex; });
+  return pin != pins.end() && pin->vertex == v ? &*pin : nullptr;
+}
+
+/// Copies of pinned particles stay pinned where they are, and so does what lies between some.
+void pinNew(const VertexEdit& edit, std::vector<KinematicTarget>& pins) {
+  KinematicTarget blend;
+  blend.vertex = edit.id;
+  for (std::size_t k = 0; k < edit.from.size() && edit.from[k] != kNone; ++k) {
+    const KinematicTarget* source = findPin(pins, edit.from[k]);
+    if (source == nullptr) return;
+    blend.position += edit.weight[k] * source->position;
+  }
+  pins.push_back(blend);  // new ids are the largest: the order holds
+}
+
+void followPins(const MeshChanges& changes, std::vector<KinematicTarget>& pins) {
+  for (const VertexEdit& edit : changes.vertices) {
+    if (edit.isNew()) pinNew(edit, pins);
+    if (edit.kind != VertexEdit::Kind::kRemove) continue;
+    for (KinematicTarget& pin : pins) {
+      if (pin.vertex == edit.from[0]) pin.vertex = edit.id;
+    }
+    std::sort(pins.begin(), pins.end(), [](const KinematicTarget& p, const KinematicTarget& q) {
+      return p.vertex < q.vertex;
+    });
+  }
+}
+
+}  // namespace
+
+SurgeryResult Simulation::cutStroke(const Stroke& stroke) {
+  CutPlan plan;
+  plan.paths = findPaths(stroke, model_.mesh, state_.x);
+  plan.refine = scene_.cloth.surgery.refineCuts;
+  if (scene_.cloth.surgery.clearStrip) plan.clearWithin = stroke.halfWidth;
+  return operate(plan);
+}
+
+SurgeryResult Simulation::cutNotch(const MaterialPath& notch) {
+  CutPlan plan;
+  plan.paths = pathsOver(model_.mesh, notch);
+  plan.refine = scene_.cloth.surgery.refineCuts;
+  return operate(plan);
+}
+
+SurgeryResult Simulation::operate(const CutPlan& plan) {
+  SurgeryResult result = cut(plan, limits_, heldVertices(), model_, state_);
+  tearing_.noteTips(result);
+  follow(result);
+  return result;
+}
+
+void Simulation::refineMesh(const RefineNear& request) {
+  follow(refine(request, limits_, heldVertices(), model_, state_));
+}
+
+void Simulation::follow(const SurgeryResult& result) {
+  if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
+  for (const FailureEvent& event : result.events) count(event);
+  for (Clamp& clamp : clamps_) clamp.follow(result.changes.mesh);
+  followPins(result.changes.mesh, pins_);
+  solver_->onModelChanged(model_, result.changes);
+  tearing_.follow(model_, result.changes);
+  pieces_ = findPieces(model_.mesh);
+  topology_.reset();
+  if (scene_.cloth.surgery.dropBelow > 0.0 && pieces_.count > 1) dropScraps();
+}
+
+void Simulation::dropScraps() {
+  std::vector<double> area(static_cast<std::size_t>(pieces_.count), 0.0);
+  for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+    area[pieces_.ofFace[f]] += model_.mesh.restArea(f);
+  }
+  // Held pieces are not loose, and the largest one is the cloth.
+  for (VertexId v : heldVertices()) {
+    area[pieces_.ofFace[model_.mesh.facesAround(v).front()]] = scene_.cloth.surgery.dropBelow;
+  }
+  *std::max_element(area.begin(), area.end()) = scene_.cloth.surgery.dropBelow;
+  std::vector<FaceId> faces;
+  const double massBefore = totalMass(model_);
+  const double areaBefore = model_.mesh.totalRestArea();
+  for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+    if (area[pieces_.ofFace[f]] < scene_.cloth.surgery.dropBelow) faces.push_back(f);
+  }
+  if (faces.empty()) return;
+  dropped_.count += static_cast<int>(std::count_if(
+      area.begin(), area.end(), [this](double a) { return a < scene_.cloth.surgery.dropBelow; }));
+  follow(takeAway(faces, model_, state_));
+  dropped_.mass += massBefore - totalMass(model_);
+  dropped_.restArea += areaBefore - model_.mesh.totalRestArea();
+}
+
+std::vector<VertexId> Simulation::heldVertices() const {
+  std::vector<VertexId> held;
+  for (const KinematicTarget& pin : pins_) held.push_back(pin.vertex);
+  for (const Clamp& clamp : clamps_) {
+    held.insert(held.end(), clamp.held().begin(), clamp.held().end());
+  }
+  std::sort(held.begin(), held.end());
+  held.erase(std::unique(held.begin(), held.end()), held.end());
+  return held;
+}
+
+}  // namespace cloth_sim

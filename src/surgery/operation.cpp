@@ -1,0 +1,262 @@
+#include "cloth_sim/surgery/operation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloth_sim/surgery/material_path.h"
+#include "cloth_sim/surgery/momentum.h"
+#include "cloth_sim/surgery/refine.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Vertices that a path of some points can make, at most, for each of them.
+constexpr double kVerticesPerPoint = 8.0;
+
+/// Brings everything that belongs to the cloth up to an edit of its mesh.
+SpringChanges follow(const MeshChanges& changes, Model& model, State& state) {
+  const Momentum before = momentumOf(changes.touched, model.mass, state);
+  state.follow(changes);
+  followMasses(changes, model);
+  restoreMomentum(before, changes.touched, model.mass, state);
+  return model.springs.follow(model.mesh, changes);
+}
+
+template <typename T>
+void append(const std::vector<T>& more, std::vector<T>& all) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+template <typename T>
+void merge(const std::vector<T>& more, std::vector<T>& all) {
+  append(more, all);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+}
+
+/// Puts a later edit behind an earlier one.
+void append(const ModelChanges& more, ModelChanges& all) {
+  if (more.mesh.empty() && more.springs.removed.empty()) return;
+  if (all.mesh.empty()) all.mesh.fromRevision = more.mesh.fromRevision;
+  all.mesh.toRevision = more.mesh.toRevision;
+  append(more.mesh.vertices, all.mesh.vertices);
+  merge(more.mesh.changedFaces, all.mesh.changedFaces);
+  merge(more.mesh.reshapedFaces, all.mesh.reshapedFaces);
+  append(more.mesh.removedFaces, all.mesh.removedFaces);
+  merge(more.mesh.touched, all.mesh.touched);
+  append(more.springs.added, all.springs.added);
+  append(more.springs.modified, all.springs.modified);
+  append(more.springs.removed, all.springs.removed);
+  append(more.springs.removedSprings, all.springs.removedSprings);
+}
+
+VertexData<Vec3> lifted(const std::vector<Vec2>& material) {
+  std::vector<Vec3> points;
+  points.reserve(material.size());
+  for (const Vec2& p : material) points.emplace_back(p.x(), p.y(), 0.0);
+  return VertexData<Vec3>(std::move(points));
+}
+
+std::vector<Vec3> lifted(const SurfacePath& path) {
+  std::vector<Vec3> points;
+  for (const SurfacePoint& p : path.points) {
+    points.emplace_back(p.material.x(), p.material.y(), 0.0);
+  }
+  return points;
+}
+
+std::vector<EmbeddedPath> prepare(const CutPlan& plan, std::int32_t maxVertices,
+                                  Remesher& remesher) {
+  if (plan.refine) {
+    for (const SurfacePath& path : plan.paths) {
+      const Neighbourhood near(lifted(path), plan.refine->radius);
+      std::vector<FaceId> seeds;
+      for (const SurfacePoint& p : path.points) seeds.push_back(locate(remesher.mesh(), p));
+      refineNear(near, *plan.refine, lifted(remesher.mesh().material()), seeds, maxVertices,
+                 remesher);
+    }
+  }
+  std::vector<EmbeddedPath> embedded;
+  for (const SurfacePath& path : plan.paths) {
+    embedded.push_back(embedPath(path, plan.end, remesher));
+  }
+  remesher.improve();
+  return embedded;
+}
+
+void refuse(std::int32_t wanted, std::int32_t allowed) {
+  throw TooManyParticles("this would make " + std::to_string(wanted) +
+                         " particles or more, cloth.surgery.max_particles is " +
+                         std::to_string(allowed));
+}
+
+/// Far more vertices than the plan can possibly make.
+double mostVertices(const CutPlan& plan, const TriangleMesh& mesh) {
+  double points = 0.0;
+  double area = 0.0;
+  for (const SurfacePath& path : plan.paths) {
+    points += static_cast<double>(path.points.size());
+    if (!plan.refine) continue;
+    const double r = plan.refine->radius;
+    for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+      area += 4.0 * r * (path.points[k + 1].material - path.points[k].material).norm();
+    }
+    area += 8.0 * r * r;
+  }
+  const double refined = plan.refine ? std::exp2(plan.refine->generations) : 1.0;
+  const double facePer = mesh.faceCount() / mesh.totalRestArea();
+  return refined * (kVerticesPerPoint * points + 4.0 * facePer * area);
+}
+
+/// Tries a plan on a copy of the mesh if it could make too many particles.
+void checkCount(const CutPlan& plan, const SurgeryLimits& limits, const TriangleMesh& mesh) {
+  const std::int32_t most = limits.maxParticles;
+  if (mesh.vertexCount() + mostVertices(plan, mesh) <= most) return;
+  TriangleMesh trial = mesh;
+  Remesher remesher(trial, limits.shape, {});
+  prepare(plan, most, remesher);
+  const auto opened = static_cast<std::int32_t>(2 * remesher.marks().size());
+  if (trial.vertexCount() + opened > most) refuse(trial.vertexCount() + opened, most);
+}
+
+MaterialPath materialOf(const EmbeddedPath& path, const TriangleMesh& mesh) {
+  MaterialPath points;
+  for (VertexId v : path.chain) points.push_back(mesh.material(v));
+  return points;
+}
+
+bool isSevered(const Spring& spring, const TriangleMesh& mesh,
+               const std::vector<MaterialPath>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [&](const MaterialPath& line) {
+    return separates(line, mesh.material(spring.a), mesh.material(spring.b));
+  });
+}
+
+/// Tells of failed springs, each once.
+class Report {
+ public:
+  Report(const CutPlan& plan, const Model& model, const State& state, SurgeryResult& result)
+      : plan_(plan), model_(model), state_(state), result_(result) {}
+
+  void add(std::int32_t slot, const Spring& spring) {
+    FailureEvent event = describeFailure(model_, state_, spring, plan_.cause);
+    event.overloaded = std::binary_search(plan_.overloaded.begin(), plan_.overloaded.end(), slot);
+    result_.events.push_back(event);
+  }
+
+ private:
+  const CutPlan& plan_;
+  const Model& model_;
+  const State& state_;
+  SurgeryResult& result_;
+};
+
+/// Springs whose middle is within `distance` of a line go.
+SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance, Model& model) {
+  std::vector<std::int32_t> slots;
+  const auto count = static_cast<std::int32_t>(model.springs.slots().size());
+  for (std::int32_t slot = 0; slot < count; ++slot) {
+    const Spring& spring = model.springs[slot];
+    if (!spring.exists()) continue;
+    const Vec2 middle = 0.5 * (model.mesh.material(spring.a) + model.mesh.material(spring.b));
+    const bool near = std::any_of(lines.begin(), lines.end(), [&](const MaterialPath& line) {
+      return distanceTo(line, middle) <= distance;
+    });
+    if (near) slots.push_back(slot);
+  }
+  return model.springs.clear(slots);
+}
+
+}  // namespace
+
+SurgeryResult cut(const CutPlan& plan, const SurgeryLimits& limits,
+                  const std::vector<VertexId>& held, Model& model, State& state) {
+  SurgeryResult result;
+  if (plan.paths.empty()) return result;
+  checkCount(plan, limits, model.mesh);
+  Remesher remesher(model.mesh, limits.shape, held);
+  const std::vector<EmbeddedPath> embedded =
+      prepare(plan, std::numeric_limits<std::int32_t>::max(), remesher);
+  std::vector<MaterialPath> lines;
+  for (const EmbeddedPath& path : embedded) {
+    lines.push_back(materialOf(path, model.mesh));
+    result.length += path.length;
+    result.deviation = std::max(result.deviation, path.deviation);
+    append({path.chain.front(), path.chain.back()}, result.tips);
+  }
+
+  // First the mesh is made to fit the cut: springs are exchanged for others, and those that the
+  // cut crosses have failed.
+  Report report(plan, model, state, result);
+  ModelChanges fitted;
+  fitted.mesh = remesher.finish();
+  if (!fitted.mesh.empty()) fitted.springs = follow(fitted.mesh, model, state);
+  for (std::size_t k = 0; k < fitted.springs.removed.size(); ++k) {
+    const Spring& spring = fitted.springs.removedSprings[k];
+    if (isSevered(spring, model.mesh, lines)) report.add(fitted.springs.removed[k], spring);
+  }
+  append(fitted, result.changes);
+
+  // Then it opens: whatever goes now and was there before has failed.
+  remesher.openMarks();
+  ModelChanges opened;
+  opened.mesh = remesher.finish();
+  if (!opened.mesh.empty()) opened.springs = follow(opened.mesh, model, state);
+  const std::vector<std::int32_t>& made = fitted.springs.added;
+  for (std::size_t k = 0; k < opened.springs.removed.size(); ++k) {
+    const std::int32_t slot = opened.springs.removed[k];
+    if (std::binary_search(made.begin(), made.end(), slot)) continue;
+    report.add(slot, opened.springs.removedSprings[k]);
+  }
+  append(opened, result.changes);
+
+  if (plan.clearWithin > 0.0) {
+    ModelChanges cleared;
+    cleared.mesh.fromRevision = cleared.mesh.toRevision = model.mesh.revision();
+    cleared.springs = clearNear(lines, plan.clearWithin, model);
+    for (std::size_t k = 0; k < cleared.springs.removed.size(); ++k) {
+      report.add(cleared.springs.removed[k], cleared.springs.removedSprings[k]);
+    }
+    result.cleared = static_cast<int>(cleared.springs.removed.size());
+    append(cleared, result.changes);
+  }
+  return result;
+}
+
+SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
+                     const std::vector<VertexId>& held, Model& model, State& state) {
+  const Neighbourhood near(request.path, request.refinement.radius);
+  std::vector<FaceId> seeds;
+  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+    const Face& face = model.mesh.face(f);
+    if (near.reaches({state.x[face[0]], state.x[face[1]], state.x[face[2]]})) seeds.push_back(f);
+  }
+  SurgeryResult result;
+  if (seeds.empty()) return result;
+  const auto run = [&](TriangleMesh& mesh, std::int32_t most) {
+    Remesher remesher(mesh, limits.shape, held);
+    refineNear(near, request.refinement, state.x, seeds, most, remesher);
+    return remesher.finish();
+  };
+  TriangleMesh trial = model.mesh;
+  const MeshChanges changes = run(trial, limits.maxParticles);
+  if (trial.vertexCount() > limits.maxParticles) refuse(trial.vertexCount(), limits.maxParticles);
+  if (changes.empty()) return result;
+  model.mesh = std::move(trial);
+  result.changes.mesh = changes;
+  result.changes.springs = follow(changes, model, state);
+  return result;
+}
+
+SurgeryResult takeAway(const std::vector<FaceId>& faces, Model& model, State& state) {
+  SurgeryResult result;
+  MeshEditor editor(model.mesh);
+  editor.removePieces(faces);
+  result.changes.mesh = editor.finish();
+  if (!result.changes.mesh.empty()) {
+    result.changes.springs = follow(result.changes.mesh, model, state);
+  }
+  return result;
+}
+
+}  // namespace cloth_sim

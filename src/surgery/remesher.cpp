@@ -1,0 +1,265 @@
+#include "cloth_sim/surgery/remesher.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cloth_sim/mesh/quality.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Angles below this are worth a flip [rad].
+constexpr double kGoodAngle = 0.35;
+/// ... if it gains this much [rad].
+constexpr double kWorthwhile = 0.02;
+constexpr int kImprovePasses = 4;
+/// A border counts as straight, and a point as on it, within this [m].
+constexpr double kStraight = 1e-14;
+/// Edges this near in relative length count as equally long.
+constexpr double kSameLength = 1e-9;
+/// Deepest chain of bisections that one may call for.
+constexpr int kDeepest = 64;
+
+double offLine(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const double length = (b - a).norm();
+  return length > 0.0 ? std::abs(doubleArea(a, b, p)) / length : (p - a).norm();
+}
+
+}  // namespace
+
+std::array<double, 3> barycentric(const TriangleMesh& mesh, FaceId f, const Vec2& p) {
+  const Face& face = mesh.face(f);
+  const Vec2& a = mesh.material(face[0]);
+  const Vec2& b = mesh.material(face[1]);
+  const Vec2& c = mesh.material(face[2]);
+  const double whole = doubleArea(a, b, c);
+  const double wa = doubleArea(b, c, p) / whole;
+  const double wb = doubleArea(c, a, p) / whole;
+  return {wa, wb, 1.0 - wa - wb};
+}
+
+Remesher::Remesher(TriangleMesh& mesh, const ShapeLimits& limits, const std::vector<VertexId>& held)
+    : editor_(mesh), limits_(limits), held_(held.begin(), held.end()) {}
+
+void Remesher::mark(VertexId a, VertexId b) {
+  marks_.insert(edgeKey(a, b));
+  marked_.insert({a, b});
+}
+
+bool Remesher::isTooShort(const Vec2& a, const Vec2& b) const {
+  return (b - a).squaredNorm() < limits_.minEdge * limits_.minEdge;
+}
+
+double Remesher::angleIfSplit(VertexId a, VertexId b, const Vec2& at) const {
+  const Vec2& pa = mesh().material(a);
+  const Vec2& pb = mesh().material(b);
+  if (isTooShort(pa, at) || isTooShort(at, pb)) return -1.0;
+  double smallest = M_PI;
+  for (FaceId f : mesh().facesOnEdge(a, b)) {
+    if (f == kNone) continue;
+    const VertexId apex = mesh().oppositeVertex(f, a, b);
+    const Vec2& pc = mesh().material(apex);
+    if (isTooShort(at, pc)) return -1.0;
+    const double sign = doubleArea(pa, pb, pc) > 0.0 ? 1.0 : -1.0;
+    const double first = sign > 0.0 ? minAngle(pa, at, pc) : minAngle(at, pa, pc);
+    const double second = sign > 0.0 ? minAngle(at, pb, pc) : minAngle(pb, at, pc);
+    smallest = std::min({smallest, first, second});
+  }
+  return allowed(smallest);
+}
+
+VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
+  const Vec2 pa = mesh().material(a);
+  const Vec2 d = mesh().material(b) - pa;
+  const double t = std::clamp(d.dot(at - pa) / d.squaredNorm(), 1e-6, 1.0 - 1e-6);
+  const VertexId middle = editor_.splitEdge(a, b, t);
+  if (isMarked(a, b)) {
+    marks_.erase(edgeKey(a, b));
+    mark(a, middle);
+    mark(middle, b);
+  }
+  if (held_.count(a) != 0 && held_.count(b) != 0) hold(middle);
+  const std::vector<FaceId>& around = mesh().facesAround(middle);
+  reshaped_.insert(reshaped_.end(), around.begin(), around.end());
+  // On the edge, rounding is all that is left; beside it, the vertex has to move.
+  const bool beside = offLine(pa, pa + d, at) > kStraight;
+  if (beside) moveVertex(middle, at);
+  return middle;
+}
+
+bool Remesher::mayMove(VertexId v, const Vec2& to) const {
+  if (held_.count(v) != 0 || marked_.count(v) != 0) return false;
+  const std::vector<VertexId> around = mesh().neighbours(v);
+  if (around.size() == mesh().facesAround(v).size()) return true;
+  const double tolerance = kStraight * std::max(1.0, to.cwiseAbs().maxCoeff());
+  const auto isStraight = [&](VertexId w) {
+    if (mesh().facesOnEdge(v, w)[1] != kNone) return true;
+    const Vec2& from = mesh().material(w);
+    return offLine(from, mesh().material(v), to) <= tolerance;
+  };
+  return std::all_of(around.begin(), around.end(), isStraight);
+}
+
+double Remesher::angleIfMoved(VertexId v, const Vec2& to) const {
+  if (!mayMove(v, to)) return -1.0;
+  double smallest = M_PI;
+  for (FaceId f : mesh().facesAround(v)) {
+    std::array<Vec2, 3> corner;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId w = mesh().face(f)[k];
+      corner[k] = w == v ? to : mesh().material(w);
+      if (w != v && isTooShort(to, corner[k])) return -1.0;
+    }
+    smallest = std::min(smallest, minAngle(corner[0], corner[1], corner[2]));
+  }
+  return allowed(smallest);
+}
+
+void Remesher::moveVertex(VertexId v, const Vec2& to) {
+  // The face around v that `to` lies in, or nearest to.
+  FaceId in = kNone;
+  double best = 0.0;
+  for (FaceId f : mesh().facesAround(v)) {
+    const std::array<double, 3> weight = barycentric(mesh(), f, to);
+    const double inside = *std::min_element(weight.begin(), weight.end());
+    if (in == kNone || inside > best) {
+      in = f;
+      best = inside;
+    }
+  }
+  editor_.moveVertex(v, in, barycentric(mesh(), in, to));
+  const std::vector<FaceId>& around = mesh().facesAround(v);
+  reshaped_.insert(reshaped_.end(), around.begin(), around.end());
+}
+
+double Remesher::angleIfSplit(FaceId f, const Vec2& at) const {
+  const Face& face = mesh().face(f);
+  double smallest = M_PI;
+  for (int k = 0; k < 3; ++k) {
+    const Vec2& a = mesh().material(face[k]);
+    const Vec2& b = mesh().material(face[(k + 1) % 3]);
+    if (isTooShort(a, at)) return -1.0;
+    smallest = std::min(smallest, minAngle(a, b, at));
+  }
+  return allowed(smallest);
+}
+
+VertexId Remesher::splitFace(FaceId f, const Vec2& at) {
+  const Face face = mesh().face(f);
+  const VertexId middle = editor_.splitFace(f, barycentric(mesh(), f, at));
+  if (held_.count(face[0]) != 0 && held_.count(face[1]) != 0 && held_.count(face[2]) != 0) {
+    hold(middle);
+  }
+  const std::vector<FaceId>& around = mesh().facesAround(middle);
+  reshaped_.insert(reshaped_.end(), around.begin(), around.end());
+  return middle;
+}
+
+EdgeKey Remesher::longestEdge(FaceId f) const {
+  const Face& face = mesh().face(f);
+  EdgeKey longest{kNone, kNone};
+  double squared = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const EdgeKey edge = edgeKey(face[k], face[(k + 1) % 3]);
+    const double now = (mesh().material(edge[1]) - mesh().material(edge[0])).squaredNorm();
+    const bool longer = now > squared * (1.0 + kSameLength);
+    const bool asLong = now >= squared * (1.0 - kSameLength) && edge < longest;
+    if (longer || asLong) {
+      longest = edge;
+      squared = now;
+    }
+  }
+  return longest;
+}
+
+bool Remesher::bisect(FaceId f) {
+  std::vector<FaceId> chain{f};
+  while (!chain.empty()) {
+    if (chain.size() > kDeepest) return false;
+    const EdgeKey edge = longestEdge(chain.back());
+    const auto on = mesh().facesOnEdge(edge[0], edge[1]);
+    const FaceId other = on[0] == chain.back() ? on[1] : on[0];
+    const auto lengthOf = [&](const EdgeKey& e) {
+      return (mesh().material(e[1]) - mesh().material(e[0])).norm();
+    };
+    if (other != kNone && lengthOf(longestEdge(other)) > lengthOf(edge) * (1.0 + kSameLength)) {
+      chain.push_back(other);
+      continue;
+    }
+    const Vec2 middle = 0.5 * (mesh().material(edge[0]) + mesh().material(edge[1]));
+    if (angleIfSplit(edge[0], edge[1], middle) < 0.0) return false;
+    const VertexId v = splitEdge(edge[0], edge[1], middle);
+    for (FaceId half : mesh().facesAround(v)) editor_.raiseGeneration(half);
+    chain.pop_back();
+  }
+  return true;
+}
+
+double Remesher::angleIfFlipped(VertexId a, VertexId b) const {
+  const auto [f, g] = mesh().facesOnEdge(a, b);
+  if (g == kNone || isMarked(a, b)) return -1.0;
+  const VertexId c = mesh().oppositeVertex(f, a, b);
+  const VertexId d = mesh().oppositeVertex(g, a, b);
+  if (mesh().facesOnEdge(c, d)[0] != kNone) return -1.0;
+  const Vec2& pa = mesh().material(a);
+  const Vec2& pb = mesh().material(b);
+  const Vec2& pc = mesh().material(c);
+  const Vec2& pd = mesh().material(d);
+  if (isTooShort(pc, pd)) return -1.0;
+  // c lies left of a-b, or else the quadrilateral runs the other way round.
+  const bool left = doubleArea(pa, pb, pc) > 0.0;
+  const double first = left ? minAngle(pa, pd, pc) : minAngle(pa, pc, pd);
+  const double second = left ? minAngle(pd, pb, pc) : minAngle(pc, pb, pd);
+  return std::min(first, second);
+}
+
+bool Remesher::improveFace(FaceId f, std::vector<FaceId>& next) {
+  if (minAngle(mesh(), f) >= kGoodAngle) return false;
+  const Face face = mesh().face(f);
+  EdgeKey best{kNone, kNone};
+  double gain = kWorthwhile;
+  for (int k = 0; k < 3; ++k) {
+    const EdgeKey edge = edgeKey(face[k], face[(k + 1) % 3]);
+    const auto on = mesh().facesOnEdge(edge[0], edge[1]);
+    if (on[1] == kNone) continue;
+    const double now = std::min(minAngle(mesh(), on[0]), minAngle(mesh(), on[1]));
+    const double then = angleIfFlipped(edge[0], edge[1]) - now;
+    if (then > gain) {
+      best = edge;
+      gain = then;
+    }
+  }
+  if (best[0] == kNone) return false;
+  const auto on = mesh().facesOnEdge(best[0], best[1]);
+  next.insert(next.end(), {on[0], on[1]});
+  editor_.flipEdge(best[0], best[1]);
+  return true;
+}
+
+void Remesher::improve() {
+  std::vector<FaceId> faces = std::move(reshaped_);
+  reshaped_.clear();
+  for (int pass = 0; pass < kImprovePasses && !faces.empty(); ++pass) {
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    std::vector<FaceId> next;
+    for (FaceId f : faces) improveFace(f, next);
+    faces = std::move(next);
+  }
+}
+
+void Remesher::openMarks() {
+  for (VertexId v : marked_) {
+    const auto isWall = [this, v](VertexId w) { return isMarked(v, w); };
+    // An opening may separate more than it was asked to: look again after each.
+    auto fans = fansAround(mesh(), v, isWall);
+    while (fans.size() > 1) {
+      editor_.splitVertex(v, fans[1]);
+      fans = fansAround(mesh(), v, isWall);
+    }
+  }
+  marks_.clear();
+  marked_.clear();
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,51 @@
+#include "cloth_sim/surgery/stroke.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "stroke_pieces.h"
+
+namespace cloth_sim {
+
+Stroke strokeAlong(const std::vector<Vec3>& path, const Vec3& direction, double reach) {
+  const Vec3 arm = reach * direction.normalized();
+  Stroke stroke;
+  stroke.poses.reserve(path.size());
+  for (const Vec3& p : path) stroke.poses.push_back({p - arm, p + arm});
+  return stroke;
+}
+
+std::string describeDefect(const Stroke& stroke) {
+  const std::vector<Blade>& poses = stroke.poses;
+  if (poses.size() < 2) return "the stroke needs at least two poses of the blade";
+  const Blade& first = poses.front();
+  bool moves = false;
+  for (const Blade& pose : poses) {
+    if (!pose.heel.allFinite() || !pose.tip.allFinite()) {
+      return "the stroke's poses: expected finite numbers";
+    }
+    if (!((pose.tip - pose.heel).norm() > 0.0)) return "the blade needs a length";
+    moves = moves || pose.heel != first.heel || pose.tip != first.tip;
+  }
+  if (!moves) return "the stroke needs at least two different poses of the blade";
+  if (!std::isfinite(stroke.halfWidth) || stroke.halfWidth < 0.0) {
+    return "the stroke's half-width: expected a finite number that is not negative";
+  }
+  return "";
+}
+
+std::vector<SurfacePath> findPaths(const Stroke& stroke, const TriangleMesh& mesh,
+                                   const VertexData<Vec3>& positions) {
+  const std::string defect = describeDefect(stroke);
+  if (!defect.empty()) throw std::invalid_argument(defect);
+  if (positions.size() != static_cast<std::size_t>(mesh.vertexCount())) {
+    throw std::invalid_argument("the cloth needs one position per vertex");
+  }
+  const Strip strip = makeStrip(stroke);
+  std::vector<PathChain> chains = joinPieces(crossFaces(strip, mesh, positions), mesh);
+  if (stroke.firstLayerOnly) chains = nearestParts(chains);
+  return toPaths(std::move(chains), strip.tolerance);
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,265 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "stroke_pieces.h"
+#include "stroke_predicates.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Parameters on edges and in faces this near to an end are at the end.
+constexpr double kSnap = 1e-12;
+/// Distances of a face's corners that count as none, in lengths of the facet.
+constexpr double kCoplanar = 1e-13;
+/// Differences that are smaller, relative to the lengths involved, are not left to rounding.
+constexpr double kExactBelow = 1e-3;
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 high = -low;
+
+  void add(const Blade& blade) {
+    low = low.cwiseMin(blade.heel).cwiseMin(blade.tip);
+    high = high.cwiseMax(blade.heel).cwiseMax(blade.tip);
+  }
+};
+
+double snapped(double part) {
+  if (!(part > kSnap)) return 0.0;
+  return part < 1.0 - kSnap ? part : 1.0;
+}
+
+class Crossing {
+ public:
+  Crossing(const Strip& strip, const TriangleMesh& mesh, const VertexData<Vec3>& positions)
+      : strip_(strip),
+        mesh_(mesh),
+        x_(positions),
+        side_(positions.size(), 0),
+        sideOfFacet_(positions.size(), kNone) {}
+
+  std::vector<PathPiece> run() {
+    std::vector<FaceId> faces;
+    const Box box = boxOf(0, strip_.slices.size());
+    for (FaceId f = 0; f < mesh_.faceCount(); ++f) {
+      if (mayMeet(f, box)) faces.push_back(f);
+    }
+    meet(0, strip_.slices.size(), faces);
+    return std::move(pieces_);
+  }
+
+ private:
+  /// An edge of a face that crosses the plane of a facet.
+  struct Edge {
+    VertexId below = kNone;
+    VertexId above = kNone;
+    std::array<bool, 3> inside{};  ///< of each border
+    bool crossesFacet() const { return inside[0] && inside[1] && inside[2]; }
+  };
+
+  Box boxOf(std::size_t first, std::size_t last) const {
+    Box box;
+    for (std::size_t k = first; k < last; ++k) {
+      box.add(strip_.slices[k].first);
+      box.add(strip_.slices[k].last);
+    }
+    return box;
+  }
+
+  bool mayMeet(FaceId f, const Box& box) const {
+    const auto& [u, v, w] = mesh_.face(f);
+    const Vec3& a = x_[u];
+    const Vec3& b = x_[v];
+    const Vec3& c = x_[w];
+    for (int k = 0; k < 3; ++k) {
+      const double high = box.high[k];
+      const double low = box.low[k];
+      // Written such that a coordinate that is no number meets nothing.
+      if (!((a[k] <= high) | (b[k] <= high) | (c[k] <= high))) return false;
+      if (!((a[k] >= low) | (b[k] >= low) | (c[k] >= low))) return false;
+    }
+    return true;
+  }
+
+  /// Faces that may meet the slices from `first` to before `last`, halved until one slice is left.
+  void meet(std::size_t first, std::size_t last, const std::vector<FaceId>& faces) {
+    if (faces.empty() || first == last) return;
+    if (last - first == 1) {
+      const StripSlice& slice = strip_.slices[first];
+      for (std::int32_t k = slice.firstFacet; k < slice.lastFacet; ++k) {
+        for (FaceId f : faces) meet(slice, k, f);
+      }
+      return;
+    }
+    const std::size_t middle = first + (last - first) / 2;
+    for (const auto& [begin, end] : {std::pair(first, middle), std::pair(middle, last)}) {
+      const Box box = boxOf(begin, end);
+      std::vector<FaceId> some;
+      std::copy_if(faces.begin(), faces.end(), std::back_inserter(some),
+                   [&](FaceId f) { return mayMeet(f, box); });
+      meet(begin, end, some);
+    }
+  }
+
+  /// Side of a vertex of a facet's plane, worked out once.
+  int sideOf(std::int32_t facet, VertexId v) {
+    if (sideOfFacet_[v] != facet) {
+      const auto& [p, q, r] = strip_.facets[facet].corners;
+      side_[v] = static_cast<std::int8_t>(sideOfPlane(p, q, r, x_[v]));
+      sideOfFacet_[v] = facet;
+    }
+    return side_[v];
+  }
+
+  void meet(const StripSlice& slice, std::int32_t facetId, FaceId f) {
+    const Face& face = mesh_.face(f);
+    std::array<bool, 3> above{};
+    for (std::size_t k = 0; k < 3; ++k) above[k] = sideOf(facetId, face[k]) > 0;
+    if (above[0] == above[1] && above[1] == above[2]) return;
+    const StripFacet& facet = strip_.facets[facetId];
+    std::array<Edge, 2> edges;  // one that goes up in the face's orientation, one that goes down
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      if (!above[k] && above[next]) edges[0] = edgeOf(facet, face[k], face[next]);
+      if (above[k] && !above[next]) edges[1] = edgeOf(facet, face[next], face[k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!edges[0].inside[k] && !edges[1].inside[k]) return;
+    }
+    if (!isCoplanar(facet, face)) addPiece(slice, facetId, f, edges);
+  }
+
+  Edge edgeOf(const StripFacet& facet, VertexId below, VertexId above) const {
+    Edge edge{below, above};
+    for (std::size_t k = 0; k < 3; ++k) {
+      edge.inside[k] =
+          sideOfLine(facet.corners[k], facet.corners[(k + 1) % 3], x_[below], x_[above]) > 0;
+    }
+    return edge;
+  }
+
+  /// Cloth in the plane of the strip is not crossed, though rounding may say so.
+  bool isCoplanar(const StripFacet& facet, const Face& face) const {
+    const double none = kCoplanar * facet.length * facet.normal.norm();
+    return std::all_of(face.begin(), face.end(), [&](VertexId v) {
+      return std::abs(facet.normal.dot(x_[v] - facet.corners[0])) <= none;
+    });
+  }
+
+  /// A triangle and a triangle cross in a segment: each end is on an edge of the face or on one of
+  /// the facet.
+  void addPiece(const StripSlice& slice, std::int32_t facetId, FaceId f,
+                const std::array<Edge, 2>& edges) {
+    const StripFacet& facet = strip_.facets[facetId];
+    std::array<PathSample, 2> ends;
+    std::size_t count = 0;
+    for (const Edge& edge : edges) {
+      if (edge.crossesFacet() && count < 2) ends[count++] = onEdge(slice, facetId, edge);
+    }
+    for (std::size_t k = 0; k < 3 && count < 2; ++k) {
+      if (edges[0].inside[k] == edges[1].inside[k]) continue;
+      if (!straddle(f, facet.corners[k], facet.corners[(k + 1) % 3])) continue;
+      ends[count++] = onBorder(slice, facet.borders[k], f);
+    }
+    if (count == 2) pieces_.push_back({ends[0], ends[1], f});
+  }
+
+  bool straddle(FaceId f, const Vec3& p, const Vec3& q) const {
+    const auto& [a, b, c] = mesh_.face(f);
+    return sideOfFace(x_[a], x_[b], x_[c], p) != sideOfFace(x_[a], x_[b], x_[c], q);
+  }
+
+  PathSample onEdge(const StripSlice& slice, std::int32_t facetId, const Edge& edge) const {
+    const auto [a, b] = std::minmax(edge.below, edge.above);
+    const StripFacet& facet = strip_.facets[facetId];
+    const auto& [p, q, r] = facet.corners;
+    double atA = facet.normal.dot(x_[a] - p);
+    double atB = facet.normal.dot(x_[b] - p);
+    const double scale = facet.length * facet.length * (x_[b] - x_[a]).norm();
+    if (std::abs(atA - atB) < kExactBelow * scale) {
+      atA = exactOrientation(p, q, r, x_[a]);
+      atB = exactOrientation(p, q, r, x_[b]);
+    }
+    const double t = snapped(atA / (atA - atB));
+    PathSample sample;
+    sample.node = {a, b, facetId};
+    sample.material = (1.0 - t) * mesh_.material(a) + t * mesh_.material(b);
+    sample.position = (1.0 - t) * x_[a] + t * x_[b];
+    sample.at = parametersAt(slice, sample.position);
+    return sample;
+  }
+
+  PathSample onBorder(const StripSlice& slice, std::int32_t border, FaceId f) const {
+    const std::array<double, 3> weight = pierce(strip_.borders[border], f);
+    PathSample sample;
+    sample.node = {-1 - border, f, 0};
+    sample.need = strip_.borders[border].need;
+    for (std::size_t k = 0; k < 3; ++k) {
+      sample.material += weight[k] * mesh_.material(mesh_.face(f)[k]);
+      sample.position += weight[k] * x_[mesh_.face(f)[k]];
+    }
+    if (border == slice.firstBorder) {
+      sample.at = parametersAtFirst(slice, sample.position);
+    } else if (border == slice.lastBorder) {
+      sample.at = parametersAtLast(slice, sample.position);
+    } else {
+      sample.at = parametersAt(slice, sample.position);
+    }
+    return sample;
+  }
+
+  /// Where a border pierces a face, as weights of the face's corners: each is as large as the
+  /// volume that the border spans with the edge across from the corner.
+  std::array<double, 3> pierce(const StripBorder& border, FaceId f) const {
+    const Face& face = mesh_.face(f);
+    const Vec3 d = border.to - border.from;
+    std::array<double, 3> weight{};
+    double sum = 0.0;
+    double longest = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 a = x_[face[(k + 1) % 3]];
+      const Vec3 b = x_[face[(k + 2) % 3]];
+      weight[k] = d.dot((a - border.from).cross(b - border.from));
+      sum += weight[k];
+      longest = std::max(longest, (b - a).squaredNorm());
+    }
+    if (std::abs(sum) < kExactBelow * d.norm() * longest) sum = pierceExactly(border, face, weight);
+    double kept = 0.0;
+    for (double& part : weight) {
+      part = snapped(part / sum);
+      kept += part;
+    }
+    for (double& part : weight) part = kept > 0.0 ? part / kept : 1.0 / 3.0;
+    return weight;
+  }
+
+  double pierceExactly(const StripBorder& border, const Face& face,
+                       std::array<double, 3>& weight) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      weight[k] =
+          exactOrientation(border.from, border.to, x_[face[(k + 1) % 3]], x_[face[(k + 2) % 3]]);
+      sum += weight[k];
+    }
+    return sum;
+  }
+
+  const Strip& strip_;
+  const TriangleMesh& mesh_;
+  const VertexData<Vec3>& x_;
+  std::vector<std::int8_t> side_;          ///< by vertex, of the plane of `sideOfFacet_`
+  std::vector<std::int32_t> sideOfFacet_;  ///< by vertex
+  std::vector<PathPiece> pieces_;
+};
+
+}  // namespace
+
+std::vector<PathPiece> crossFaces(const Strip& strip, const TriangleMesh& mesh,
+                                  const VertexData<Vec3>& positions) {
+  if (strip.slices.empty()) return {};
+  return Crossing(strip, mesh, positions).run();
+}
+
+}  // namespace cloth_sim

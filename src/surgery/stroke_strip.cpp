@@ -1,0 +1,274 @@
+#include "stroke_strip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "stroke_predicates.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Facets are this near to the ruled surface, in lengths of the blade.
+constexpr double kDeviation = 1e-5;
+/// Slices between two poses, and in a stroke (if that leaves the least number between poses).
+constexpr double kMaxSlices = 1024.0;
+constexpr double kMaxSlicesOfStroke = 8192.0;
+constexpr double kLeastMaxSlices = 16.0;
+/// What counts as plane and as straight on.
+constexpr double kPlane = 1e-12;
+
+bool same(const Blade& a, const Blade& b) { return a.heel == b.heel && a.tip == b.tip; }
+
+Blade between(const Blade& a, const Blade& b, double part) {
+  if (part >= 1.0) return b;
+  return {(1.0 - part) * a.heel + part * b.heel, (1.0 - part) * a.tip + part * b.tip};
+}
+
+Vec3 areaVector(const Vec3& a, const Vec3& b, const Vec3& c) { return (b - a).cross(c - a); }
+
+/// Whether the blade moves along its own line.
+bool slides(const Blade& a, const Blade& b) {
+  const double none = kPlane * (a.tip - a.heel).squaredNorm();
+  return areaVector(a.heel, a.tip, b.heel).norm() <= none &&
+         areaVector(a.heel, a.tip, b.tip).norm() <= none;
+}
+
+double longestOf(const Blade& a, const Blade& b) {
+  return std::max((a.tip - a.heel).norm(), (b.tip - b.heel).norm());
+}
+
+/// How far the ruled surface between two poses is from two triangles, at most: it leaves them by
+/// the part of the blade's `twist` that is normal to it, a quarter of it where they are farthest.
+double deviationOf(const Blade& a, const Blade& b) {
+  const Vec3 path = b.heel - a.heel;
+  const Vec3 blade = a.tip - a.heel;
+  const Vec3 twist = b.tip - b.heel - blade;
+  const double volume = std::abs(path.cross(blade).dot(twist));
+  const double length = longestOf(a, b);
+  const double reach = std::max(path.norm(), (b.tip - a.tip).norm());
+  if (volume <= kPlane * length * length * reach) return 0.0;
+  double part = 0.0;  // of the twist, along the normal of the surface at its corners
+  for (double along : {0.0, 1.0}) {
+    for (double when : {0.0, 1.0}) {
+      const double area = (path + along * twist).cross(blade + when * twist).norm();
+      part = std::max(part, std::min(volume / area, twist.norm()));  // by nothing: all of it
+    }
+  }
+  return 0.25 * part;
+}
+
+int sliceCount(double deviation, double length, std::size_t poses) {
+  const double most =
+      std::clamp(kMaxSlicesOfStroke / static_cast<double>(poses - 1), kLeastMaxSlices, kMaxSlices);
+  return static_cast<int>(std::clamp(std::ceil(deviation / (kDeviation * length)), 1.0, most));
+}
+
+/// Where two blades of one plane come nearest to each other, on the second one's line.
+Vec3 crossingOf(const Blade& a, const Blade& b) {
+  const Vec3 u = a.tip - a.heel;
+  const Vec3 v = b.tip - b.heel;
+  const Vec3 normal = u.cross(v);
+  const double part = normal.dot((a.heel - b.heel).cross(u)) / -normal.squaredNorm();
+  return b.heel + (std::isfinite(part) ? std::clamp(part, 0.0, 1.0) : 0.5) * v;
+}
+
+class StripBuilder {
+ public:
+  explicit StripBuilder(const Stroke& stroke) : poses_(stroke.poses) {
+    for (const Blade& pose : poses_) allow(kDeviation * (pose.tip - pose.heel).norm());
+  }
+
+  Strip build() {
+    current_ = addBorder(poses_.front(), Need::kAlways);
+    const bool closed = same(poses_.front(), poses_.back());
+    for (std::size_t k = 0; k + 1 < poses_.size(); ++k) {
+      if (same(poses_[k], poses_[k + 1])) continue;
+      addSlices(k);
+    }
+    if (closed) rename(current_, 0);
+    markTurns();
+    return std::move(strip_);
+  }
+
+ private:
+  std::int32_t addBorder(const Blade& at, Need need) {
+    strip_.borders.push_back({at.heel, at.tip, need});
+    return static_cast<std::int32_t>(strip_.borders.size()) - 1;
+  }
+
+  void allow(double deviation) { strip_.tolerance = std::max(strip_.tolerance, deviation); }
+
+  void addSlices(std::size_t k) {
+    const Blade& from = poses_[k];
+    const Blade& to = poses_[k + 1];
+    const double deviation = deviationOf(from, to);
+    const int count = sliceCount(deviation, longestOf(from, to), poses_.size());
+    allow(deviation / count);
+    for (int i = 0; i < count; ++i) {
+      const double start = static_cast<double>(i) / count;
+      const double end = static_cast<double>(i + 1) / count;
+      StripSlice slice{between(from, to, start), between(from, to, end)};
+      slice.start = static_cast<double>(k) + start;
+      slice.end = i + 1 == count ? static_cast<double>(k + 1) : static_cast<double>(k) + end;
+      addSlice(slice, i + 1 == count);
+    }
+  }
+
+  void addSlice(StripSlice slice, bool endsAtPose) {
+    const auto& [heel, tip] = slice.first;
+    const auto& [nextHeel, nextTip] = slice.last;
+    if (slides(slice.first, slice.last)) return;  // goes on from the border where it was
+    slice.firstBorder = current_;
+    slice.lastBorder = addBorder(slice.last, endsAtPose ? Need::kAlways : Need::kIfFar);
+    slice.firstFacet = static_cast<std::int32_t>(strip_.facets.size());
+    // Which diagonal, and whether any, depends on the quadrilateral being convex, or simple.
+    const auto agree = [](const Vec3& a, const Vec3& b) { return a.dot(b) >= 0.0; };
+    if (agree(areaVector(heel, tip, nextTip), areaVector(heel, nextTip, nextHeel))) {
+      addQuadrilateral(slice);
+    } else if (agree(areaVector(tip, nextTip, nextHeel), areaVector(tip, nextHeel, heel))) {
+      addConcave(slice);
+    } else {
+      addPivot(slice);
+    }
+    slice.lastFacet = static_cast<std::int32_t>(strip_.facets.size());
+    for (std::int32_t k = slice.firstFacet; k < slice.lastFacet; ++k) {
+      const Vec3& normal = strip_.facets[k].normal;
+      slice.normal += slice.normal.dot(normal) < 0.0 ? Vec3(-normal) : normal;
+    }
+    strip_.slices.push_back(slice);
+    current_ = slice.lastBorder;
+  }
+
+  void addQuadrilateral(const StripSlice& slice) {
+    const auto& [heel, tip] = slice.first;
+    const auto& [nextHeel, nextTip] = slice.last;
+    const std::int32_t diagonal =
+        diagonalOf({heel, nextTip}, spanPlane(heel, tip, nextTip),
+                   spanPlane(heel, nextTip, nextHeel), slice.firstBorder, slice.lastBorder);
+    addFacet({heel, tip, nextTip}, {slice.firstBorder, kNone, diagonal});
+    addFacet({heel, nextTip, nextHeel}, {diagonal, slice.lastBorder, kNone});
+  }
+
+  void addConcave(const StripSlice& slice) {
+    const auto& [heel, tip] = slice.first;
+    const auto& [nextHeel, nextTip] = slice.last;
+    const std::int32_t diagonal =
+        diagonalOf({nextHeel, tip}, spanPlane(tip, nextHeel, heel),
+                   spanPlane(tip, nextTip, nextHeel), slice.firstBorder, slice.lastBorder);
+    addFacet({tip, nextHeel, heel}, {diagonal, kNone, slice.firstBorder});
+    addFacet({tip, nextTip, nextHeel}, {kNone, slice.lastBorder, diagonal});
+  }
+
+  /// The blade turned in its plane about a point of itself: it swept a triangle to each side.
+  void addPivot(const StripSlice& slice) {
+    const Vec3 pivot = crossingOf(slice.first, slice.last);
+    addFacet({slice.first.heel, pivot, slice.last.heel},
+             {slice.firstBorder, slice.lastBorder, kNone});
+    addFacet({slice.first.tip, slice.last.tip, pivot},
+             {kNone, slice.lastBorder, slice.firstBorder});
+  }
+
+  /// A triangle without area between the diagonal and one of the blades makes them one line.
+  std::int32_t diagonalOf(const Blade& at, bool firstSpans, bool lastSpans, std::int32_t first,
+                          std::int32_t last) {
+    if (!firstSpans) return first;
+    return lastSpans ? addBorder(at, Need::kNever) : last;
+  }
+
+  /// Borders without a number are rails: they get one.
+  void addFacet(const std::array<Vec3, 3>& corners, const std::array<std::int32_t, 3>& borders) {
+    if (!spanPlane(corners[0], corners[1], corners[2])) return;
+    StripFacet facet;
+    facet.corners = corners;
+    facet.borders = borders;
+    facet.normal = areaVector(corners[0], corners[1], corners[2]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& next = corners[(k + 1) % 3];
+      facet.length = std::max(facet.length, (next - corners[k]).norm());
+      if (borders[k] == kNone) facet.borders[k] = addBorder({corners[k], next}, Need::kAlways);
+    }
+    strip_.facets.push_back(facet);
+  }
+
+  void rename(std::int32_t border, std::int32_t to) {
+    for (StripFacet& facet : strip_.facets) {
+      std::replace(facet.borders.begin(), facet.borders.end(), border, to);
+    }
+    for (StripSlice& slice : strip_.slices) {
+      if (slice.lastBorder == border) slice.lastBorder = to;
+    }
+  }
+
+  /// A path goes straight on over a pose at which the strip does.
+  void markTurns() {
+    std::vector<std::array<const StripFacet*, 2>> facetsAt(strip_.borders.size());
+    std::vector<int> count(strip_.borders.size(), 0);
+    for (const StripFacet& facet : strip_.facets) {
+      for (std::int32_t border : facet.borders) {
+        if (count[border] < 2) facetsAt[border][count[border]] = &facet;
+        ++count[border];
+      }
+    }
+    for (std::size_t k = 0; k < strip_.borders.size(); ++k) {
+      if (count[k] != 2) continue;
+      const Vec3& a = facetsAt[k][0]->normal;
+      const Vec3& b = facetsAt[k][1]->normal;
+      const bool straight = a.cross(b).norm() <= kPlane * a.norm() * b.norm() && a.dot(b) > 0.0;
+      if (straight) strip_.borders[k].need = std::min(strip_.borders[k].need, Need::kIfFar);
+    }
+  }
+
+  const std::vector<Blade>& poses_;
+  Strip strip_;
+  std::int32_t current_ = kNone;
+};
+
+/// The root of a t^2 + b t + c that is nearest to [0, 1]; nothing else is asked for.
+double rootWithin(double a, double b, double c) {
+  const double root = std::sqrt(std::max(b * b - 4.0 * a * c, 0.0));
+  const double q = -0.5 * (b + std::copysign(root, b));
+  double best = 0.0;
+  double distance = std::numeric_limits<double>::infinity();
+  for (double t : {c / q, q / a}) {
+    const double off = std::abs(t - std::clamp(t, 0.0, 1.0));
+    if (!(off < distance)) continue;  // not finite where it is no root
+    best = std::clamp(t, 0.0, 1.0);
+    distance = off;
+  }
+  return best;
+}
+
+double alongBlade(const Blade& blade, const Vec3& point) {
+  const Vec3 d = blade.tip - blade.heel;
+  const double part = d.dot(point - blade.heel) / d.squaredNorm();
+  return std::isfinite(part) ? std::clamp(part, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace
+
+Strip makeStrip(const Stroke& stroke) { return StripBuilder(stroke).build(); }
+
+StripParameters parametersAt(const StripSlice& slice, const Vec3& point) {
+  // Within the plane: (point - heel(t)) x blade(t) = 0, both linear in the part t of the way.
+  const Vec3 path = slice.last.heel - slice.first.heel;
+  const Vec3 blade = slice.first.tip - slice.first.heel;
+  const Vec3 twist = slice.last.tip - slice.last.heel - blade;
+  const Vec3 offset = point - slice.first.heel;
+  const Vec3& normal = slice.normal;
+  const double t = rootWithin(-path.cross(twist).dot(normal),
+                              (offset.cross(twist) - path.cross(blade)).dot(normal),
+                              offset.cross(blade).dot(normal));
+  return {slice.start + t * (slice.end - slice.start),
+          alongBlade(between(slice.first, slice.last, t), point)};
+}
+
+StripParameters parametersAtFirst(const StripSlice& slice, const Vec3& point) {
+  return {slice.start, alongBlade(slice.first, point)};
+}
+
+StripParameters parametersAtLast(const StripSlice& slice, const Vec3& point) {
+  return {slice.end, alongBlade(slice.last, point)};
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,231 @@
+#include "cloth_sim/surgery/tear_line.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "cloth_sim/mesh/quality.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Rings of vertices around a tip whose springs tell the stress there.
+constexpr int kStressRings = 2;
+/// Parameters along a line count as the same within this.
+constexpr double kTolerance = 1e-9;
+
+double angleAround(const TriangleMesh& mesh, VertexId v) {
+  double sum = 0.0;
+  for (FaceId f : mesh.facesAround(v)) {
+    const Face& face = mesh.face(f);
+    const auto k = std::find(face.begin(), face.end(), v) - face.begin();
+    const Vec2 a = mesh.material(face[(k + 1) % 3]) - mesh.material(v);
+    const Vec2 b = mesh.material(face[(k + 2) % 3]) - mesh.material(v);
+    sum += std::acos(std::clamp(a.dot(b) / (a.norm() * b.norm()), -1.0, 1.0));
+  }
+  return sum;
+}
+
+/// From a tip against the directions of the two border edges that end at it.
+Vec2 awayFromTear(const TriangleMesh& mesh, VertexId tip) {
+  Vec2 back = Vec2::Zero();
+  for (VertexId w : mesh.neighbours(tip)) {
+    if (mesh.facesOnEdge(tip, w)[1] != kNone) continue;
+    back += (mesh.material(w) - mesh.material(tip)).normalized();
+  }
+  return -back;
+}
+
+/// Where the line from + t d is inside a face: an interval of t, empty if first > last.
+struct Interval {
+  double first = 0.0;
+  double last = 0.0;
+  FaceId face = kNone;
+};
+
+Interval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& d, double low,
+              double high) {
+  Interval inside{low, high, f};
+  const Face& face = mesh.face(f);
+  for (int k = 0; k < 3; ++k) {
+    const Vec2& a = mesh.material(face[k]);
+    const Vec2 e = mesh.material(face[(k + 1) % 3]) - a;
+    const Vec2 r = from - a;
+    const double height = e.x() * r.y() - e.y() * r.x();
+    const double rate = e.x() * d.y() - e.y() * d.x();
+    if (std::abs(rate) <= kTolerance * e.norm() * d.norm()) {
+      if (height < -kTolerance * e.squaredNorm()) return {1.0, 0.0, f};
+    } else if (rate > 0.0) {
+      inside.first = std::max(inside.first, -height / rate);
+    } else {
+      inside.last = std::min(inside.last, -height / rate);
+    }
+  }
+  return inside;
+}
+
+/// Grows [first, last] by the intervals that meet it, until none does.
+Interval connected(std::vector<Interval> intervals, double at) {
+  Interval all{at, at, kNone};
+  FaceId firstFace = kNone;
+  for (bool grew = true; grew;) {
+    grew = false;
+    for (const Interval& part : intervals) {
+      const bool meets = part.first <= all.last + kTolerance && part.last >= all.first - kTolerance;
+      if (!meets || part.first > part.last) continue;
+      if (firstFace == kNone || part.first < all.first) {
+        grew = grew || part.first < all.first;
+        firstFace = part.face;
+        all.first = std::min(all.first, part.first);
+      }
+      if (part.last > all.last) {
+        all.last = part.last;
+        grew = true;
+      }
+    }
+  }
+  all.face = firstFace;
+  return all;
+}
+
+}  // namespace
+
+std::vector<FaceId> facesUnder(const TriangleMesh& mesh, const Spring& spring) {
+  if (spring.kind == SpringKind::kBend) return mesh.facesAround(spring.support[0]);
+  std::vector<FaceId> faces;
+  for (FaceId f : mesh.facesOnEdge(spring.support[0], spring.support[1])) {
+    if (f != kNone) faces.push_back(f);
+  }
+  return faces;
+}
+
+bool isTip(const TriangleMesh& mesh, VertexId v) {
+  return mesh.isBoundary(v) && angleAround(mesh, v) > 1.5 * M_PI + kTolerance;
+}
+
+VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
+  VertexId best = kNone;
+  double most = 0.0;
+  for (FaceId f : faces) {
+    for (VertexId v : mesh.face(f)) {
+      if (!mesh.isBoundary(v)) continue;
+      const double angle = angleAround(mesh, v);
+      if (angle > most + kTolerance) {
+        most = angle;
+        best = v;
+      }
+    }
+  }
+  return best;
+}
+
+Vec2 tensionDirection(const Model& model, const State& state, VertexId v) {
+  std::vector<VertexId> ring{v};
+  const auto unique = [](auto& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+  };
+  for (int k = 1; k < kStressRings; ++k) {
+    std::vector<VertexId> wider = ring;
+    for (VertexId w : ring) {
+      const std::vector<VertexId> around = model.mesh.neighbours(w);
+      wider.insert(wider.end(), around.begin(), around.end());
+    }
+    unique(wider);
+    ring = std::move(wider);
+  }
+  std::vector<std::int32_t> slots;
+  for (VertexId w : ring) {
+    const auto& standing = model.springs.standingOn(w);
+    slots.insert(slots.end(), standing.begin(), standing.end());
+  }
+  unique(slots);
+  Eigen::Matrix<double, 3, 2> stress = Eigen::Matrix<double, 3, 2>::Zero();
+  for (std::int32_t slot : slots) {
+    const Spring& s = model.springs[slot];
+    const Vec3 d = state.x[s.b] - state.x[s.a];
+    const double length = d.norm();
+    if (length == 0.0) continue;
+    const Vec3 force = s.stiffness * (length - s.restLength) / length * d;
+    stress += force * (model.mesh.material(s.b) - model.mesh.material(s.a)).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(stress.transpose() * stress);
+  return axes.eigenvectors().col(1);
+}
+
+std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
+                                    const MaterialPath& seam, const Vec2& p, const Vec2& q) {
+  std::vector<Interval> parts;
+  std::optional<double> at;
+  for (std::size_t k = 0; k + 1 < seam.size(); ++k) {
+    const Vec2 d = seam[k + 1] - seam[k];
+    const auto offset = static_cast<double>(k);
+    for (FaceId f : faces) {
+      Interval part = clip(mesh, f, seam[k], d, 0.0, 1.0);
+      if (part.first > part.last) continue;
+      parts.push_back({offset + part.first, offset + part.last, f});
+    }
+    if (!at && separates({seam[k], seam[k + 1]}, p, q)) {
+      const Vec2 e = q - p;
+      const double rate = d.x() * e.y() - d.y() * e.x();
+      const Vec2 r = p - seam[k];
+      at = offset + std::clamp((r.x() * e.y() - r.y() * e.x()) / rate, 0.0, 1.0);
+    }
+  }
+  if (!at) return std::nullopt;
+  const Interval whole = connected(parts, *at);
+  const auto pointAt = [&](double s) -> Vec2 {
+    const auto k = std::min(static_cast<std::size_t>(s), seam.size() - 2);
+    return seam[k] + (s - static_cast<double>(k)) * (seam[k + 1] - seam[k]);
+  };
+  SurfacePath path;
+  const FaceId hint = whole.face != kNone ? whole.face : faces.front();
+  path.points.push_back({hint, pointAt(whole.first)});
+  for (double s = std::floor(whole.first) + 1.0; s < whole.last - kTolerance; s += 1.0) {
+    if (s > whole.first + kTolerance) path.points.push_back({hint, pointAt(s)});
+  }
+  path.points.push_back({hint, pointAt(whole.last)});
+  if ((path.points.back().material - path.points.front().material).norm() <= kTolerance) {
+    return std::nullopt;
+  }
+  return path;
+}
+
+std::optional<SurfacePath> lineThrough(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
+                                       const Vec2& middle, const Vec2& direction) {
+  std::vector<Interval> parts;
+  constexpr double kFar = 1e6;  // [m]
+  for (FaceId f : faces) parts.push_back(clip(mesh, f, middle, direction, -kFar, kFar));
+  const Interval whole = connected(parts, 0.0);
+  if (whole.face == kNone || whole.last - whole.first <= kTolerance) return std::nullopt;
+  SurfacePath path;
+  path.points.push_back({whole.face, middle + whole.first * direction});
+  path.points.push_back({whole.face, middle + whole.last * direction});
+  return path;
+}
+
+std::optional<SurfacePath> rayFrom(const TriangleMesh& mesh, VertexId origin, const Vec2& direction,
+                                   const Vec2& ahead) {
+  const Vec2& from = mesh.material(origin);
+  const Vec2 onwards = isTip(mesh, origin) ? awayFromTear(mesh, origin) : Vec2(ahead - from);
+  const double sign = direction.dot(onwards) >= 0.0 ? 1.0 : -1.0;
+  for (const Vec2& d : {Vec2(sign * direction), Vec2(-sign * direction)}) {
+    for (FaceId f : mesh.facesAround(origin)) {
+      const Face& face = mesh.face(f);
+      const auto k = std::find(face.begin(), face.end(), origin) - face.begin();
+      const Vec2& a = mesh.material(face[(k + 1) % 3]);
+      const Vec2& b = mesh.material(face[(k + 2) % 3]);
+      const double towardsA = doubleArea(from, a, from + d);
+      const double towardsB = doubleArea(from, from + d, b);
+      if (towardsA < 0.0 || towardsB < 0.0) continue;
+      const double t = doubleArea(from, a, b) / (towardsA + towardsB);
+      SurfacePath path;
+      path.points.push_back({f, from});
+      path.points.push_back({f, from + t * d});
+      return path;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace cloth_sim

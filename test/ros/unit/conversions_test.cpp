@@ -1,0 +1,79 @@
+/// \file Core values -> messages, without a node and without a master.
+
+#include "cloth_sim/ros/conversions.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace cloth_sim {
+namespace {
+
+Observation observe(const Snapshot& snapshot) {
+  Observation observation;
+  observation.snapshot = std::make_shared<Snapshot>(snapshot);
+  return observation;
+}
+
+/// A cloth in two pieces, of which some scraps were taken away.
+Snapshot cutCloth() {
+  Snapshot snapshot;
+  snapshot.topology = std::make_shared<Topology>();
+  snapshot.pieces = {{6, 0.3, 0.6, Vec3(1.0, 2.0, 3.0)}, {2, 0.1, 0.2, Vec3(0.0, 0.0, 1.0)}};
+  snapshot.dropped = {5, 0.01, 0.02};
+  snapshot.shortestEdge = 0.004;
+  snapshot.stableStep = 1e-4;
+  snapshot.mass = 0.4;
+  snapshot.restArea = 0.8;
+  return snapshot;
+}
+
+TEST(StateMessage, HasEveryPieceInTheOrderOfTheSnapshot) {
+  const ClothState state = toStateMessage(observe(cutCloth()), std_msgs::Header());
+  EXPECT_EQ(state.pieces, 2u);
+  ASSERT_EQ(state.piece.size(), 2u);
+  EXPECT_EQ(state.piece[0].faces, 6u);
+  EXPECT_EQ(state.piece[0].mass, 0.3);
+  EXPECT_EQ(state.piece[0].rest_area, 0.6);
+  EXPECT_EQ(fromPoint(state.piece[0].centre_of_mass), Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(state.piece[1].faces, 2u);
+}
+
+TEST(StateMessage, HasTheDroppedScrapsAndTheFiguresOfTheMesh) {
+  const ClothState state = toStateMessage(observe(cutCloth()), std_msgs::Header());
+  EXPECT_EQ(state.dropped_pieces, 5u);
+  EXPECT_EQ(state.dropped_mass, 0.01);
+  EXPECT_EQ(state.dropped_area, 0.02);
+  EXPECT_EQ(state.shortest_edge, 0.004);
+  EXPECT_EQ(state.stable_step, 1e-4);
+  EXPECT_EQ(state.mass, 0.4);
+  EXPECT_EQ(state.rest_area, 0.8);
+}
+
+TEST(StateMessage, HasNoPieceOfACompletelyDroppedCloth) {
+  Snapshot snapshot = cutCloth();
+  snapshot.pieces.clear();
+  const ClothState state = toStateMessage(observe(snapshot), std_msgs::Header());
+  EXPECT_EQ(state.pieces, 0u);
+  EXPECT_TRUE(state.piece.empty());
+}
+
+TEST(EventsMessage, TellsWhereAndWhy) {
+  FailureEvent event;
+  event.time = 0.5;
+  event.kind = SpringKind::kShear;
+  event.cause = FailureCause::kCut;
+  event.stretch = 1.25;
+  event.position = Vec3(1.0, 2.0, 3.0);
+  event.material = Vec2(0.25, 0.75);
+  const TearEvents message = toEventsMessage({event}, std_msgs::Header());
+  ASSERT_EQ(message.events.size(), 1u);
+  EXPECT_EQ(message.events[0].time, 0.5);
+  EXPECT_EQ(message.events[0].kind, TearEvent::SHEAR);
+  EXPECT_EQ(message.events[0].cause, TearEvent::CUT);
+  EXPECT_EQ(message.events[0].strain, 0.25);
+  EXPECT_EQ(fromPoint(message.events[0].position), Vec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(message.events[0].material[1], 0.75);
+}
+
+}  // namespace
+}  // namespace cloth_sim

@@ -1,0 +1,392 @@
+#pragma once
+/// \file Cloths, and operations on them, as small values: what RapidCheck draws and shrinks, and
+/// what regressions are written in.
+
+#include <iostream>
+#include <memory>
+
+#include "cloth_sim/clamp/clamp.h"
+#include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/surgery/refine.h"
+#include "cloth_sim/surgery/tearing.h"
+#include "surgery/invariants.h"
+
+namespace cloth_sim::surgery_support {
+
+/// A cloth of small whole numbers.
+struct ClothCase {
+  int columns = 4;        ///< of vertices
+  int rows = 4;           ///< of vertices
+  int aspect = 10;        ///< height of a cell in tenths of its width
+  int shake = 0;          ///< how far inner vertices are moved at rest [hundredths of a cell]
+  int crumple = 0;        ///< 0: flat; 1: waves and noise; 2: every vertex anywhere
+  int heldRadius = -1;    ///< of the patch that a clamp holds in the middle; -1: no clamp
+  bool shear = true;
+  bool bend = true;
+  bool raw = false;        ///< raw springs instead of a fabric
+  bool ownMasses = false;  ///< every particle has the same mass
+  int seed = 0;
+};
+
+enum class Kind { kStroke, kNotch, kRefine, kTear, kTakeAway };
+
+/// An operation on it. Points are in quarters of cells, so that many are vertices.
+struct Operation {
+  Kind kind = Kind::kStroke;
+  std::vector<std::array<int, 2>> path;
+  int skew = 0;  ///< 0: as they are; else all points are moved by this many hundredths of a cell
+  bool onVertices = false;  ///< points are vertices, modulo their number
+  bool closed = false;      ///< the path ends where it began
+  bool option = false;      ///< stroke: first layer only; tear: on a seam
+  int size = 4;             ///< refine, and before a cut: radius [quarters of cells]; tear: pull
+  int generations = 0;      ///< of a refinement, also before a cut or a tear
+  int clear = 0;            ///< cut: springs this near are cleared [quarters of cells]
+};
+
+inline std::ostream& operator<<(std::ostream& out, const ClothCase& c) {
+  return out << "{" << c.columns << ", " << c.rows << ", " << c.aspect << ", " << c.shake << ", "
+             << c.crumple << ", " << c.heldRadius << ", " << c.shear << ", " << c.bend << ", "
+             << c.raw << ", " << c.ownMasses << ", " << c.seed << "}";
+}
+
+inline std::ostream& operator<<(std::ostream& out, const Operation& o) {
+  constexpr std::array<const char*, 5> kNames{"Stroke", "Notch", "Refine", "Tear", "TakeAway"};
+  out << "{Kind::k" << kNames[static_cast<std::size_t>(o.kind)] << ", {";
+  for (const auto& p : o.path) out << "{" << p[0] << ", " << p[1] << "}, ";
+  return out << "}, " << o.skew << ", " << o.onVertices << ", " << o.closed << ", " << o.option
+             << ", " << o.size << ", " << o.generations << ", " << o.clear << "}";
+}
+
+/// A cloth with everything that follows it.
+class Patient {
+ public:
+  /// \param deep  also keep an instance of every method, and compare networks from scratch.
+  Patient(const ClothCase& with, bool deep) : case_(with), random_(seedOf(with)), deep_(deep) {
+    const double cell = 0.05;
+    grid_ = Grid{with.columns, with.rows, cell * (with.columns - 1),
+                 0.1 * with.aspect * cell * (with.rows - 1)};
+    model_.grid = grid_;
+    model_.mesh = irregularMesh(grid_, 0.01 * with.shake, random_);
+    model_.fabric = fabricPreset("interlock");
+    model_.fabric.damping = with.seed % 2 == 0 ? 0.0 : 2e-5;
+    const SpringSelection selection{with.shear, with.bend};
+    model_.springs = with.raw ? SpringNetwork(model_.mesh, raw(), selection)
+                              : SpringNetwork(model_.mesh, model_.fabric, selection);
+    lumpMasses(model_.fabric.arealDensity, model_);
+    if (with.ownMasses) setParticleMasses(1e-3, model_);
+    original_ = std::make_unique<Shapes>(model_.mesh);
+    limits_.shape.minEdge = 0.05 * shortestEdge(model_.mesh);
+    dt_ = 0.5 * stableStep(model_);
+    place();
+    hold();
+    if (!deep_) return;
+    for (const SolverInfo& info : solverRegistry()) solvers_.push_back(makeSolver(info, model_));
+  }
+
+  /// Carries out one operation. \return what is wrong after it; empty if nothing is.
+  std::string operate(const Operation& operation) {
+    switch (operation.kind) {
+      case Kind::kStroke:
+      case Kind::kNotch:
+        return carryOut([&] { return cutAlong(operation); });
+      case Kind::kRefine:
+        return carryOut([&] { return refineAt(operation); });
+      case Kind::kTear:
+        return tear(operation);
+      case Kind::kTakeAway:
+        return removePiece(operation);
+    }
+    return "no such operation";
+  }
+
+  /// Three steps with every method from here, under gravity. \return what is wrong with the result.
+  ///
+  /// No spring pushes beyond its energy, so with E = kinetic + elastic now, a particle of mass m
+  /// would in exact time go no faster than sqrt(2 E / m), plus g t. A symplectic method at half its
+  /// longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of it, and
+  /// the bound omega of stableStep is the steeper the nearer springs are to failing; twice the
+  /// speed (four times the energy) is generous, and far from what a dangling index or a step
+  /// beyond the stable one would give.
+  std::string step() {
+    if (!std::isfinite(dt_)) return "";  // no springs at all
+    Controls controls;
+    if (clamp_) clamp_->appendTargets(controls.kinematic);
+    for (KinematicTarget& target : controls.kinematic) target.position = state_.x[target.vertex];
+    const Energies energy = energies(model_, state_, Vec3::Zero());
+    const double lightest = *std::min_element(model_.mass.begin(), model_.mass.end());
+    const double bound = 2.0 * std::sqrt(2.0 * (energy.kinetic + energy.elastic) / lightest) +
+                         controls.gravity.norm() * 3.0 * dt_;
+    for (std::size_t k = 0; k < solvers_.size(); ++k) {
+      State own = state_;
+      Contacts contacts;
+      for (int n = 0; n < 3; ++n) {
+        const StepReport& report = solvers_[k]->step(model_, own, controls, contacts, dt_);
+        if (report.status != StepStatus::kOk) return solverRegistry()[k].name + " diverged";
+        if (report.reactions.size() != controls.kinematic.size()) return "reactions are missing";
+      }
+      for (const Vec3& v : own.v) {
+        if (!(v.norm() <= bound)) {
+          return say(solverRegistry()[k].name, " throws a particle: ", v.norm(), " > ", bound);
+        }
+      }
+    }
+    return "";
+  }
+
+  const Model& model() const { return model_; }
+  const State& state() const { return state_; }
+
+ private:
+  static std::uint64_t seedOf(const ClothCase& c) { return 7919U * static_cast<unsigned>(c.seed); }
+  RawSprings raw() const { return RawSprings{{80.0, 40.0, 5.0}, case_.seed % 3 == 0, 1e-3}; }
+
+  void place() {
+    state_ = shakenState(model_, 0.0, 1.0, random_());
+    const double cell = grid_.spacingU();
+    for (Vec3& x : state_.x) {
+      if (case_.crumple == 1) {
+        x.z() = 2.0 * cell * std::sin(20.0 * x.x() + 13.0 * x.y());
+        x += randomVector(random_, 0.2 * cell);
+      } else if (case_.crumple == 2) {
+        x = 0.5 * Vec3(grid_.width, grid_.height, 0.0) + randomVector(random_, 4.0 * cell);
+      }
+    }
+  }
+
+  void hold() {
+    if (case_.heldRadius < 0) return;
+    ClampSpec spec;
+    spec.name = "clamp";
+    spec.closingSpeed = 1e3;
+    spec.patch = ClampPatch{case_.columns / 2, case_.rows / 2, case_.heldRadius};
+    clamp_.emplace(spec);
+    clamp_->close();
+    clamp_->advance(model_, state_, 1.0);
+  }
+
+  std::vector<VertexId> held() const { return clamp_ ? clamp_->held() : std::vector<VertexId>{}; }
+
+  Vec2 materialAt(const std::array<int, 2>& p, int skew) const {
+    const Vec2 cell(grid_.spacingU(), grid_.spacingV());
+    const Vec2 shift = 0.01 * skew * Vec2(0.7133, -0.4817);
+    return cell.cwiseProduct(Vec2(0.25 * p[0], 0.25 * p[1]) + shift);
+  }
+
+  VertexId vertexAt(const std::array<int, 2>& p) const {
+    return static_cast<VertexId>(std::abs(37 * p[0] + p[1]) % model_.particleCount());
+  }
+
+  /// The points of an operation, in the world or (lifted) in material coordinates.
+  std::vector<Vec3> pathOf(const Operation& o, const VertexData<Vec3>& coordinates) const {
+    std::vector<Vec3> path;
+    for (const auto& p : o.path) {
+      const Vec2 at = materialAt(p, o.skew);
+      path.push_back(o.onVertices ? coordinates[vertexAt(p)] : Vec3(at.x(), at.y(), 0.0));
+    }
+    if (o.closed && path.size() > 2) path.push_back(path.front());
+    return path;
+  }
+
+  VertexData<Vec3> lifted() const {
+    VertexData<Vec3> flat(state_.x.size(), Vec3::Zero());
+    for (VertexId v = 0; v < model_.particleCount(); ++v) {
+      flat[v].head<2>() = model_.mesh.material(v);
+    }
+    return flat;
+  }
+
+  Refinement refinementOf(const Operation& o) const {
+    return {0.25 * std::max(o.size, 1) * grid_.spacingU(), o.generations, 0.0};
+  }
+
+  SurgeryResult cutAlong(const Operation& o) {
+    const VertexData<Vec3> coordinates = o.kind == Kind::kNotch ? lifted() : state_.x;
+    Stroke stroke = strokeAlong(pathOf(o, coordinates), Vec3(0.0, 0.0, 1.0), 1.0);
+    stroke.firstLayerOnly = o.option;
+    if (!describeDefect(stroke).empty()) return {};
+    CutPlan plan;
+    plan.paths = findPaths(stroke, model_.mesh, coordinates);
+    if (o.generations > 0) plan.refine = refinementOf(o);
+    plan.clearWithin = 0.25 * o.clear * grid_.spacingU();
+    cleared_ = cleared_ || plan.clearWithin > 0.0;
+    return cut(plan, limits_, held(), model_, state_);
+  }
+
+  SurgeryResult refineAt(const Operation& o) {
+    const RefineNear request{pathOf(o, state_.x), refinementOf(o)};
+    if (!describeDefect(request).empty()) return {};
+    return refine(request, limits_, held(), model_, state_);
+  }
+
+  /// Pulls the cloth apart and lets it tear, for a few strides.
+  std::string tear(const Operation& o) {
+    for (Vec3& x : state_.x) x += 0.1 * o.size * Vec3(x.x(), 0.3 * x.y(), 0.0);
+    TearingSettings settings;
+    settings.enabled = true;
+    settings.ratio = {1.1, 1.15, 1.2};
+    settings.tipSpeed = o.skew == 0 ? 100.0 : 5.0;
+    if (o.generations > 0) settings.refineTip = refinementOf(o);
+    if (o.option && o.path.size() > 1) {
+      MaterialPath seam;
+      for (const auto& p : o.path) seam.push_back(materialAt(p, o.skew));
+      seam.erase(std::unique(seam.begin(), seam.end()), seam.end());
+      if (seam.size() > 1) settings.seam = Seam{seam, o.closed ? grid_.spacingU() : 0.0};
+    }
+    Tearing tearing(settings, model_);
+    for (int stride = 0; stride < 4; ++stride) {
+      SurgeryResult result;
+      const CutPlan plan = tearing.plan(model_, state_, 0.01);
+      if (plan.paths.empty()) break;
+      const std::string defect = carryOut([&] {
+        return result = cut(plan, limits_, held(), model_, state_);
+      });
+      if (!defect.empty()) return defect;
+      tearing.opened(result);
+      tearing.follow(model_, result.changes);
+    }
+    return "";
+  }
+
+  /// Takes a piece away, if there are several.
+  std::string removePiece(const Operation& o) {
+    const Pieces pieces = findPieces(model_.mesh);
+    if (pieces.count < 2) return "";
+    const int gone = std::abs(o.size) % pieces.count;
+    std::vector<FaceId> faces;
+    std::set<VertexId> vertices;
+    for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+      if (pieces.ofFace[f] != gone) continue;
+      faces.push_back(f);
+      vertices.insert(model_.mesh.face(f).begin(), model_.mesh.face(f).end());
+    }
+    taken_ = {faces, {vertices.begin(), vertices.end()}};
+    const std::string defect = carryOut([&] { return takeAway(faces, model_, state_); });
+    taken_ = {};
+    return defect;
+  }
+
+  template <typename Edit>
+  std::string carryOut(const Edit& edit);
+  std::string defectOfHeld(const std::vector<VertexId>& before, const std::vector<Vec3>& where,
+                           const MeshChanges& changes) const;
+
+  /// What is about to be taken away.
+  struct Taken {
+    std::vector<FaceId> faces;
+    std::vector<VertexId> vertices;
+  };
+
+  ClothCase case_;
+  Generator random_;
+  bool deep_ = false;
+  Grid grid_;
+  Model model_;
+  State state_;
+  SurgeryLimits limits_;
+  std::unique_ptr<Shapes> original_;
+  std::optional<Clamp> clamp_;
+  std::vector<std::unique_ptr<Solver>> solvers_;
+  Taken taken_;
+  bool cleared_ = false;
+  double dt_ = 0.0;
+};
+
+/// Held particles are where they were, to the bit, in the world and at rest; so are their copies,
+/// and the clamp holds nothing else that was there before.
+inline std::string Patient::defectOfHeld(const std::vector<VertexId>& before,
+                                         const std::vector<Vec3>& where,
+                                         const MeshChanges& changes) const {
+  if (!clamp_) return "";
+  const std::vector<VertexId> now = clamp_->held();
+  if (!std::is_sorted(now.begin(), now.end())) return "held particles are out of order";
+  if (std::adjacent_find(now.begin(), now.end()) != now.end()) return "held twice";
+  for (VertexId v : now) {
+    if (v < 0 || v >= model_.particleCount()) return say("the clamp holds ", v);
+  }
+  std::map<VertexId, Vec3> place;
+  for (std::size_t k = 0; k < before.size(); ++k) place[before[k]] = where[k];
+  for (const VertexEdit& edit : changes.vertices) {
+    if (edit.kind == VertexEdit::Kind::kCopy && place.count(edit.from[0]) != 0) {
+      place[edit.id] = Vec3(place[edit.from[0]]);
+    } else if (edit.kind == VertexEdit::Kind::kMove && place.count(edit.id) != 0) {
+      return say("held particle ", edit.id, " was moved");
+    } else if (edit.kind == VertexEdit::Kind::kRemove) {
+      place.erase(edit.id);
+      auto last = place.extract(edit.from[0]);
+      if (last.empty()) continue;
+      last.key() = edit.id;
+      place.insert(std::move(last));
+    }
+  }
+  for (const auto& [v, x] : place) {
+    if (state_.x[v] != x) return say("held particle ", v, " is elsewhere");
+    if (!std::binary_search(now.begin(), now.end(), v)) return say("the clamp lost ", v);
+  }
+  return "";
+}
+
+template <typename Edit>
+std::string Patient::carryOut(const Edit& edit) {
+  const Model before = model_;
+  const State stateBefore = state_;
+  const std::vector<VertexId> heldBefore = held();
+  std::vector<Vec3> heldWhere;
+  for (VertexId v : heldBefore) heldWhere.push_back(state_.x[v]);
+  const Totals totals(model_, state_);
+  const SurgeryResult result = edit();
+  std::string defect = describeDefect(model_.mesh);
+  const auto check = [&defect](const auto& next) {
+    if (defect.empty()) defect = next();
+  };
+  check([&] { return defectOfSizes(model_, state_); });
+  check([&] { return defectOfResult(result, before, stateBefore, model_, state_); });
+  check([&] { return defectOfShapes(model_.mesh, limits_.shape, *original_); });
+  check([&] { return defectOfSprings(model_); });
+  check([&] {
+    if (taken_.faces.empty()) return defectOfTotals(totals, Totals(model_, state_));
+    Totals rest = totals;
+    long double area = rest.area;
+    for (FaceId f : taken_.faces) area -= before.mesh.restArea(f);
+    rest.area = static_cast<double>(area);
+    for (VertexId v : taken_.vertices) {
+      const Vec3 p = before.mass[v] * stateBefore.v[v];
+      rest.mass -= before.mass[v];
+      rest.linear -= p;
+      rest.angular -= stateBefore.x[v].cross(p);
+    }
+    // What is left may be little: rounding is that of the whole.
+    const Totals now(model_, state_);
+    const bool kept = std::abs(now.area - rest.area) <= kConserved * totals.area &&
+                      std::abs(now.mass - rest.mass) <= kConserved * totals.mass &&
+                      (now.linear - rest.linear).norm() <= kConserved * totals.linearScale &&
+                      (now.angular - rest.angular).norm() <= kConserved * totals.angularScale;
+    return std::string(kept ? "" : "more was taken than the piece");
+  });
+  if (!defect.empty()) return defect;
+  if (clamp_) clamp_->follow(result.changes.mesh);
+  check([&] { return defectOfHeld(heldBefore, heldWhere, result.changes.mesh); });
+  const bool changed = !result.changes.mesh.empty() || !result.changes.springs.removed.empty();
+  for (auto& solver : solvers_) {
+    if (changed) solver->onModelChanged(model_, result.changes);
+  }
+  if (deep_ && !case_.raw && !cleared_) {
+    check([&] {
+      return defectOfNetwork(model_.springs, SpringNetwork(model_.mesh, model_.fabric,
+                                                           {case_.shear, case_.bend}));
+    });
+  }
+  return defect;
+}
+
+/// A whole sequence. \return what went wrong and where; empty if nothing did.
+inline std::string operateAll(const ClothCase& cloth, const std::vector<Operation>& operations,
+                              bool deep = true) {
+  Patient patient(cloth, deep);
+  for (std::size_t k = 0; k < operations.size(); ++k) {
+    const std::string defect = patient.operate(operations[k]);
+    if (!defect.empty()) return say("operation ", k, ": ", defect);
+  }
+  return deep ? patient.step() : "";
+}
+
+}  // namespace cloth_sim::surgery_support

@@ -1,0 +1,108 @@
+/// \file Random sequences of operations, drawn and shrunk by RapidCheck.
+///
+/// The draw is the same in every run; RC_PARAMS="seed=... max_success=..." makes another. A failure
+/// prints its seed, and its case in the form in which regressions_test.cpp keeps what was found.
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include <cstdlib>
+
+#include "surgery/patient.h"
+
+namespace cloth_sim {
+namespace {
+
+using namespace surgery_support;
+namespace gen = rc::gen;
+
+constexpr std::uint64_t kSeed = 20211121;
+constexpr int kFullSize = 100;  // of RapidCheck: ranges are drawn from as a whole
+constexpr int kMostOperations = 6;
+
+/// One of some values; shrinks towards the first.
+template <typename T>
+rc::Gen<T> pick(const std::vector<T>& from) {
+  const int count = static_cast<int>(from.size());
+  return gen::map(gen::inRange(0, count), [from](int k) { return from[static_cast<std::size_t>(k)]; });
+}
+
+rc::Gen<ClothCase> anyCloth(int most) {
+  return gen::resize(
+      kFullSize,
+      gen::build<ClothCase>(
+          gen::set(&ClothCase::columns, gen::inRange(4, most + 1)),
+          gen::set(&ClothCase::rows, gen::inRange(4, most + 1)),
+          gen::set(&ClothCase::aspect, pick<int>({10, 10, 10, 5, 7, 23})),
+          gen::set(&ClothCase::shake, pick<int>({0, 0, 5, 20})),
+          gen::set(&ClothCase::crumple, pick<int>({0, 0, 1, 1, 1, 2})),
+          gen::set(&ClothCase::heldRadius, pick<int>({-1, -1, 0, 1})),
+          gen::set(&ClothCase::shear, pick<bool>({true, true, true, true, false})),
+          gen::set(&ClothCase::bend, pick<bool>({true, true, true, false})),
+          gen::set(&ClothCase::raw, pick<bool>({false, false, false, true})),
+          gen::set(&ClothCase::ownMasses, pick<bool>({false, false, false, true})),
+          gen::set(&ClothCase::seed, gen::inRange(0, 1000))));
+}
+
+rc::Gen<Operation> anyOperation(int most) {
+  using Point = std::array<int, 2>;
+  const int last = 4 * most;
+  const auto point = gen::map(gen::pair(gen::inRange(-3, last), gen::inRange(-3, last)),
+                              [](const std::pair<int, int>& p) { return Point{p.first, p.second}; });
+  const auto path = gen::suchThat(
+      gen::resize(5, gen::container<std::vector<Point>>(gen::resize(kFullSize, point))),
+      [](const std::vector<Point>& points) { return !points.empty(); });
+  return gen::build<Operation>(
+      gen::set(&Operation::kind,
+               pick<Kind>({Kind::kStroke, Kind::kStroke, Kind::kStroke, Kind::kNotch, Kind::kNotch,
+                           Kind::kRefine, Kind::kTear, Kind::kTakeAway})),
+      gen::set(&Operation::path, path),
+      gen::set(&Operation::skew, pick<int>({0, 0, 1, 7, 31, -17})),
+      gen::set(&Operation::onVertices, pick<bool>({false, false, false, true})),
+      gen::set(&Operation::closed, pick<bool>({false, false, true})),
+      gen::set(&Operation::option, pick<bool>({false, false, true})),
+      gen::set(&Operation::size, gen::inRange(0, 9)),
+      gen::set(&Operation::generations, pick<int>({0, 0, 0, 1, 2, 3})),
+      gen::set(&Operation::clear, pick<int>({0, 0, 0, 0, 0, 0, 0, 1, 3})));
+}
+
+rc::Gen<std::vector<Operation>> anyOperations(int most) {
+  return gen::resize(kMostOperations, gen::container<std::vector<Operation>>(
+                                          gen::resize(kFullSize, anyOperation(most))));
+}
+
+void checkSequences(const std::string& name, int count, int most, bool deep) {
+  rc::detail::TestParams params = rc::detail::configuration().testParams;
+  const char* given = std::getenv("RC_PARAMS");
+  const std::string asked = given == nullptr ? "" : given;
+  if (asked.find("seed") == std::string::npos) params.seed = kSeed;
+  if (asked.find("max_success") == std::string::npos) params.maxSuccess = count;
+  rc::detail::TestMetadata metadata;
+  metadata.id = metadata.description = name;
+  const auto result = rc::detail::checkTestable(
+      [=] {
+        const ClothCase cloth = *anyCloth(most).as("cloth");
+        const std::vector<Operation> operations = *anyOperations(most).as("operations");
+        const std::string defect = operateAll(cloth, operations, deep);
+        if (!defect.empty()) RC_FAIL(defect);
+      },
+      metadata, params);
+  std::ostringstream text;
+  rc::detail::printResultMessage(result, text);
+  if (!result.is<rc::detail::SuccessResult>()) {
+    FAIL() << "seed " << params.seed << "\n" << text.str();
+  }
+}
+
+// 10,000 sequences together. The first nine tenths check all that is cheap after every operation;
+// only the last tenth compares spring networks with ones built from scratch, keeps every method
+// going and steps with it.
+
+TEST(Sequences, OfSmallClothsKeepWhatMustBeKept) { checkSequences("small", 7500, 6, false); }
+
+TEST(Sequences, OfLargerClothsKeepWhatMustBeKept) { checkSequences("larger", 1500, 9, false); }
+
+TEST(Sequences, LeaveNetworksAndMethodsAsIfBuiltFromScratch) { checkSequences("deep", 1000, 6, true); }
+
+}  // namespace
+}  // namespace cloth_sim

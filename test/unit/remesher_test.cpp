@@ -1,0 +1,590 @@
+/// \file Edits within limits of shape, bisection, and opening along marked edges.
+
+#include "cloth_sim/surgery/remesher.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "unit/core_support.h"
+
+namespace cloth_sim {
+namespace {
+
+using namespace testing_support;
+using testing::ElementsAre;
+using testing::UnorderedElementsAre;
+
+constexpr double kDegree = M_PI / 180.0;
+
+/// Spacing 1; faces 2c and 2c + 1 are those right of and above the diagonal of cell c:
+///
+///     6 - 7 - 8
+///     | / | / |
+///     3 - 4 - 5
+///     | / | / |
+///     0 - 1 - 2
+TriangleMesh threeByThree() { return makeGridMesh({3, 3, 2.0, 2.0}); }
+
+ShapeLimits shortestOf(double minEdge) {
+  ShapeLimits limits;
+  limits.minEdge = minEdge;
+  return limits;
+}
+
+void expectSound(const TriangleMesh& mesh, double area) {
+  EXPECT_EQ(defectOf(mesh), "");
+  EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
+}
+
+// ---- what is allowed
+// -----------------------------------------------------------------------------
+
+TEST(AngleIfSplit, IsTheSmallestOfTheHalves) {
+  TriangleMesh mesh = threeByThree();
+  const Remesher remesher(mesh, {}, {});
+  // The diagonal 0-4 at its middle: four right-angled halves.
+  EXPECT_NEAR(remesher.angleIfSplit(0, 4, Vec2(0.5, 0.5)), 45.0 * kDegree, 1e-15);
+  // 1-4 at t: seen from 5, what is below it spans 45 degrees - atan(1 - t).
+  EXPECT_NEAR(remesher.angleIfSplit(1, 4, Vec2(1.0, 0.17)), M_PI / 4 - std::atan(0.83), 1e-14);
+  EXPECT_NEAR(remesher.angleIfSplit(4, 1, Vec2(1.0, 0.17)), M_PI / 4 - std::atan(0.83), 1e-14);
+  // A border edge at 0.3: seen from 4, the part right of it spans atan(0.7), the left one the rest.
+  EXPECT_NEAR(remesher.angleIfSplit(0, 1, Vec2(0.3, 0.0)), M_PI / 4 - std::atan(0.7), 1e-14);
+}
+
+TEST(AngleIfSplit, RefusesSlivers) {
+  TriangleMesh mesh = threeByThree();
+  const Remesher remesher(mesh, {}, {});
+  // 45 degrees - atan(1 - t) = 5 degrees at t = 1 - tan(40 degrees) = 0.1609.
+  EXPECT_LT(remesher.angleIfSplit(1, 4, Vec2(1.0, 0.160)), 0.0);
+  EXPECT_GT(remesher.angleIfSplit(1, 4, Vec2(1.0, 0.162)), 0.0);
+  // Beside the edge, past the vertex across it: the face would be turned over.
+  EXPECT_LT(remesher.angleIfSplit(1, 4, Vec2(-0.2, 0.5)), 0.0);
+}
+
+TEST(AngleIfSplit, RefusesShortEdges) {
+  TriangleMesh mesh = threeByThree();
+  EXPECT_GT(Remesher(mesh, shortestOf(0.2499), {}).angleIfSplit(1, 4, Vec2(1.0, 0.25)), 0.0);
+  EXPECT_LT(Remesher(mesh, shortestOf(0.2501), {}).angleIfSplit(1, 4, Vec2(1.0, 0.25)), 0.0);
+  EXPECT_LT(Remesher(mesh, shortestOf(0.2501), {}).angleIfSplit(1, 4, Vec2(1.0, 0.75)), 0.0);
+  // The edge to the vertex across counts, too: it is half of the diagonal here.
+  EXPECT_GT(Remesher(mesh, shortestOf(0.7071), {}).angleIfSplit(0, 4, Vec2(0.5, 0.5)), 0.0);
+  EXPECT_LT(Remesher(mesh, shortestOf(0.7072), {}).angleIfSplit(0, 4, Vec2(0.5, 0.5)), 0.0);
+}
+
+TEST(AngleIfSplitFace, IsTheSmallestOfTheThree) {
+  TriangleMesh mesh = threeByThree();
+  const Remesher remesher(mesh, {}, {});
+  // The centre of 0, 1, 4: from 0 the border edge is seen under atan(1/2).
+  const Vec2 centre(2.0 / 3.0, 1.0 / 3.0);
+  const double expected = M_PI / 4 - std::atan(0.5);  // to the other side, by symmetry at 4, too
+  EXPECT_NEAR(remesher.angleIfSplit(0, centre), expected, 1e-14);
+  EXPECT_LT(remesher.angleIfSplit(0, Vec2(0.5, 0.01)), 0.0) << "flat above the border";
+  EXPECT_LT(remesher.angleIfSplit(0, Vec2(0.5, 0.6)), 0.0) << "outside";
+  EXPECT_LT(Remesher(mesh, shortestOf(0.48), {}).angleIfSplit(0, centre), 0.0) << "0.471 from 1";
+}
+
+TEST(AngleIfMoved, InsideTheFacesAround) {
+  TriangleMesh mesh = threeByThree();
+  const Remesher remesher(mesh, {}, {});
+  EXPECT_NEAR(remesher.angleIfMoved(4, Vec2(1.0, 1.0)), 45.0 * kDegree, 1e-14);
+  // Towards 8 by 0.5: from 8 to 5 and from 5 back there are atan(0.5 / 0.5) and atan(0.5 / 0.5);
+  // the sharpest angle is at 0 and 3, 0-4-3 having its top at (1.5, 1.5): 45 degrees at 0, and at
+  // the corner (1.5, 1.5) the angle between (-1.5, -1.5) and (-1.5, -0.5).
+  EXPECT_NEAR(remesher.angleIfMoved(4, Vec2(1.5, 1.5)), M_PI / 4 - std::atan(1.0 / 3.0), 1e-14);
+  EXPECT_LT(remesher.angleIfMoved(4, Vec2(1.95, 1.95)), 0.0) << "a sliver";
+  EXPECT_LT(remesher.angleIfMoved(4, Vec2(2.5, 1.0)), 0.0) << "turns faces over";
+  EXPECT_LT(Remesher(mesh, shortestOf(0.71), {}).angleIfMoved(4, Vec2(1.5, 1.5)), 0.0);
+  EXPECT_GT(Remesher(mesh, shortestOf(0.70), {}).angleIfMoved(4, Vec2(1.5, 1.5)), 0.0);
+}
+
+TEST(AngleIfMoved, RefusesHeldAndMarkedOnes) {
+  TriangleMesh mesh = makeGridMesh({4, 4, 3.0, 3.0});
+  Remesher remesher(mesh, {}, {5});
+  EXPECT_LT(remesher.angleIfMoved(5, Vec2(1.1, 1.1)), 0.0) << "held from the start";
+  EXPECT_GT(remesher.angleIfMoved(10, Vec2(2.1, 2.1)), 0.0);
+  remesher.hold(10);
+  EXPECT_LT(remesher.angleIfMoved(10, Vec2(2.1, 2.1)), 0.0);
+  EXPECT_GT(remesher.angleIfMoved(6, Vec2(2.1, 1.1)), 0.0);
+  EXPECT_GT(remesher.angleIfMoved(9, Vec2(1.1, 2.1)), 0.0);
+  remesher.mark(6, 9);
+  EXPECT_LT(remesher.angleIfMoved(6, Vec2(2.1, 1.1)), 0.0);
+  EXPECT_LT(remesher.angleIfMoved(9, Vec2(1.1, 2.1)), 0.0);
+}
+
+TEST(AngleIfMoved, AtABorderOnlyAlongIt) {
+  TriangleMesh mesh = threeByThree();
+  const Remesher remesher(mesh, {}, {});
+  EXPECT_GT(remesher.angleIfMoved(1, Vec2(1.2, 0.0)), 0.0);
+  EXPECT_GT(remesher.angleIfMoved(1, Vec2(0.8, 0.0)), 0.0);
+  EXPECT_LT(remesher.angleIfMoved(1, Vec2(1.0, 0.2)), 0.0);
+  EXPECT_LT(remesher.angleIfMoved(1, Vec2(1.2, 1e-9)), 0.0);
+  EXPECT_GT(remesher.angleIfMoved(5, Vec2(2.0, 1.2)), 0.0);
+  for (VertexId corner : {0, 2, 6, 8}) {
+    for (const Vec2& d : {Vec2(0.2, 0.0), Vec2(0.0, 0.2), Vec2(-0.2, 0.0), Vec2(0.0, -0.2)}) {
+      EXPECT_LT(remesher.angleIfMoved(corner, mesh.material(corner) + d), 0.0);
+    }
+  }
+}
+
+TEST(AngleIfMoved, RefusesTheMouthOfANotch) {
+  TriangleMesh mesh = threeByThree();
+  MeshEditor editor(mesh);
+  ASSERT_TRUE(editor.splitVertex(1, {2, 3}));
+  editor.finish();
+  const Remesher remesher(mesh, {}, {});
+  for (VertexId v : {1, 9}) {
+    EXPECT_LT(remesher.angleIfMoved(v, Vec2(1.1, 0.0)), 0.0);
+    EXPECT_LT(remesher.angleIfMoved(v, Vec2(0.9, 0.0)), 0.0);
+    EXPECT_LT(remesher.angleIfMoved(v, Vec2(1.0, 0.1)), 0.0);
+  }
+}
+
+// ---- doing it
+// ------------------------------------------------------------------------------------
+
+TEST(Remesher, SplitsOnAnEdgeAndBesideIt) {
+  TriangleMesh mesh = threeByThree();
+  Remesher remesher(mesh, {}, {});
+  EXPECT_EQ(remesher.splitEdge(1, 4, Vec2(1.0, 0.375)), 9);
+  EXPECT_EQ(mesh.material(9), Vec2(1.0, 0.375));
+  EXPECT_EQ(remesher.edits().size(), 1U) << "on the edge there is nothing to move";
+  EXPECT_EQ(remesher.splitEdge(4, 7, Vec2(1.1, 1.5)), 10);
+  EXPECT_LT((mesh.material(10) - Vec2(1.1, 1.5)).norm(), 1e-15);
+  EXPECT_FALSE(remesher.finish().empty());
+  expectSound(mesh, 4.0);
+}
+
+TEST(Remesher, MovesAndSplitsFacesToWhereItIsTold) {
+  Generator random(1);
+  for (int trial = 0; trial < 100; ++trial) {
+    TriangleMesh mesh = irregularMesh({5, 5, 1.0, 1.0}, 0.25, random);
+    Remesher remesher(mesh, {}, {});
+    const FaceId f = whole(random, 0, mesh.faceCount() - 1);
+    const Vec2 at = pointIn(mesh, f, randomWeights(random, 0.05));
+    const VertexId v = mesh.face(f)[0];
+    const double moved = remesher.angleIfMoved(v, at);
+    const double split = remesher.angleIfSplit(f, at);
+    if (moved > split) {
+      remesher.moveVertex(v, at);
+      EXPECT_LT((mesh.material(v) - at).norm(), 1e-15);
+      for (FaceId g : mesh.facesAround(v)) EXPECT_GE(minAngle(mesh, g), moved - 1e-12);
+    } else if (split > 0.0) {
+      const VertexId middle = remesher.splitFace(f, at);
+      EXPECT_LT((mesh.material(middle) - at).norm(), 1e-15);
+      for (FaceId g : mesh.facesAround(middle)) EXPECT_GE(minAngle(mesh, g), split - 1e-12);
+    }
+    remesher.finish();
+    expectSound(mesh, 1.0);
+  }
+}
+
+TEST(Remesher, PartsOfAMarkedEdgeAreMarked) {
+  TriangleMesh mesh = threeByThree();
+  Remesher remesher(mesh, {}, {});
+  remesher.mark(4, 1);
+  EXPECT_TRUE(remesher.isMarked(1, 4));
+  const VertexId v = remesher.splitEdge(1, 4, Vec2(1.0, 0.5));
+  EXPECT_THAT(remesher.marks(), UnorderedElementsAre(EdgeKey{1, v}, EdgeKey{4, v}));
+  EXPECT_LT(remesher.angleIfMoved(v, Vec2(1.05, 0.5)), 0.0) << "the new vertex is on a mark";
+  remesher.splitEdge(4, 7, Vec2(1.0, 1.5));
+  EXPECT_EQ(remesher.marks().size(), 2U);
+}
+
+TEST(Remesher, WhatIsMadeBetweenHeldVerticesIsHeld) {
+  TriangleMesh mesh = threeByThree();
+  Remesher remesher(mesh, {}, {0, 1, 4});
+  const VertexId onEdge = remesher.splitEdge(1, 4, Vec2(1.0, 0.5));
+  EXPECT_LT(remesher.angleIfMoved(onEdge, Vec2(1.05, 0.5)), 0.0);
+  const VertexId free = remesher.splitEdge(4, 7, Vec2(1.0, 1.5));
+  EXPECT_GT(remesher.angleIfMoved(free, Vec2(1.05, 1.5)), 0.0);
+  TriangleMesh other = threeByThree();
+  Remesher second(other, {}, {0, 1, 4});
+  const VertexId inFace = second.splitFace(0, Vec2(0.6, 0.3));
+  EXPECT_LT(second.angleIfMoved(inFace, Vec2(0.65, 0.3)), 0.0);
+}
+
+// ---- bisection
+// -----------------------------------------------------------------------------------
+
+/// No edge has faces on one side only but where the mesh began with a border.
+bool conforms(const TriangleMesh& mesh) {
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Face& face = mesh.face(f);
+      const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
+      if (border != mesh.isRim(f, k)) return false;
+    }
+  }
+  return true;
+}
+
+TEST(Bisect, HalvesAFaceAndItsNeighbourAtTheLongestEdge) {
+  TriangleMesh mesh = threeByThree();
+  Remesher remesher(mesh, {}, {});
+  EXPECT_TRUE(remesher.bisect(0));
+  EXPECT_EQ(mesh.vertexCount(), 10);
+  EXPECT_EQ(mesh.material(9), Vec2(0.5, 0.5));
+  EXPECT_EQ(mesh.faceCount(), 10);
+  EXPECT_THAT(mesh.facesAround(9), ElementsAre(0, 1, 8, 9));
+  for (FaceId f = 0; f < 10; ++f) {
+    EXPECT_EQ(mesh.generation(f), f < 2 || f > 7 ? 1 : 0);
+    EXPECT_EQ(mesh.restArea(f), f < 2 || f > 7 ? 0.25 : 0.5);
+  }
+  // At a border the face is alone.
+  const FaceId below = mesh.facesOnEdge(0, 1)[0];
+  EXPECT_TRUE(remesher.bisect(below));
+  EXPECT_EQ(mesh.faceCount(), 11);
+  EXPECT_EQ(mesh.generation(below), 2);
+  remesher.finish();
+  expectSound(mesh, 4.0);
+  EXPECT_TRUE(conforms(mesh));
+}
+
+TEST(Bisect, HalvesOthersThatMustComeFirst) {
+  // Face 0 is halved first, over 0-4. To halve what is now right of 9 over 1-4, face 3 beyond that
+  // edge has to be halved at its own longest edge 1-5 before, together with face 2.
+  TriangleMesh mesh = threeByThree();
+  Remesher remesher(mesh, {}, {});
+  ASSERT_TRUE(remesher.bisect(0));
+  const auto on = mesh.facesOnEdge(1, 4);
+  const FaceId right = mesh.oppositeVertex(on[0], 1, 4) == 9 ? on[0] : on[1];
+  EXPECT_TRUE(remesher.bisect(right));
+  EXPECT_EQ(mesh.facesOnEdge(1, 5)[0], kNone);
+  EXPECT_EQ(mesh.facesOnEdge(1, 4)[0], kNone);
+  EXPECT_EQ(mesh.vertexCount(), 12);
+  EXPECT_TRUE(conforms(mesh));
+  EXPECT_EQ(mesh.generation(right), 2);
+}
+
+TEST(Bisect, OfARightAngledGridKeepsItsAnglesAndHalvesAreas) {
+  Generator random(2);
+  for (int sequence = 0; sequence < 10; ++sequence) {
+    const Grid grid{whole(random, 2, 5), whole(random, 2, 5), 0.0, 0.0};
+    const double h = 0.25;
+    const Grid square{grid.columns, grid.rows, h * (grid.columns - 1), h * (grid.rows - 1)};
+    TriangleMesh mesh = makeGridMesh(square);
+    const double area = preciseArea(mesh);
+    Remesher remesher(mesh, {}, {});
+    for (int k = 0; k < 80; ++k) {
+      ASSERT_TRUE(remesher.bisect(whole(random, 0, mesh.faceCount() - 1)));
+      ASSERT_TRUE(conforms(mesh));
+    }
+    remesher.finish();
+    expectSound(mesh, area);
+    for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+      // The others are 45 and 90 degrees then: half of the square over its legs.
+      EXPECT_NEAR(minAngle(mesh, f), 45.0 * kDegree, 1e-12);
+      const double expected = 0.5 * h * h * std::exp2(-mesh.generation(f));
+      EXPECT_NEAR(mesh.restArea(f), expected, 1e-12 * expected);
+    }
+  }
+}
+
+TEST(Bisect, OfIrregularMeshesKeepsHalfOfTheSmallestAngle) {
+  // Rosenberg and Stenger (1975).
+  Generator random(3);
+  for (int sequence = 0; sequence < 30; ++sequence) {
+    TriangleMesh mesh = irregularMesh({6, 6, 1.0, uniform(random, 0.6, 1.6)}, 0.25, random);
+    const double area = preciseArea(mesh);
+    const double smallest = smallestAngle(mesh);
+    ShapeLimits limits;
+    limits.minAngle = 0.0;
+    Remesher remesher(mesh, limits, {});
+    for (int k = 0; k < 60; ++k) {
+      const FaceId f = whole(random, 0, mesh.faceCount() - 1);
+      const int faces = mesh.faceCount();
+      const int generation = mesh.generation(f);
+      ASSERT_TRUE(remesher.bisect(f)) << "sequence " << sequence << ", bisection " << k;
+      EXPECT_GT(mesh.faceCount(), faces);
+      EXPECT_GT(mesh.generation(f), generation);
+      ASSERT_TRUE(conforms(mesh));
+    }
+    remesher.finish();
+    expectSound(mesh, area);
+    EXPECT_GE(smallestAngle(mesh), 0.5 * smallest - 1e-12);
+  }
+}
+
+TEST(Bisect, EndsWhereTheLimitsForbidIt) {
+  TriangleMesh mesh = threeByThree();
+  // Halves of the diagonal are 0.707 long, those of the legs 0.5.
+  Remesher remesher(mesh, shortestOf(0.6), {});
+  EXPECT_TRUE(remesher.bisect(0));
+  EXPECT_FALSE(remesher.bisect(0));
+  EXPECT_GE(shortestEdge(mesh), 0.6);
+  remesher.finish();
+  expectSound(mesh, 4.0);
+  EXPECT_TRUE(conforms(mesh));
+}
+
+TEST(Bisect, MarksGoOnOverHalves) {
+  TriangleMesh mesh = threeByThree();
+  Remesher remesher(mesh, {}, {});
+  remesher.mark(0, 4);
+  remesher.mark(4, 8);
+  for (FaceId f = 0; f < 8; ++f) EXPECT_TRUE(remesher.bisect(f));
+  remesher.openMarks();
+  remesher.finish();
+  expectSound(mesh, 4.0);
+  EXPECT_THAT(pieceAreas(mesh), ElementsAre(2.0, 2.0));
+}
+
+// ---- improving
+// -----------------------------------------------------------------------------------
+
+TEST(Improve, FlipsTheDiagonalThatMakesBadAngles) {
+  // A flat rhombus along its long diagonal, whose border is split: from 2 that half of the border
+  // is seen under atan(0.15 / 1.5), less than six degrees.
+  TriangleMesh mesh({{-1.0, 0.0}, {0.0, -0.3}, {1.0, 0.0}, {0.0, 0.3}}, {{0, 1, 2}, {0, 2, 3}});
+  Remesher remesher(mesh, {}, {});
+  remesher.splitEdge(0, 1, Vec2(-0.5, -0.15));
+  EXPECT_NEAR(smallestAngle(mesh), std::atan(0.1), 1e-14);
+  remesher.improve();
+  remesher.finish();
+  expectSound(mesh, 0.6);
+  EXPECT_GT(smallestAngle(mesh), 10.0 * kDegree);
+  EXPECT_EQ(mesh.facesOnEdge(0, 2)[0], kNone);
+}
+
+TEST(Improve, MakesNothingWorseAndKeepsMarks) {
+  Generator random(4);
+  for (int sequence = 0; sequence < 30; ++sequence) {
+    TriangleMesh mesh = irregularMesh({6, 6, 1.0, 1.0}, 0.25, random);
+    Remesher remesher(mesh, {}, {});
+    for (int k = 0; k < 25; ++k) {
+      const FaceId f = whole(random, 0, mesh.faceCount() - 1);
+      const Face face = mesh.face(f);
+      const Vec2 at = pointIn(mesh, f, randomWeights(random, 0.1));
+      if (remesher.angleIfSplit(f, at) > 0.0) remesher.splitFace(f, at);
+      const Vec2 middle = 0.5 * (mesh.material(face[0]) + mesh.material(face[1]));
+      const bool isEdge = mesh.facesOnEdge(face[0], face[1])[0] != kNone;
+      if (isEdge && remesher.angleIfSplit(face[0], face[1], middle) > 0.0) {
+        remesher.splitEdge(face[0], face[1], middle);
+      }
+      if (k % 5 == 0) remesher.mark(face[1], face[2]);
+    }
+    const double smallest = smallestAngle(mesh);
+    const int faces = mesh.faceCount();
+    const std::set<EdgeKey> marks = remesher.marks();
+    remesher.improve();
+    EXPECT_EQ(remesher.marks(), marks);
+    for (const EdgeKey& edge : marks) EXPECT_NE(mesh.facesOnEdge(edge[0], edge[1])[0], kNone);
+    EXPECT_EQ(mesh.faceCount(), faces);
+    EXPECT_GE(smallestAngle(mesh), smallest - 1e-12);
+    remesher.finish();
+    expectSound(mesh, 1.0);
+  }
+}
+
+// ---- opening
+// -------------------------------------------------------------------------------------
+
+using Chain = std::vector<VertexId>;
+
+void markAll(const std::vector<Chain>& chains, Remesher& remesher) {
+  for (const Chain& chain : chains) {
+    for (std::size_t k = 0; k + 1 < chain.size(); ++k) remesher.mark(chain[k], chain[k + 1]);
+  }
+}
+
+/// Marks, opens, and checks what always holds.
+MeshChanges openAlong(const std::vector<Chain>& chains, TriangleMesh& mesh) {
+  const double area = preciseArea(mesh);
+  const double rim = rimLength(mesh);
+  const int faces = mesh.faceCount();
+  Remesher remesher(mesh, {}, {});
+  markAll(chains, remesher);
+  remesher.openMarks();
+  EXPECT_TRUE(remesher.marks().empty());
+  MeshChanges changes = remesher.finish();
+  expectSound(mesh, area);
+  EXPECT_EQ(rimLength(mesh), rim);
+  EXPECT_EQ(mesh.faceCount(), faces);
+  return changes;
+}
+
+TEST(OpenMarks, AChainAcrossGivesTwoPieces) {
+  const Grid grid{5, 5, 1.0, 1.0};
+  TriangleMesh mesh = makeGridMesh(grid);
+  const MeshChanges changes = openAlong({{1, 6, 11, 16, 21}}, mesh);
+  EXPECT_EQ(changes.vertices.size(), 5U);
+  EXPECT_THAT(pieceAreas(mesh), ElementsAre(0.25, 0.75));
+}
+
+TEST(OpenMarks, AClosedChainFreesADisc) {
+  const Grid grid{5, 5, 1.0, 1.0};
+  TriangleMesh mesh = makeGridMesh(grid);
+  const MeshChanges changes = openAlong({{6, 7, 8, 13, 18, 17, 16, 11, 6}}, mesh);
+  EXPECT_EQ(changes.vertices.size(), 8U);
+  EXPECT_THAT(pieceAreas(mesh), UnorderedElementsAre(0.75, 0.25));
+}
+
+TEST(OpenMarks, ASingleInnerEdgeOpensNothing) {
+  TriangleMesh mesh = makeGridMesh({5, 5, 1.0, 1.0});
+  const MeshChanges changes = openAlong({{12, 13}}, mesh);
+  EXPECT_TRUE(changes.empty());
+  EXPECT_EQ(mesh.vertexCount(), 25);
+}
+
+TEST(OpenMarks, TwoInnerEdgesInARowOpenAtTheVertexBetween) {
+  TriangleMesh mesh = makeGridMesh({5, 5, 1.0, 1.0});
+  const MeshChanges changes = openAlong({{11, 12, 13}}, mesh);
+  ASSERT_EQ(changes.vertices.size(), 1U);
+  EXPECT_EQ(changes.vertices[0].kind, VertexEdit::Kind::kCopy);
+  EXPECT_EQ(changes.vertices[0].from[0], 12);
+  EXPECT_EQ(findPieces(mesh).count, 1);
+  EXPECT_TRUE(mesh.isBoundary(11));
+  EXPECT_TRUE(mesh.isBoundary(13));
+}
+
+TEST(OpenMarks, AnEdgeFromTheBorderOpensANotch) {
+  TriangleMesh mesh = makeGridMesh({5, 5, 1.0, 1.0});
+  const MeshChanges changes = openAlong({{2, 7}}, mesh);
+  ASSERT_EQ(changes.vertices.size(), 1U);
+  EXPECT_EQ(changes.vertices[0].from[0], 2);
+}
+
+/// A grid of 5 x 5 whose vertices are numbered in another order.
+TriangleMesh renumberedGrid(const std::vector<VertexId>& order) {
+  const TriangleMesh grid = makeGridMesh({5, 5, 1.0, 1.0});
+  std::vector<Vec2> material(grid.material().size());
+  std::vector<Face> faces = grid.faces();
+  for (VertexId v = 0; v < grid.vertexCount(); ++v) material[order[v]] = grid.material(v);
+  for (Face& face : faces) {
+    for (VertexId& v : face) v = order[v];
+  }
+  return TriangleMesh(std::move(material), std::move(faces));
+}
+
+class Junctions : public testing::TestWithParam<int> {
+ protected:
+  /// As made, from the other end, or shuffled.
+  std::vector<VertexId> order() const {
+    std::vector<VertexId> numbers(25);
+    std::iota(numbers.begin(), numbers.end(), 0);
+    if (GetParam() == 1) std::reverse(numbers.begin(), numbers.end());
+    Generator random(static_cast<std::uint64_t>(GetParam()));
+    for (std::size_t k = 24; GetParam() > 1 && k > 0; --k) {
+      std::swap(numbers[k], numbers[whole(random, 0, static_cast<int>(k))]);
+    }
+    return numbers;
+  }
+
+  void expectPieces(std::vector<Chain> chains, const std::vector<double>& areas,
+                    std::size_t copies) {
+    const std::vector<VertexId> numbers = order();
+    TriangleMesh mesh = renumberedGrid(numbers);
+    for (Chain& chain : chains) {
+      for (VertexId& v : chain) v = numbers[v];
+    }
+    const MeshChanges changes = openAlong(chains, mesh);
+    EXPECT_THAT(pieceAreas(mesh), testing::UnorderedElementsAreArray(areas));
+    EXPECT_EQ(changes.vertices.size(), copies);
+  }
+};
+
+TEST_P(Junctions, ATeeGivesThreePieces) {
+  // Each vertex of the bar is doubled, the one where the stem begins is tripled.
+  expectPieces({{10, 11, 12, 13, 14}, {12, 7, 2}}, {0.5, 0.25, 0.25}, 5 + 1 + 2);
+  expectPieces({{10, 11, 12, 13, 14}, {12, 17, 22}}, {0.5, 0.25, 0.25}, 5 + 1 + 2);
+  expectPieces({{2, 7, 12, 17, 22}, {12, 13, 14}}, {0.5, 0.25, 0.25}, 5 + 1 + 2);
+  expectPieces({{2, 7, 12, 17, 22}, {10, 11, 12}}, {0.5, 0.25, 0.25}, 5 + 1 + 2);
+}
+
+TEST_P(Junctions, ACrossGivesFourPieces) {
+  expectPieces({{10, 11, 12, 13, 14}, {2, 7, 12, 17, 22}}, {0.25, 0.25, 0.25, 0.25}, 9 + 2);
+}
+
+TEST_P(Junctions, AStarOfThreeTipsTriplesItsMiddle) {
+  expectPieces({{11, 12}, {12, 17}, {12, 6}}, {1.0}, 2);
+}
+
+TEST_P(Junctions, ATeeWithTipsOpensOnlyInside) {
+  expectPieces({{10, 11, 12, 13}, {12, 7}}, {1.0}, 4);
+}
+
+TEST_P(Junctions, TwoChainsFromOneBorderVertex) {
+  // The middle, and from its upper end down to the left border over the diagonal 16-22.
+  expectPieces({{2, 7, 12, 17, 22}, {15, 16, 22}}, {0.5, 0.40625, 0.09375}, 5 + 2 + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Numbering, Junctions, testing::Range(0, 8));
+
+/// What opening must lead to: corners of faces that share a vertex and are joined over edges that
+/// are not marked stay one vertex; faces joined over such edges stay one piece.
+struct Expected {
+  int vertices = 0;
+  int pieces = 0;
+};
+
+class Sets {
+ public:
+  explicit Sets(int size) : parent_(static_cast<std::size_t>(size)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int of(int k) {
+    while (parent_[k] != k) k = parent_[k];
+    return k;
+  }
+  void join(int a, int b) { parent_[of(a)] = of(b); }
+  int count() {
+    int sets = 0;
+    for (int k = 0; k < static_cast<int>(parent_.size()); ++k) sets += of(k) == k ? 1 : 0;
+    return sets;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+int cornerAt(const TriangleMesh& mesh, FaceId f, VertexId v) {
+  const Face& face = mesh.face(f);
+  return 3 * f + static_cast<int>(std::find(face.begin(), face.end(), v) - face.begin());
+}
+
+Expected expectedFor(const TriangleMesh& mesh, const std::set<EdgeKey>& marks) {
+  Sets corners(3 * mesh.faceCount());
+  Sets faces(mesh.faceCount());
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const VertexId a = mesh.face(f)[k];
+      const VertexId b = mesh.face(f)[(k + 1) % 3];
+      const auto on = mesh.facesOnEdge(a, b);
+      if (on[1] == kNone || marks.count(edgeKey(a, b)) != 0) continue;
+      faces.join(on[0], on[1]);
+      for (VertexId v : {a, b}) corners.join(cornerAt(mesh, on[0], v), cornerAt(mesh, on[1], v));
+    }
+  }
+  return {corners.count(), faces.count()};
+}
+
+TEST(OpenMarks, AnySetOfEdgesOpensExactlyAlongThem) {
+  Generator random(5);
+  for (int trial = 0; trial < 300; ++trial) {
+    TriangleMesh mesh =
+        irregularMesh({whole(random, 3, 7), whole(random, 3, 7), 1.0, 1.0}, 0.2, random);
+    const double area = preciseArea(mesh);
+    // Twice, so that marks meet what has been opened before.
+    for (int round = 0; round < 2; ++round) {
+      Remesher remesher(mesh, {}, {});
+      const int percent = whole(random, 5, 60);
+      for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+        if (whole(random, 0, 99) >= percent) continue;
+        const int k = whole(random, 0, 2);
+        remesher.mark(mesh.face(f)[k], mesh.face(f)[(k + 1) % 3]);
+      }
+      const Expected expected = expectedFor(mesh, remesher.marks());
+      remesher.openMarks();
+      remesher.finish();
+      ASSERT_EQ(defectOf(mesh), "") << "trial " << trial;
+      ASSERT_EQ(mesh.vertexCount(), expected.vertices) << "trial " << trial;
+      ASSERT_EQ(findPieces(mesh).count, expected.pieces) << "trial " << trial;
+    }
+    expectSound(mesh, area);
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim
