@@ -272,6 +272,9 @@ def covered(screen, width, height):
             row = np.nonzero(hit)[0]
             found.append((part[row], x[hit], y[hit],
                           np.stack([first[hit], weights[0][hit], weights[1][hit]], axis=1)))
+    if not found:  # all seen edge on
+        none = np.zeros(0, dtype=int)
+        return none, none, none, np.zeros((0, 3))
     return tuple(np.concatenate(column) for column in zip(*found))
 
 

@@ -51,7 +51,7 @@ run_tests() {
     --output-on-failure </dev/null) || failed_groups=$((failed_groups + 1))
 }
 
-prepare build run test
+prepare build run test bench
 run_timed build build_workspace "$workspace" "all tests" "${cmake_arguments[@]}"
 
 results=$workspace/build/test_results/cloth_sim

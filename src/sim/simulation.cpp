@@ -177,10 +177,14 @@ void Simulation::readClamps() {
 }
 
 void Simulation::tear() {
-  for (int stride = 0; stride < kMostStrides; ++stride) {
+  for (int stride = 0; stride < kMostStrides && !failed(); ++stride) {
     const CutPlan plan = tearing_.plan(model_, state_, scene_.solver.dt);
     if (plan.paths.empty()) return;
-    tearing_.opened(operate(plan));
+    try {
+      operate(plan);
+    } catch (const TooManyParticles& error) {
+      fail(std::string("tearing: ") + error.what());
+    }
   }
 }
 

@@ -112,9 +112,11 @@ CommandResult Simulation::carryOut(const CutAlong& command) {
     const SurgeryResult result = cutStroke(command.stroke);
     if (result.changes.mesh.empty()) return done("the stroke misses the cloth: nothing was cut");
     char text[160];
-    std::snprintf(text, sizeof text, "cut %.4g m, %zu springs severed, %d cleared, %d pieces",
-                  result.length, result.events.size() - static_cast<std::size_t>(result.cleared),
-                  result.cleared, pieces());
+    const int cleared = result.cleared;
+    const int severed = static_cast<int>(result.events.size()) - cleared;
+    std::snprintf(text, sizeof text, "cut %.4g m, %d springs severed%s, %d pieces", result.length,
+                  severed, cleared > 0 ? (", " + std::to_string(cleared) + " cleared").c_str() : "",
+                  pieces());
     return done(text);
   } catch (const TooManyParticles& error) {
     return refuse(error.what());

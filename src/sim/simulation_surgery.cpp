@@ -68,7 +68,12 @@ SurgeryResult Simulation::cutNotch(const MaterialPath& notch) {
 
 SurgeryResult Simulation::operate(const CutPlan& plan) {
   SurgeryResult result = cut(plan, limits_, heldVertices(), model_, state_);
-  tearing_.noteTips(result);
+  // Before anything is renumbered.
+  if (plan.cause == FailureCause::kTear) {
+    tearing_.opened(result);
+  } else {
+    tearing_.noteTips(result);
+  }
   follow(result);
   return result;
 }

@@ -132,25 +132,6 @@ bool isSevered(const Spring& spring, const TriangleMesh& mesh,
   });
 }
 
-/// Tells of failed springs, each once.
-class Report {
- public:
-  Report(const CutPlan& plan, const Model& model, const State& state, SurgeryResult& result)
-      : plan_(plan), model_(model), state_(state), result_(result) {}
-
-  void add(std::int32_t slot, const Spring& spring) {
-    FailureEvent event = describeFailure(model_, state_, spring, plan_.cause);
-    event.overloaded = std::binary_search(plan_.overloaded.begin(), plan_.overloaded.end(), slot);
-    result_.events.push_back(event);
-  }
-
- private:
-  const CutPlan& plan_;
-  const Model& model_;
-  const State& state_;
-  SurgeryResult& result_;
-};
-
 /// Springs whose middle is within `distance` of a line go.
 SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance, Model& model) {
   std::vector<std::int32_t> slots;
@@ -167,60 +148,92 @@ SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance,
   return model.springs.clear(slots);
 }
 
+/// A cut at work. The mesh is made to fit the paths, then opens along them.
+class CutOperation {
+ public:
+  CutOperation(const CutPlan& plan, Model& model, State& state)
+      : plan_(plan), model_(model), state_(state) {}
+
+  SurgeryResult run(const ShapeLimits& shape, const std::vector<VertexId>& held) {
+    Remesher remesher(model_.mesh, shape, held);
+    note(prepare(plan_, std::numeric_limits<std::int32_t>::max(), remesher));
+    fit(remesher.finish());
+    remesher.openMarks();
+    open(remesher.finish());
+    if (plan_.clearWithin > 0.0) clear();
+    return std::move(result_);
+  }
+
+ private:
+  void note(const std::vector<EmbeddedPath>& embedded) {
+    for (const EmbeddedPath& path : embedded) {
+      lines_.push_back(materialOf(path, model_.mesh));
+      result_.length += path.length;
+      result_.deviation = std::max(result_.deviation, path.deviation);
+      append({path.chain.front(), path.chain.back()}, result_.tips);
+    }
+  }
+
+  /// Springs are exchanged for others; those that the cut crosses have failed.
+  void fit(MeshChanges changes) {
+    if (changes.empty()) return;
+    ModelChanges fitted;
+    fitted.mesh = std::move(changes);
+    fitted.springs = follow(fitted.mesh, model_, state_);
+    for (std::size_t k = 0; k < fitted.springs.removed.size(); ++k) {
+      const Spring& spring = fitted.springs.removedSprings[k];
+      if (isSevered(spring, model_.mesh, lines_)) report(fitted.springs.removed[k], spring);
+    }
+    made_ = fitted.springs.added;
+    append(fitted, result_.changes);
+  }
+
+  /// Whatever goes now and was there before the cut has failed.
+  void open(MeshChanges changes) {
+    if (changes.empty()) return;
+    ModelChanges opened;
+    opened.mesh = std::move(changes);
+    opened.springs = follow(opened.mesh, model_, state_);
+    for (std::size_t k = 0; k < opened.springs.removed.size(); ++k) {
+      const std::int32_t slot = opened.springs.removed[k];
+      if (std::binary_search(made_.begin(), made_.end(), slot)) continue;
+      report(slot, opened.springs.removedSprings[k]);
+    }
+    append(opened, result_.changes);
+  }
+
+  void clear() {
+    ModelChanges cleared;
+    cleared.mesh.fromRevision = cleared.mesh.toRevision = model_.mesh.revision();
+    cleared.springs = clearNear(lines_, plan_.clearWithin, model_);
+    for (std::size_t k = 0; k < cleared.springs.removed.size(); ++k) {
+      report(cleared.springs.removed[k], cleared.springs.removedSprings[k]);
+    }
+    result_.cleared = static_cast<int>(cleared.springs.removed.size());
+    append(cleared, result_.changes);
+  }
+
+  void report(std::int32_t slot, const Spring& spring) {
+    FailureEvent event = describeFailure(model_, state_, spring, plan_.cause);
+    event.overloaded = std::binary_search(plan_.overloaded.begin(), plan_.overloaded.end(), slot);
+    result_.events.push_back(event);
+  }
+
+  const CutPlan& plan_;
+  Model& model_;
+  State& state_;
+  std::vector<MaterialPath> lines_;  ///< of the cut, along mesh edges
+  std::vector<std::int32_t> made_;   ///< slots of springs that came to be before it opened
+  SurgeryResult result_;
+};
+
 }  // namespace
 
 SurgeryResult cut(const CutPlan& plan, const SurgeryLimits& limits,
                   const std::vector<VertexId>& held, Model& model, State& state) {
-  SurgeryResult result;
-  if (plan.paths.empty()) return result;
+  if (plan.paths.empty()) return {};
   checkCount(plan, limits, model.mesh);
-  Remesher remesher(model.mesh, limits.shape, held);
-  const std::vector<EmbeddedPath> embedded =
-      prepare(plan, std::numeric_limits<std::int32_t>::max(), remesher);
-  std::vector<MaterialPath> lines;
-  for (const EmbeddedPath& path : embedded) {
-    lines.push_back(materialOf(path, model.mesh));
-    result.length += path.length;
-    result.deviation = std::max(result.deviation, path.deviation);
-    append({path.chain.front(), path.chain.back()}, result.tips);
-  }
-
-  // First the mesh is made to fit the cut: springs are exchanged for others, and those that the
-  // cut crosses have failed.
-  Report report(plan, model, state, result);
-  ModelChanges fitted;
-  fitted.mesh = remesher.finish();
-  if (!fitted.mesh.empty()) fitted.springs = follow(fitted.mesh, model, state);
-  for (std::size_t k = 0; k < fitted.springs.removed.size(); ++k) {
-    const Spring& spring = fitted.springs.removedSprings[k];
-    if (isSevered(spring, model.mesh, lines)) report.add(fitted.springs.removed[k], spring);
-  }
-  append(fitted, result.changes);
-
-  // Then it opens: whatever goes now and was there before has failed.
-  remesher.openMarks();
-  ModelChanges opened;
-  opened.mesh = remesher.finish();
-  if (!opened.mesh.empty()) opened.springs = follow(opened.mesh, model, state);
-  const std::vector<std::int32_t>& made = fitted.springs.added;
-  for (std::size_t k = 0; k < opened.springs.removed.size(); ++k) {
-    const std::int32_t slot = opened.springs.removed[k];
-    if (std::binary_search(made.begin(), made.end(), slot)) continue;
-    report.add(slot, opened.springs.removedSprings[k]);
-  }
-  append(opened, result.changes);
-
-  if (plan.clearWithin > 0.0) {
-    ModelChanges cleared;
-    cleared.mesh.fromRevision = cleared.mesh.toRevision = model.mesh.revision();
-    cleared.springs = clearNear(lines, plan.clearWithin, model);
-    for (std::size_t k = 0; k < cleared.springs.removed.size(); ++k) {
-      report.add(cleared.springs.removed[k], cleared.springs.removedSprings[k]);
-    }
-    result.cleared = static_cast<int>(cleared.springs.removed.size());
-    append(cleared, result.changes);
-  }
-  return result;
+  return CutOperation(plan, model, state).run(limits.shape, held);
 }
 
 SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,

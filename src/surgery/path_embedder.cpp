@@ -166,8 +166,10 @@ VertexId Embedding::placeAnchor(const SurfacePoint& where) {
   for (int k = 0; k < 3; ++k) {
     const VertexId v = mesh_.face(f)[k];
     const VertexId w = mesh_.face(f)[(k + 1) % 3];
+    const VertexId u = mesh_.face(f)[(k + 2) % 3];
     const double distance = (mesh_.material(v) - at).norm();
-    const double length = (mesh_.material(w) - mesh_.material(v)).norm();
+    const double length = std::min((mesh_.material(w) - mesh_.material(v)).norm(),
+                                   (mesh_.material(u) - mesh_.material(v)).norm());
     if (distance < nearest) {
       nearest = distance;
       reach = length;

@@ -259,6 +259,7 @@ class Patient {
       faces.push_back(f);
       vertices.insert(model_.mesh.face(f).begin(), model_.mesh.face(f).end());
     }
+    renumbered_ = true;
     taken_ = {faces, {vertices.begin(), vertices.end()}};
     const std::string defect = carryOut([&] { return takeAway(faces, model_, state_); });
     taken_ = {};
@@ -287,7 +288,8 @@ class Patient {
   std::optional<Clamp> clamp_;
   std::vector<std::unique_ptr<Solver>> solvers_;
   Taken taken_;
-  bool cleared_ = false;
+  bool cleared_ = false;     ///< springs are missing
+  bool renumbered_ = false;  ///< something was taken away
   double dt_ = 0.0;
 };
 
@@ -334,6 +336,8 @@ std::string Patient::carryOut(const Edit& edit) {
   for (VertexId v : heldBefore) heldWhere.push_back(state_.x[v]);
   const Totals totals(model_, state_);
   const SurgeryResult result = edit();
+  { static long n[8]; ++n[0]; if (!result.changes.mesh.empty()) ++n[1]; if (!result.events.empty()) ++n[2]; if (findPieces(model_.mesh).count>1) ++n[3]; if (!taken_.faces.empty()) ++n[4]; if (result.tips.size()) ++n[5]; if (!result.events.empty()&&result.events[0].cause==FailureCause::kTear) ++n[6]; if (smallestAngle(model_.mesh)<10*M_PI/180) ++n[7];
+  if (n[0]%5000==0) fprintf(stderr,"ops %ld changed %ld events %ld multi %ld taken %ld tips %ld torn %ld thin %ld\n",n[0],n[1],n[2],n[3],n[4],n[5],n[6],n[7]); }
   std::string defect = describeDefect(model_.mesh);
   const auto check = [&defect](const auto& next) {
     if (defect.empty()) defect = next();
@@ -372,7 +376,8 @@ std::string Patient::carryOut(const Edit& edit) {
   if (deep_ && !case_.raw && !cleared_) {
     check([&] {
       return defectOfNetwork(model_.springs, SpringNetwork(model_.mesh, model_.fabric,
-                                                           {case_.shear, case_.bend}));
+                                                           {case_.shear, case_.bend}),
+                             renumbered_);
     });
   }
   return defect;

@@ -54,15 +54,20 @@ class TearingRunTest(unittest.TestCase):
         bag = os.path.join(self.folder.name, 'run.bag')
         summary = self.run_scene('tear_seam', '--threads', '1', '--bag', bag)
         self.expect_torn_in_two(summary)
-        self.assertEqual(summary['particles'] - 128 * 128, 128)  # one copy for each row of the seam
+        # The seam lies in the middle: each half has half of everything.
+        for piece in summary['piece_list']:
+            self.assertAlmostEqual(piece['rest_area_m2'], 0.5, delta=1e-12)
+            self.assertAlmostEqual(piece['mass_kg'], summary['mass_kg'] / 2, delta=1e-12)
         events = self.events_in(bag)
         self.assertEqual(len(events), summary['broken']['total'])
         structural = [event for event in events if event.kind == TearEvent.STRUCTURAL]
         self.assertEqual(len(structural), summary['broken']['structural'])
-        # The seam lies in the middle between columns 63 and 64.
+        # It runs between columns 63 and 64, and each row has one structural spring across it.
         for event in structural:
             self.assertAlmostEqual(event.material[0], 0.5, delta=1e-9)
-        # The notch: a cell has one structural spring across the seam.
+        self.assertEqual(sorted(round(event.material[1] * 127) for event in structural),
+                         list(range(128)))
+        # The notch goes up to between rows 11 and 12.
         cut = [event for event in structural if event.cause == TearEvent.CUT]
         self.assertEqual(sorted(round(event.material[1] * 127) for event in cut), list(range(12)))
 
