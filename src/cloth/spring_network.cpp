@@ -34,18 +34,6 @@ double areaOf(const TriangleMesh& mesh, const Faces& faces) {
   return area;
 }
 
-/// Index k of the corner or of the edge (k, k+1) of `face` that starts at one of {a, b}.
-int edgeIndex(const Face& face, VertexId a, VertexId b) {
-  for (int k = 0; k < 3; ++k) {
-    const VertexId from = face[k];
-    const VertexId to = face[(k + 1) % 3];
-    if ((from == a && to == b) || (from == b && to == a)) return k;
-  }
-  return 0;
-}
-
-int cornerIndex(const Face& face, VertexId v) { return face[0] == v ? 0 : (face[1] == v ? 1 : 2); }
-
 /// Bending constant of a spring over two segments of length `l` that stands for one unit of area:
 /// 16 B / (l^4 theta^2) with theta the fold angle at the reference curvature.
 double bendStiffnessPerArea(double rigidity, double l) {
@@ -60,6 +48,13 @@ std::uint64_t packed(VertexId p, VertexId q) {
   const auto low = static_cast<std::uint32_t>(std::min(p, q));
   const auto high = static_cast<std::uint32_t>(std::max(p, q));
   return (std::uint64_t{low} << 32U) | high;
+}
+
+std::array<VertexId, 4> unpacked(const std::array<std::uint64_t, 2>& key) {
+  const auto low = [](std::uint64_t word) {
+    return static_cast<VertexId>(static_cast<std::uint32_t>(word));
+  };
+  return {low(key[0] >> 32U), low(key[0]), low(key[1] >> 32U), low(key[1])};
 }
 
 SpringKey makeKey(VertexId s, VertexId t, VertexId a, VertexId b) {
@@ -102,7 +97,8 @@ class Ancestors {
 
 bool sameSpring(const Spring& s, const Spring& t) {
   return s.a == t.a && s.b == t.b && s.support == t.support && s.stiffness == t.stiffness &&
-         s.damping == t.damping && s.restLength == t.restLength;
+         s.damping == t.damping && s.restLength == t.restLength && s.kind == t.kind &&
+         s.direction == t.direction;
 }
 
 }  // namespace
@@ -141,29 +137,33 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric,
 
 SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw,
                              const SpringSelection& selection)
-    : selection_(selection), raw_(raw), rawShares_(mesh.faceCount()) {
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) shareRaw(mesh, f);
-  std::array<double, kSpringKinds> number{0.0, 0.0, 0.0};
+    : selection_(selection), raw_(raw), rawShares_(mesh) {
   build(mesh);
+  std::array<double, 2> number{0.0, 0.0};
   for (const Spring& spring : slots_) {
-    const auto kind = static_cast<std::size_t>(spring.kind);
-    rawLength_[kind] += spring.restLength;
-    number[kind] += 1.0;
+    if (spring.kind != SpringKind::kBend) continue;
+    const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
+    rawBendLength_[thread] += spring.restLength;
+    number[thread] += 1.0;
   }
-  for (std::size_t kind = 0; kind < rawLength_.size(); ++kind) {
-    if (number[kind] > 0.0) rawLength_[kind] /= number[kind];
+  for (std::size_t thread = 0; thread < 2; ++thread) {
+    if (number[thread] > 0.0) rawBendLength_[thread] /= number[thread];
   }
 }
 
-void SpringNetwork::shareRaw(const TriangleMesh& mesh, FaceId f) {
-  const Face& face = mesh.face(f);
-  for (int k = 0; k < 3; ++k) {
-    double onEdge = 0.0;
-    for (FaceId other : mesh.facesOnEdge(face[k], face[(k + 1) % 3])) {
-      if (other != kNone) onEdge += mesh.restArea(other);
+/// Springs over copies of what a cleared one stood on or joined stay away too.
+void SpringNetwork::followCleared(const MeshChanges& changes) {
+  if (cleared_.empty()) return;
+  for (const VertexEdit& edit : changes.vertices) {
+    if (edit.kind != VertexEdit::Kind::kCopy) continue;
+    std::vector<SpringKey> more;
+    for (const SpringKey& key : cleared_) {
+      std::array<VertexId, 4> v = unpacked(key);
+      if (std::find(v.begin(), v.end(), edit.from[0]) == v.end()) continue;
+      std::replace(v.begin(), v.end(), edit.from[0], edit.id);
+      more.push_back(makeKey(v[0], v[1], v[2], v[3]));
     }
-    rawShares_[f].edge[k] = mesh.restArea(f) / onEdge;
-    rawShares_[f].corner[k] = mesh.restArea(f) / areaAround(mesh, face[k]);
+    cleared_.insert(more.begin(), more.end());
   }
 }
 
@@ -248,16 +248,12 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const FaceRange& on,
                                  Spring& spring) const {
   spring.restLength = (mesh.material(spring.b) - mesh.material(spring.a)).norm();
   if (raw_) {
-    const double share = rawShare(mesh, on, spring);
+    const RawShare share = rawShare(mesh, on, spring);
     const double constant = raw_->constant[static_cast<int>(spring.kind)];
-    // Half of a spring is twice as stiff: where the mesh was refined, constants go by length.
-    const bool remade =
-        std::any_of(on.begin(), on.end(), [this](FaceId f) { return rawShares_[f].remade; });
-    const double usual = rawLength_[static_cast<std::size_t>(spring.kind)];
-    const double perLength = remade && usual > 0.0 ? usual / spring.restLength : 1.0;
-    spring.stiffness =
-        share * (raw_->perStretch ? constant / spring.restLength : constant * perLength);
-    spring.damping = share * raw_->dashpot * perLength;
+    // Half of a spring is twice as stiff.
+    const double perLength = raw_->perStretch ? 1.0 : share.length;
+    spring.stiffness = constant * share.part * perLength / spring.restLength;
+    spring.damping = raw_->dashpot * share.part * share.length / spring.restLength;
   } else {
     spring.stiffness = fabricStiffness(mesh, on, spring);
     spring.damping = calibration_.damping * spring.stiffness;
@@ -296,42 +292,32 @@ double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const FaceRange&
   return 0.0;
 }
 
-double SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
-                               const Spring& spring) const {
-  const bool isEdge = spring.kind != SpringKind::kBend && spring.support[0] == spring.a &&
-                      spring.support[1] == spring.b;
-  if (spring.kind != SpringKind::kBend && !isEdge) return 1.0;
-  double share = 0.0;
-  for (FaceId f : on) {
-    const Face& face = mesh.face(f);
-    share += isEdge ? rawShares_[f].edge[edgeIndex(face, spring.a, spring.b)]
-                    : rawShares_[f].corner[cornerIndex(face, spring.support[0])];
+RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
+                                 const Spring& spring) const {
+  if (spring.kind == SpringKind::kBend) {
+    RawShare share = rawShares_.ofCorners(mesh, on, spring.support[0]);
+    const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
+    const bool usual = share.length == 0.0 && rawBendLength_[thread] > 0.0;
+    share.length = usual ? rawBendLength_[thread] : spring.restLength;
+    return share;
   }
-  return share;
+  const bool isEdge = spring.support[0] == spring.a && spring.support[1] == spring.b;
+  if (!isEdge) return {1.0, spring.restLength};
+  return rawShares_.ofEdge(mesh, on, spring.a, spring.b);
 }
 
 SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
   standing_.resize(mesh.vertexCount());
-  if (raw_) {
-    rawShares_.resize(mesh.faceCount());
-    for (FaceId f : changes.reshapedFaces) {
-      shareRaw(mesh, f);
-      rawShares_[f].remade = true;
-    }
-  }
+  if (raw_) rawShares_.follow(mesh, changes);
+  followCleared(changes);
   const std::vector<std::int32_t> before = standingOnAny(changes.touched);
   const std::vector<Spring> derived = deriveAroundAll(mesh, changes.touched);
   std::vector<Keyed<std::size_t>> after;
   after.reserve(derived.size());
   const Ancestors ancestors(changes);
   for (std::size_t k = 0; k < derived.size(); ++k) {
-    const SpringKey key = ancestors.key(derived[k]);
-    if (cleared_.count(key) != 0) {
-      cleared_.insert(ownKey(derived[k]));
-    } else {
-      after.push_back({key, k});
-    }
+    if (cleared_.count(ownKey(derived[k])) == 0) after.push_back({ancestors.key(derived[k]), k});
   }
   std::vector<Keyed<std::int32_t>> old;
   old.reserve(before.size());
@@ -350,6 +336,8 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
     if (at != old.end() && at->key == key) {
       if (!sameSpring(slots_[at->value], spring)) {
         result.modified.push_back(at->value);
+        --count_[static_cast<std::size_t>(slots_[at->value].kind)];
+        ++count_[static_cast<std::size_t>(spring.kind)];
         replace(at->value, spring);
       }
       ++at;
@@ -388,19 +376,12 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
     if (edit.from[0] != edit.id) nameOf[original[edit.from[0]]] = edit.id;
     original[edit.id] = original[edit.from[0]];
   }
-  if (raw_) {
-    for (FaceId f : changes.removedFaces) {
-      rawShares_[f] = rawShares_.back();
-      rawShares_.pop_back();
-    }
-  }
+  if (raw_) rawShares_.follow(mesh, changes);
   std::set<SpringKey> cleared;
   for (const SpringKey& key : cleared_) {
-    const auto now = [&](std::uint64_t word) {
-      const auto v = static_cast<VertexId>(static_cast<std::uint32_t>(word));
-      return v == kNone ? kNone : nameOf[v];
-    };
-    cleared.insert(makeKey(now(key[0] >> 32U), now(key[0]), now(key[1] >> 32U), now(key[1])));
+    std::array<VertexId, 4> v = unpacked(key);
+    for (VertexId& end : v) end = end == kNone ? kNone : nameOf[end];
+    cleared.insert(makeKey(v[0], v[1], v[2], v[3]));
   }
   cleared_ = std::move(cleared);
   SpringChanges result;

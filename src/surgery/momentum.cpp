@@ -1,14 +1,17 @@
 #include "cloth_sim/surgery/momentum.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 
 namespace cloth_sim {
 namespace {
 
 /// Rounding leaves a rest after the first correction; the second one takes it too.
 constexpr int kPasses = 2;
-/// Moments of inertia this much smaller than the largest count as zero.
+/// Moments of inertia this much smaller than the largest count as zero ...
 constexpr double kFlat = 1e-12;
+/// ... and so do those of particles within this part of their distance from the origin: rounding.
+constexpr double kSamePlace = 1e-12;
 
 struct RigidFrame {
   double mass = 0.0;
@@ -32,13 +35,14 @@ RigidFrame frameOf(const std::vector<VertexId>& vertices, const VertexData<doubl
 }
 
 /// The rotation that has a given angular momentum; none about axes without inertia.
-Vec3 rotationFor(const Eigen::Matrix3d& inertia, const Vec3& angular) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
+Vec3 rotationFor(const RigidFrame& frame, const Vec3& angular) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(frame.inertia);
   const Vec3& moments = axes.eigenvalues();
+  const double least = std::max(kFlat * moments[2],
+                                frame.mass * kSamePlace * kSamePlace * frame.centre.squaredNorm());
   Vec3 rotation = axes.eigenvectors().transpose() * angular;
   for (int k = 0; k < 3; ++k) {
-    const bool turns = moments[k] > kFlat * moments[2];
-    rotation[k] = turns ? rotation[k] / moments[k] : 0.0;
+    rotation[k] = moments[k] > least ? rotation[k] / moments[k] : 0.0;
   }
   return axes.eigenvectors() * rotation;
 }
@@ -66,7 +70,7 @@ void restoreMomentum(const Momentum& wanted, const std::vector<VertexId>& vertic
     const Vec3 linear = wanted.linear - now.linear;
     const Vec3 angular = wanted.angular - now.angular - frame.centre.cross(linear);
     const Vec3 push = linear / frame.mass;
-    const Vec3 spin = rotationFor(frame.inertia, angular);
+    const Vec3 spin = rotationFor(frame, angular);
     for (VertexId v : vertices) state.v[v] += push + spin.cross(state.x[v] - frame.centre);
   }
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "cloth_sim/mesh/quality.h"
+#include "cloth_sim/surgery/material_path.h"
 
 namespace cloth_sim {
 namespace {
@@ -104,6 +105,7 @@ class Embedding {
   VertexId makeVertex(const Exit& exit);
   void step(VertexId to);
   void detour(VertexId to);
+  double distanceFromPath(VertexId v) const;
   void bent(VertexId to, const Vec2& from) {
     result_.deviation = std::max(result_.deviation, (mesh_.material(to) - from).norm());
   }
@@ -276,6 +278,12 @@ void Embedding::step(VertexId to) {
   result_.length += (mesh_.material(to) - mesh_.material(from)).norm();
 }
 
+double Embedding::distanceFromPath(VertexId v) const {
+  MaterialPath line;
+  for (const SurfacePoint& p : path_.points) line.push_back(p.material);
+  return distanceTo(line, mesh_.material(v));
+}
+
 /// The shortest way along edges, where the last vertex is not next to the one before it.
 void Embedding::detour(VertexId to) {
   const VertexId from = result_.chain.back();
@@ -294,7 +302,10 @@ void Embedding::detour(VertexId to) {
     way.push_back(at->first);
     at = reached.begin() + at->second;
   }
-  for (auto v = way.rbegin(); v != way.rend(); ++v) step(*v);
+  for (auto v = way.rbegin(); v != way.rend(); ++v) {
+    step(*v);
+    if (*v != to) result_.deviation = std::max(result_.deviation, distanceFromPath(*v));
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "cloth_sim/mesh/quality.h"
 
@@ -82,8 +83,9 @@ VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
   const std::vector<FaceId>& around = mesh().facesAround(middle);
   reshaped_.insert(reshaped_.end(), around.begin(), around.end());
   // On the edge, rounding is all that is left; beside it, the vertex has to move.
-  const bool beside = offLine(pa, pa + d, at) > kStraight;
-  if (beside) moveVertex(middle, at);
+  // An edge on the border stays on its line.
+  const bool inside = mesh().facesAround(middle).size() == 4;
+  if (inside && offLine(pa, pa + d, at) > kStraight) moveVertex(middle, at);
   return middle;
 }
 
@@ -249,12 +251,26 @@ void Remesher::improve() {
 }
 
 void Remesher::openMarks() {
-  for (VertexId v : marked_) {
-    const auto isWall = [this, v](VertexId w) { return isMarked(v, w); };
+  // Openings give vertices copies; marks know the vertices that those come from.
+  std::map<VertexId, VertexId> roots;
+  const auto rootOf = [&roots](VertexId v) {
+    const auto found = roots.find(v);
+    return found == roots.end() ? v : found->second;
+  };
+  std::vector<VertexId> open(marked_.begin(), marked_.end());
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    const VertexId v = open[k];
+    const auto isWall = [&](VertexId w) { return isMarked(rootOf(v), rootOf(w)); };
     // An opening may separate more than it was asked to: look again after each.
     auto fans = fansAround(mesh(), v, isWall);
     while (fans.size() > 1) {
+      std::size_t known = edits().size();
       editor_.splitVertex(v, fans[1]);
+      for (; known < edits().size(); ++known) {
+        const VertexEdit& copy = edits()[known];
+        roots[copy.id] = rootOf(copy.from[0]);
+        if (marked_.count(roots[copy.id]) != 0) open.push_back(copy.id);
+      }
       fans = fansAround(mesh(), v, isWall);
     }
   }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cloth_sim/cloth/fabric.h"
+#include "cloth_sim/cloth/raw_shares.h"
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
@@ -98,30 +99,15 @@ class SpringNetwork {
     double bendStretchCap = 0.0;  ///< most that bend springs may add to the tensile stiffness [N/m]
     double damping = 0.0;         ///< [s]
   };
-  /// Each face's part of the raw constant of its edges and of the bend springs at its corners.
-  struct RawShares {
-    std::array<double, 3> edge;
-    std::array<double, 3> corner;
-    bool remade = false;  ///< the face is not one of the original mesh any more
-  };
-
-  /// The faces that a spring stands on.
-  struct FaceRange {
-    const FaceId* first = nullptr;
-    const FaceId* last = nullptr;
-    const FaceId* begin() const { return first; }
-    const FaceId* end() const { return last; }
-  };
-
   void build(const TriangleMesh& mesh);
-  void shareRaw(const TriangleMesh& mesh, FaceId f);
+  void followCleared(const MeshChanges& changes);
   SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
   void deriveAround(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
   void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, std::vector<Spring>& out) const;
   void deriveBends(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
   void setConstants(const TriangleMesh& mesh, const FaceRange& on, Spring& spring) const;
   double fabricStiffness(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
-  double rawShare(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
+  RawShare rawShare(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
   std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
   std::vector<Spring> deriveAroundAll(const TriangleMesh& mesh,
                                       const std::vector<VertexId>& vertices) const;
@@ -132,8 +118,9 @@ class SpringNetwork {
   SpringSelection selection_;
   Calibration calibration_;
   std::optional<RawSprings> raw_;
-  std::vector<RawShares> rawShares_;                           ///< by face
-  std::array<double, kSpringKinds> rawLength_{0.0, 0.0, 0.0};  ///< usual rest lengths at first [m]
+  RawShares rawShares_;
+  /// Usual rest lengths of bend springs along warp and weft at first [m].
+  std::array<double, 2> rawBendLength_{0.0, 0.0};
   std::vector<Spring> slots_;
   std::vector<std::vector<std::int32_t>> standing_;
   std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};
