@@ -1,89 +1,65 @@
-/// \file Seams that tear through: how many pieces, how large, and what is held goes on being held.
+/// \file Seams that tear through: along which line, how many pieces, and what is held goes on being
+/// held.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
-#include "unit/core_support.h"
+#include "surgery/geometry.h"
 
 namespace cloth_sim {
 namespace {
 
 using namespace testing_support;
+using namespace surgery_support;
 
-// ---- plans on stretched cloths
-// -------------------------------------------------------------------
+// ---- plans on stretched cloths -----------------------------------------------------------------
 
-/// Tears a cloth of n x n along `seam`, stretched twofold everywhere, until nothing more fails.
-Model tearThrough(int n, const MaterialPath& seam, const SpringSelection& springs) {
-  ClothSpec spec = clothOf(n, n, 1.0 / (n - 1));
-  spec.springs = springs;
+/// Tears a cloth along `seam`, stretched twofold everywhere, until nothing more fails.
+Model tearThrough(const ClothSpec& spec, const MaterialPath& seam) {
   Model model = buildModel(spec);
   State state = flatState(model);
+  state.t = 1.0;
   for (Vec3& x : state.x) x *= 2.0;
   TearingSettings settings;
   settings.enabled = true;
   settings.ratio.fill(1.5);
   settings.seam = Seam{seam, 0.0};
+  settings.tipSpeed = 1e9;
   Tearing tearing(settings, model);
   for (int round = 0; round < 3 * model.mesh.faceCount(); ++round) {
-    const SurgeryResult result =
-        openSurface(model, state, tearing.plan(model, state), FailureCause::kTear);
-    if (result.changes.mesh.empty()) break;
+    const CutPlan plan = tearing.plan(model, state, 0.01);
+    if (plan.paths.empty()) break;
+    const SurgeryResult result = cut(plan, usualLimits(model.mesh), {}, model, state);
+    tearing.opened(result);
     tearing.follow(model, result.changes);
+    state.t += 0.01;
   }
   return model;
 }
 
+ClothSpec squareSpec(int n) { return clothOf(n, n, 1.0 / (n - 1)); }
+
 class ObliqueSeam : public testing::TestWithParam<int> {};
 
-TEST_P(ObliqueSeam, EndsWithTwoPiecesWithinOneEdgeOfIt) {
-  // Degrees from the u axis, through a point off the middle. The crack runs along edges within one
-  // edge (a diagonal at most) of the seam, so an area may differ from that of the half plane by
-  // seam length times edge length.
-  const int n = 21;
-  const double a = 1.0 / (n - 1);
+TEST_P(ObliqueSeam, EndsWithTwoPiecesOnItsSides) {
+  // Degrees from the u axis, through a point off the middle.
   const double angle = GetParam() * M_PI / 180.0;
   const Vec2 middle(0.511, 0.487), along(std::cos(angle), std::sin(angle));
   const MaterialPath seam{middle - 1.5 * along, middle + 1.5 * along};
-  const Model model = tearThrough(n, seam, {});
+  const Model model = tearThrough(squareSpec(21), seam);
   EXPECT_EQ(describeDefect(model.mesh), "");
-  const std::vector<double> areas = pieceAreas(model.mesh);
+  const double left = areaLeftOf(rectangle(1.0, 1.0), middle, along);
+  const std::vector<double> areas = sortedAreas(model.mesh);
   ASSERT_EQ(areas.size(), 2U);
-  EXPECT_NEAR(areas[0] + areas[1], 1.0, 1e-12);
-
-  const TriangleMesh fine = makeGridMesh({401, 401, 1.0, 1.0});
-  double left = 0.0;  // of the half plane
-  for (FaceId f = 0; f < fine.faceCount(); ++f) {
-    Vec2 centre = Vec2::Zero();
-    for (VertexId v : fine.face(f)) centre += fine.material(v) / 3.0;
-    if (sideOf(seam, centre) < 0.0) left += fine.restArea(f);
-  }
-  const double length = 1.5;  // more than the seam's within the cloth
-  // Which piece is which: by the mean of the signed distance. Pieces keep to their sides: no face
-  // of one has its centre an edge beyond the seam.
-  const Pieces pieces = findPieces(model.mesh);
-  std::array<double, 2> extreme{0.0, 0.0};
-  double mean = 0.0;
-  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
-    const Vec2& corner = model.mesh.material(model.mesh.face(f)[0]);
-    if (pieces.ofFace[f] == 0) mean += sideOf(seam, corner);
-  }
-  const bool firstIsLeft = mean < 0.0;
-  EXPECT_NEAR(areas[firstIsLeft ? 0 : 1], left, length * std::sqrt(2.0) * a);
-  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
-    Vec2 centre = Vec2::Zero();
-    for (VertexId v : model.mesh.face(f)) centre += model.mesh.material(v) / 3.0;
-    const bool isLeft = (pieces.ofFace[f] == 0) == firstIsLeft;
-    double& far = extreme[isLeft ? 0 : 1];
-    far = std::max(far, isLeft ? sideOf(seam, centre) : -sideOf(seam, centre));
-  }
-  EXPECT_LT(extreme[0], std::sqrt(2.0) * a);
-  EXPECT_LT(extreme[1], std::sqrt(2.0) * a);
+  EXPECT_NEAR(areas[0], std::min(left, 1.0 - left), 1e-9);
+  EXPECT_NEAR(areas[1], std::max(left, 1.0 - left), 1e-9);
+  EXPECT_LT(farthestFrom(seam, model.mesh), 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, ObliqueSeam,
@@ -94,32 +70,46 @@ TEST(Seam, TearsThroughWithoutShearAndBendSpringsToo) {
   for (const SpringSelection& springs :
        {SpringSelection{false, false}, SpringSelection{true, false},
         SpringSelection{false, true}}) {
-    EXPECT_EQ(pieceAreas(tearThrough(15, seam, springs).mesh).size(), 2U);
+    ClothSpec spec = squareSpec(15);
+    spec.springs = springs;
+    EXPECT_EQ(pieceAreas(tearThrough(spec, seam).mesh).size(), 2U);
   }
 }
 
-TEST(Seam, OfAPolylineTearsThroughToo) {
-  const Model model = tearThrough(21, {{0.3, -0.1}, {0.42, 0.5}, {0.71, 1.1}}, {});
+TEST(Seam, AlongEdgesAndThroughVerticesTearsThroughToo) {
+  for (const MaterialPath& seam :
+       {MaterialPath{{0.5, 0.0}, {0.5, 1.0}}, MaterialPath{{0.0, 0.25}, {1.0, 0.25}},
+        MaterialPath{{0.0, 0.0}, {1.0, 1.0}}, MaterialPath{{0.0, 1.0}, {1.0, 0.0}},
+        MaterialPath{{0.25, 0.0}, {0.75, 1.0}}}) {
+    const Model model = tearThrough(squareSpec(17), seam);
+    EXPECT_EQ(describeDefect(model.mesh), "");
+    EXPECT_EQ(pieceAreas(model.mesh).size(), 2U) << seam[0].transpose() << " - " << seam[1].transpose();
+    EXPECT_LT(farthestFrom(seam, model.mesh), 1e-9);
+  }
+}
+
+TEST(Seam, OfAPolylineTearsExactlyAlongIt) {
+  const MaterialPath seam{{0.3, -0.1}, {0.42, 0.5}, {0.71, 0.52}, {0.66, 1.1}};
+  const Model model = tearThrough(squareSpec(21), seam);
   EXPECT_EQ(describeDefect(model.mesh), "");
   EXPECT_EQ(pieceAreas(model.mesh).size(), 2U);
+  EXPECT_LT(farthestFrom(seam, model.mesh), 1e-9);
 }
 
 TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
-  // From the lower border towards the upper left, 40 degrees off the v axis. Every structural
-  // spring across it is gone, every new vertex is within one edge of it, and the cloth holds
-  // together.
-  ClothSpec spec = clothOf(21, 21, 0.05);
-  Model model = buildModel(spec);
+  // From the lower border towards the upper left, 40 degrees off the v axis: it lies where it should,
+  // the springs across it are gone, and the cloth holds together.
+  Model model = buildModel(clothOf(21, 21, 0.05));
   State state = flatState(model);
   const MaterialPath path{{0.62, 0.0}, {0.62 - 0.35 * std::sin(0.7), 0.35 * std::cos(0.7)}};
-  const SurgeryResult result =
-      openSurface(model, state, planNotch(model, path), FailureCause::kCut);
+  CutPlan plan;
+  const Vec3 from(path[0].x(), path[0].y(), 0.0), to(path[1].x(), path[1].y(), 0.0);
+  plan.paths = findPaths(strokeAlong({from, to}, Vec3::UnitZ(), 1.0), model.mesh, state.x);
+  const SurgeryResult result = cut(plan, usualLimits(model.mesh), {}, model, state);
   EXPECT_EQ(describeDefect(model.mesh), "");
   EXPECT_EQ(findPieces(model.mesh).count, 1);
-  EXPECT_GE(result.changes.mesh.newVertices.size(), 5U);
-  for (const NewVertex& added : result.changes.mesh.newVertices) {
-    EXPECT_LT(distanceTo(path, model.mesh.material(added.id)), 0.05 * std::sqrt(2.0));
-  }
+  EXPECT_LT(farthestFrom(path, model.mesh), 1e-9);
+  EXPECT_NEAR(result.length, 0.35, 1e-9);
   int structural = 0;
   for (const FailureEvent& event : result.events) {
     EXPECT_EQ(event.cause, FailureCause::kCut);
@@ -127,10 +117,13 @@ TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
     structural += event.kind == SpringKind::kStructural ? 1 : 0;
   }
   EXPECT_GE(structural, 5);
+  for (const Spring& spring : model.springs.slots()) {
+    if (!spring.exists()) continue;
+    EXPECT_FALSE(separates(path, model.mesh.material(spring.a), model.mesh.material(spring.b)));
+  }
 }
 
-// ---- whole scenes
-// --------------------------------------------------------------------------------
+// ---- whole scenes ------------------------------------------------------------------------------
 
 /// A cloth that two clamps pull apart along its middle, without gravity.
 std::string pullScene(const std::string& method) {
@@ -165,8 +158,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, SeamScene, testing::ValuesIn(solverNames()),
                          [](const auto& test) { return test.param; });
 
 TEST_P(SeamScene, TearsIntoTwoPiecesOfTheExpectedAreas) {
-  // The seam lies between columns 7 (u = 0.21) and 8 (0.24): column 8 opens, so the left piece is
-  // 8 cells wide and the right one 7, of 0.03 m each; both 0.45 m high.
+  // The seam lies half-way between columns 7 (u = 0.21) and 8 (0.24), and so between the borders.
   std::string yaml = pullScene(GetParam());
   // Patches of radius 8 would take the middle too: keep to three columns each.
   const auto replace = [&](const std::string& from, const std::string& to) {
@@ -185,23 +177,27 @@ TEST_P(SeamScene, TearsIntoTwoPiecesOfTheExpectedAreas) {
   EXPECT_EQ(simulation.pieces(), 2);
   EXPECT_EQ(describeDefect(simulation.model().mesh), "");
   EXPECT_NEAR(totalMass(simulation.model()), mass, 1e-12 * mass);
-  EXPECT_EQ(simulation.model().mesh.totalRestArea(), area);
+  EXPECT_NEAR(simulation.model().mesh.totalRestArea(), area, 1e-12 * area);
+  EXPECT_LT(farthestFrom({{0.225, 0.0}, {0.225, 0.45}}, simulation.model().mesh), 1e-12);
   EXPECT_TRUE(isFinite(simulation.state()));
   const std::vector<double> areas = pieceAreas(simulation.model().mesh);
   ASSERT_EQ(areas.size(), 2U);
-  EXPECT_NEAR(areas[0], 8 * 0.03 * 0.45, 1e-12);
-  EXPECT_NEAR(areas[1], 7 * 0.03 * 0.45, 1e-12);
+  EXPECT_NEAR(areas[0], 0.225 * 0.45, 1e-12);
+  EXPECT_NEAR(areas[1], 0.225 * 0.45, 1e-12);
 
   int overloaded = 0;
+  std::set<long> rows;
   for (const FailureEvent& event : simulation.takeEvents()) {
     EXPECT_EQ(event.cause, FailureCause::kTear);
     if (event.kind == SpringKind::kStructural) {
       EXPECT_NEAR(event.material.x(), 0.225, 1e-12) << "failed structural springs cross the seam";
+      EXPECT_TRUE(rows.insert(std::lround(event.material.y() / 0.03)).second) << "each once";
     }
     if (!event.overloaded) continue;
     ++overloaded;
     EXPECT_GT(event.stretch, 1.5);
   }
+  EXPECT_EQ(rows.size(), 16U);
   EXPECT_GE(overloaded, 8);
   for (const Clamp& clamp : simulation.clamps()) EXPECT_EQ(clamp.held().size(), 5U * 7U);
 }
@@ -231,27 +227,27 @@ phases:
   const Model& model = simulation.model();
   const State& state = simulation.state();
   ASSERT_GT(model.particleCount(), 121);
-  // Column 5 is what opens. Row 0 of it is pinned; rows 8 to 10 are in the patch.
+  // The notches run half-way between columns 4 and 5. Row 0 is pinned, rows 8 to 10 are in the
+  // patch: what is made between held particles is held too, and so are both sides of the opening.
   const std::vector<VertexId>& held = simulation.clamps()[0].held();
-  int pinnedCopies = 0, heldCopies = 0;
+  std::map<double, std::vector<VertexId>> byHeight;  // new particles that are held
   for (VertexId v = 121; v < model.particleCount(); ++v) {
     const Vec2 place = model.mesh.material(v);
-    EXPECT_NEAR(place.x(), 0.15, 1e-12);
-    const int row = static_cast<int>(std::lround(place.y() / 0.03));
-    const VertexId twin = model.grid->vertex(5, row);
-    if (row == 0) {
-      ++pinnedCopies;
-      EXPECT_EQ(state.x[v], state.x[twin]);
-      EXPECT_NEAR(state.x[v].z(), 0.85, 1e-12);
-    } else if (row >= 8) {
-      ++heldCopies;
-      EXPECT_TRUE(std::binary_search(held.begin(), held.end(), v)) << "row " << row;
-      EXPECT_EQ(state.x[v], state.x[twin]);
+    EXPECT_NEAR(place.x(), 0.135, 1e-12);
+    const bool inPatch = place.y() > 0.24 - 1e-9;
+    EXPECT_EQ(std::binary_search(held.begin(), held.end(), v), inPatch) << place.transpose();
+    if (inPatch || place.y() < 1e-9) byHeight[place.y()].push_back(v);
+    if (place.y() < 1e-9) {
+      EXPECT_NEAR((state.x[v] - Vec3(-0.015, 0.0, 0.85)).norm(), 0.0, 1e-12);
     }
   }
-  EXPECT_EQ(pinnedCopies, 1);
-  EXPECT_EQ(heldCopies, 3);
-  EXPECT_EQ(held.size(), 9U + 3U);
+  // At the pinned border, and in the patch at every row and every diagonal between rows.
+  EXPECT_EQ(byHeight.size(), 1U + 5U);
+  for (const auto& [height, pair] : byHeight) {
+    ASSERT_EQ(pair.size(), 2U) << "v = " << height;
+    EXPECT_EQ(state.x[pair[0]], state.x[pair[1]]) << "v = " << height;
+  }
+  EXPECT_EQ(held.size(), 9U + 10U);
   EXPECT_TRUE(std::is_sorted(held.begin(), held.end()));
 }
 

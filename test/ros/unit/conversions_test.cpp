@@ -17,11 +17,12 @@ Observation observe(const Snapshot& snapshot) {
 /// A cloth in two pieces, of which some scraps were taken away.
 Snapshot cutCloth() {
   Snapshot snapshot;
-  snapshot.topology = std::make_shared<Topology>();
+  auto topology = std::make_shared<Topology>();
+  topology->shortestEdge = 0.004;
+  topology->stableStep = 1e-4;
+  snapshot.topology = topology;
   snapshot.pieces = {{6, 0.3, 0.6, Vec3(1.0, 2.0, 3.0)}, {2, 0.1, 0.2, Vec3(0.0, 0.0, 1.0)}};
   snapshot.dropped = {5, 0.01, 0.02};
-  snapshot.shortestEdge = 0.004;
-  snapshot.stableStep = 1e-4;
   snapshot.mass = 0.4;
   snapshot.restArea = 0.8;
   return snapshot;
