@@ -115,6 +115,8 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
     const VertexId tip = nearestTip(model.mesh, middle, kGrip * edge);
     if (tip != kNone && tips_.at(tip) > state.t) continue;
     const bool onSeam = settings_.seam && straddles(model.mesh, spring, settings_.seam->path);
+    // A spring may have crossed the seam before an edit moved it.
+    if (!onSeam && !allowed(model, spring)) continue;
     const bool begins = tip == kNone && !onSeam;
     if (begins && isShaded(middle, edge, state.t)) continue;
     std::optional<SurfacePath> line =
