@@ -85,9 +85,9 @@ std::vector<EmbeddedPath> prepare(const CutPlan& plan, std::int32_t maxVertices,
 }
 
 void refuse(std::int32_t wanted, std::int32_t allowed) {
-  throw TooManyParticles("this would make " + std::to_string(wanted) +
-                         " particles or more, and cloth.surgery.max_particles = " +
-                         std::to_string(allowed));
+  throw TooManyParticles(
+      "this would make " + std::to_string(wanted) +
+      " particles or more, and cloth.surgery.max_particles = " + std::to_string(allowed));
 }
 
 /// Far more vertices than the plan can possibly make.

@@ -116,8 +116,10 @@ void refineNear(const Neighbourhood& near, const Refinement& refinement,
     }
     const bool fine =
         mesh.generation(f) >= refinement.generations || 0.5 * longestEdge(mesh, f) < minEdge;
+    if (fine) continue;
+    // Even one that is refused may have halved others on its way.
     const VertexId known = mesh.vertexCount();
-    if (fine || !remesher.bisect(f)) continue;
+    remesher.bisect(f);
     for (; edits < remesher.edits().size(); ++edits) coordinates.apply(remesher.edits()[edits]);
     seen.resize(static_cast<std::size_t>(mesh.faceCount()), false);
     // What a bisection made may have to be halved again.

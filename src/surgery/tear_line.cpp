@@ -5,12 +5,15 @@
 #include <cmath>
 
 #include "cloth_sim/mesh/quality.h"
+#include "cloth_sim/surgery/remesher.h"
 
 namespace cloth_sim {
 namespace {
 
 /// Rings of vertices around a tip whose springs tell the stress there.
 constexpr int kStressRings = 2;
+/// A vertex lies on a seam if it is within this of it [m].
+constexpr double kOnSeam = 1e-9;
 /// Parameters along a line count as the same within this.
 constexpr double kTolerance = 1e-9;
 
@@ -34,6 +37,27 @@ Vec2 awayFromTear(const TriangleMesh& mesh, VertexId tip) {
     back += (mesh.material(w) - mesh.material(tip)).normalized();
   }
   return -back;
+}
+
+/// Whether a path over the faces around `v` runs between faces or inside of one somewhere, and not
+/// along the border only.
+bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
+  if (!mesh.isBoundary(v)) return true;
+  for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
+    for (const SurfacePoint& end : {path.points[k], path.points[k + 1]}) {
+      // Half-way from the vertex.
+      const Vec2 p = 0.5 * (mesh.material(v) + end.material);
+      int inside = 0;
+      for (FaceId f : mesh.facesAround(v)) {
+        const std::array<double, 3> weight = barycentric(mesh, f, p);
+        const double least = *std::min_element(weight.begin(), weight.end());
+        if (least > kTolerance) return true;
+        if (least > -kTolerance) ++inside;
+      }
+      if (inside > 1 && (p - mesh.material(v)).norm() > kOnSeam) return true;
+    }
+  }
+  return false;
 }
 
 /// Where the line from + t d is inside a face: an interval of t, empty if first > last.
@@ -153,33 +177,45 @@ Vec2 tensionDirection(const Model& model, const State& state, VertexId v) {
   return axes.eigenvectors().col(1);
 }
 
-std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
-                                    const MaterialPath& seam, const Vec2& p, const Vec2& q) {
-  std::vector<Interval> parts;
-  std::optional<double> at;
+std::optional<double> crossingOf(const MaterialPath& seam, const Vec2& p, const Vec2& q) {
   for (std::size_t k = 0; k + 1 < seam.size(); ++k) {
+    if (!separates({seam[k], seam[k + 1]}, p, q)) continue;
     const Vec2 d = seam[k + 1] - seam[k];
+    const Vec2 e = q - p;
+    const Vec2 r = p - seam[k];
+    const double t = (r.x() * e.y() - r.y() * e.x()) / (d.x() * e.y() - d.y() * e.x());
+    return static_cast<double>(k) + std::clamp(t, 0.0, 1.0);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> placeOn(const MaterialPath& seam, const Vec2& p) {
+  for (std::size_t k = 0; k + 1 < seam.size(); ++k) {
+    if (distanceTo({seam[k], seam[k + 1]}, p) > kOnSeam) continue;
+    const Vec2 d = seam[k + 1] - seam[k];
+    return static_cast<double>(k) + std::clamp(d.dot(p - seam[k]) / d.squaredNorm(), 0.0, 1.0);
+  }
+  return std::nullopt;
+}
+
+std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
+                                    const MaterialPath& seam, double at) {
+  std::vector<Interval> parts;
+  for (std::size_t k = 0; k + 1 < seam.size(); ++k) {
     const auto offset = static_cast<double>(k);
     for (FaceId f : faces) {
-      Interval part = clip(mesh, f, seam[k], d, 0.0, 1.0);
+      const Interval part = clip(mesh, f, seam[k], seam[k + 1] - seam[k], 0.0, 1.0);
       if (part.first > part.last) continue;
       parts.push_back({offset + part.first, offset + part.last, f});
     }
-    if (!at && separates({seam[k], seam[k + 1]}, p, q)) {
-      const Vec2 e = q - p;
-      const double rate = d.x() * e.y() - d.y() * e.x();
-      const Vec2 r = p - seam[k];
-      at = offset + std::clamp((r.x() * e.y() - r.y() * e.x()) / rate, 0.0, 1.0);
-    }
   }
-  if (!at) return std::nullopt;
-  const Interval whole = connected(parts, *at);
+  Interval whole = connected(parts, at);
+  const FaceId hint = whole.face != kNone ? whole.face : faces.front();
   const auto pointAt = [&](double s) -> Vec2 {
     const auto k = std::min(static_cast<std::size_t>(s), seam.size() - 2);
     return seam[k] + (s - static_cast<double>(k)) * (seam[k + 1] - seam[k]);
   };
   SurfacePath path;
-  const FaceId hint = whole.face != kNone ? whole.face : faces.front();
   path.points.push_back({hint, pointAt(whole.first)});
   for (double s = std::floor(whole.first) + 1.0; s < whole.last - kTolerance; s += 1.0) {
     if (s > whole.first + kTolerance) path.points.push_back({hint, pointAt(s)});
@@ -188,6 +224,31 @@ std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<
   if ((path.points.back().material - path.points.front().material).norm() <= kTolerance) {
     return std::nullopt;
   }
+  return path;
+}
+
+std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v,
+                                    const MaterialPath& seam) {
+  const std::optional<double> at = placeOn(seam, mesh.material(v));
+  if (!at) return std::nullopt;
+  std::optional<SurfacePath> path = seamOver(mesh, mesh.facesAround(v), seam, *at);
+  if (!path || !runsInside(mesh, v, *path)) return std::nullopt;
+  if (!isTip(mesh, v)) return path;
+  // Only what is ahead of the tip: the points after it, in the direction away from the tear.
+  const Vec2 onwards = awayFromTear(mesh, v);
+  const auto isAhead = [&](const SurfacePoint& p) {
+    const Vec2 d = p.material - mesh.material(v);
+    return d.norm() > kTolerance && d.dot(onwards) > 0.0;
+  };
+  std::vector<SurfacePoint>& points = path->points;
+  points.erase(std::remove_if(points.begin(), points.end(),
+                              [&](const SurfacePoint& p) { return !isAhead(p); }),
+               points.end());
+  if (points.empty()) return std::nullopt;
+  const bool forwards = (points.front().material - mesh.material(v)).norm() <=
+                        (points.back().material - mesh.material(v)).norm();
+  if (!forwards) std::reverse(points.begin(), points.end());
+  points.insert(points.begin(), {mesh.facesAround(v).front(), mesh.material(v)});
   return path;
 }
 

@@ -25,6 +25,13 @@ bool straddles(const TriangleMesh& mesh, const Spring& spring, const MaterialPat
   return separates(path, mesh.material(spring.a), mesh.material(spring.b));
 }
 
+/// The end of a spring that lies on the path, if the other end does not.
+VertexId endOn(const TriangleMesh& mesh, const Spring& spring, const MaterialPath& path) {
+  const bool a = placeOn(path, mesh.material(spring.a)).has_value();
+  const bool b = placeOn(path, mesh.material(spring.b)).has_value();
+  return a == b ? kNone : (a ? spring.a : spring.b);
+}
+
 double lengthOf(const SurfacePath& path) {
   double length = 0.0;
   for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
@@ -58,8 +65,8 @@ bool Tearing::allowed(const Model& model, const Spring& spring) const {
   if (!settings_.seam) return true;
   const Seam& seam = *settings_.seam;
   if (straddles(model.mesh, spring, seam.path)) return true;
-  return seam.halfWidth > 0.0 &&
-         distanceTo(seam.path, middleOf(model.mesh, spring)) <= seam.halfWidth;
+  if (endOn(model.mesh, spring, seam.path) != kNone) return true;
+  return isInBand(model.mesh, spring);
 }
 
 void Tearing::follow(const Model& model, const ModelChanges& changes) {
@@ -114,15 +121,12 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
     }
     const VertexId tip = nearestTip(model.mesh, middle, kGrip * edge);
     if (tip != kNone && tips_.at(tip) > state.t) continue;
-    const bool onSeam = settings_.seam && straddles(model.mesh, spring, settings_.seam->path);
     // A spring may have crossed the seam before an edit moved it.
-    if (!onSeam && !allowed(model, spring)) continue;
-    const bool begins = tip == kNone && !onSeam;
+    if (!allowed(model, spring)) continue;
+    std::optional<SurfacePath> line = seamLine(model.mesh, spring);
+    const bool begins = tip == kNone && !line;
     if (begins && isShaded(middle, edge, state.t)) continue;
-    std::optional<SurfacePath> line =
-        onSeam ? seamOver(model.mesh, faces, settings_.seam->path, model.mesh.material(spring.a),
-                          model.mesh.material(spring.b))
-               : lineFor(model, state, spring, tip);
+    if (!line && isInBand(model.mesh, spring)) line = lineFor(model, state, spring, tip);
     if (!line) continue;
     const double ready = tip == kNone ? 0.0 : tips_.at(tip);
     strides_.push_back({std::max(ready, state.t - dt), lengthOf(*line)});
@@ -132,6 +136,23 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
   }
   std::sort(plan.overloaded.begin(), plan.overloaded.end());
   return plan;
+}
+
+/// Along the seam, for a spring that crosses it or ends on it.
+std::optional<SurfacePath> Tearing::seamLine(const TriangleMesh& mesh, const Spring& spring) const {
+  if (!settings_.seam) return std::nullopt;
+  const MaterialPath& seam = settings_.seam->path;
+  const auto at = crossingOf(seam, mesh.material(spring.a), mesh.material(spring.b));
+  if (at) return seamOver(mesh, facesUnder(mesh, spring), seam, *at);
+  const VertexId end = endOn(mesh, spring, seam);
+  return end == kNone ? std::nullopt : seamFrom(mesh, end, seam);
+}
+
+/// Whether a spring may tear elsewhere than along the seam.
+bool Tearing::isInBand(const TriangleMesh& mesh, const Spring& spring) const {
+  if (!settings_.seam) return true;
+  const Seam& seam = *settings_.seam;
+  return seam.halfWidth > 0.0 && distanceTo(seam.path, middleOf(mesh, spring)) <= seam.halfWidth;
 }
 
 std::optional<SurfacePath> Tearing::lineFor(const Model& model, const State& state,

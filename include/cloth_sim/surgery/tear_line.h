@@ -25,9 +25,17 @@ VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces
 /// P = (sum of f (x) D) / A, with f the force of a spring and D its rest vector. Unit length.
 Vec2 tensionDirection(const Model& model, const State& state, VertexId v);
 
-/// The part of `seam` over `faces` that has the place where the segment p-q crosses it.
+/// Where on a seam the segment p-q crosses it: the number of a segment, plus the part of it.
+std::optional<double> crossingOf(const MaterialPath& seam, const Vec2& p, const Vec2& q);
+/// Where on a seam a point is, if it is on it (within 1e-9 m).
+std::optional<double> placeOn(const MaterialPath& seam, const Vec2& p);
+
+/// The connected part of `seam` over `faces` that has the place `at`.
 std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
-                                    const MaterialPath& seam, const Vec2& p, const Vec2& q);
+                                    const MaterialPath& seam, double at);
+
+/// The part of `seam` over the faces around `v`, a vertex on it; from a tip only what is ahead.
+std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v, const MaterialPath& seam);
 
 /// From `origin` across the faces around it, along `direction` or against it: away from the tear
 /// that ends there, or towards `ahead`.

@@ -11,8 +11,8 @@
 
 namespace cloth_sim {
 
-/// Where the cloth may tear: only at springs that cross `path` or whose middle is within
-/// `halfWidth` of it.
+/// Where the cloth may tear: only at springs that cross `path` or end on it, or whose middle is
+/// within `halfWidth` of it.
 struct Seam {
   MaterialPath path;       ///< at least two points
   double halfWidth = 0.0;  ///< [m], >= 0
@@ -80,6 +80,8 @@ class Tearing {
 
   bool allowed(const Model& model, const Spring& spring) const;
   std::vector<Overload> findOverloads(const Model& model, const State& state) const;
+  bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
+  std::optional<SurfacePath> seamLine(const TriangleMesh& mesh, const Spring& spring) const;
   std::optional<SurfacePath> lineFor(const Model& model, const State& state, const Spring& spring,
                                      VertexId tip) const;
   VertexId nearestTip(const TriangleMesh& mesh, const Vec2& p, double within) const;
