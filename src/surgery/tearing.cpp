@@ -73,6 +73,7 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
   for (std::int32_t slot : changes.springs.added) {
     if (allowed(model, model.springs[slot])) candidates_.push_back(slot);
   }
+  for (std::int32_t slot : changes.springs.modified) idle_.erase(slot);
   for (const VertexEdit& edit : changes.mesh.vertices) {
     if (edit.kind != VertexEdit::Kind::kRemove) continue;
     tips_.erase(edit.id);
@@ -108,6 +109,7 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
   forget(model.mesh, state.t);
   std::vector<Vec2> begun;  // where strides of this plan are
   for (const Overload& overload : findOverloads(model, state)) {
+    if (idle_.count(overload.slot) != 0) continue;
     plan.overloaded.push_back(overload.slot);
     const Spring& spring = model.springs[overload.slot];
     const std::vector<FaceId> faces = facesUnder(model.mesh, spring);
@@ -129,7 +131,7 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
     if (!line && isInBand(model.mesh, spring)) line = lineFor(model, state, spring, tip);
     if (!line) continue;
     const double ready = tip == kNone ? 0.0 : tips_.at(tip);
-    strides_.push_back({std::max(ready, state.t - dt), lengthOf(*line)});
+    strides_.push_back({std::max(ready, state.t - dt), lengthOf(*line), overload.slot});
     begun.push_back(tip == kNone ? middle : model.mesh.material(tip));
     for (const SurfacePoint& p : line->points) runs_.push_back({p.material, state.t});
     plan.paths.push_back(std::move(*line));
@@ -196,6 +198,9 @@ void Tearing::forget(const TriangleMesh& mesh, double time) {
 }
 
 void Tearing::opened(const SurgeryResult& result) {
+  if (result.changes.mesh.empty()) {
+    for (const Stride& stride : strides_) idle_.insert(stride.slot);
+  }
   for (std::size_t k = 0; k < strides_.size(); ++k) {
     const double ready = strides_[k].start + strides_[k].length / settings_.tipSpeed;
     for (VertexId tip : {result.tips[2 * k], result.tips[2 * k + 1]}) tips_[tip] = ready;

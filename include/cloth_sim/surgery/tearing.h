@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "cloth_sim/surgery/material_path.h"
 #include "cloth_sim/surgery/operation.h"
@@ -67,6 +68,7 @@ class Tearing {
   struct Stride {
     double start = 0.0;   ///< [s]
     double length = 0.0;  ///< [m]
+    std::int32_t slot = kNone;
   };
   /// Where a tear has run.
   struct Run {
@@ -93,6 +95,7 @@ class Tearing {
       candidates_;                   ///< slots that the gate allows, ascending; some may be gone
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
+  std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
   std::vector<Stride> strides_;  ///< of the last plan, by path
 };
 
