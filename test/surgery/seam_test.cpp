@@ -50,7 +50,7 @@ class ObliqueSeam : public testing::TestWithParam<int> {};
 TEST_P(ObliqueSeam, EndsWithTwoPiecesOnItsSides) {
   // Degrees from the u axis, through a point off the middle.
   const double angle = GetParam() * M_PI / 180.0;
-  const Vec2 middle(0.511, 0.487), along(std::cos(angle), std::sin(angle));
+  const Vec2 middle(0.511, 0.467), along(std::cos(angle), std::sin(angle));
   const MaterialPath seam{middle - 1.5 * along, middle + 1.5 * along};
   const Model model = tearThrough(squareSpec(21), seam);
   EXPECT_EQ(describeDefect(model.mesh), "");
@@ -88,6 +88,15 @@ TEST(Seam, AlongEdgesAndThroughVerticesTearsThroughToo) {
   }
 }
 
+TEST(Seam, PastACornerNearerThanTheShortestEdgeBendsToIt) {
+  // It meets the borders 2 mm from two corners, where the shortest edge is 2.5 mm, and corners stay.
+  const MaterialPath seam{{1.098, -0.1}, {-0.1, 1.098}};
+  const Model model = tearThrough(squareSpec(21), seam);
+  EXPECT_EQ(describeDefect(model.mesh), "");
+  EXPECT_EQ(pieceAreas(model.mesh).size(), 2U);
+  EXPECT_LT(farthestFrom(seam, model.mesh), 0.002);
+}
+
 TEST(Seam, OfAPolylineTearsExactlyAlongIt) {
   const MaterialPath seam{{0.3, -0.1}, {0.42, 0.5}, {0.71, 0.52}, {0.66, 1.1}};
   const Model model = tearThrough(squareSpec(21), seam);
@@ -110,13 +119,15 @@ TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
   EXPECT_EQ(findPieces(model.mesh).count, 1);
   EXPECT_LT(farthestFrom(path, model.mesh), 1e-9);
   EXPECT_NEAR(result.length, 0.35, 1e-9);
+  // Where a vertex moved onto the cut, the springs that crossed there were exchanged for others.
   int structural = 0;
   for (const FailureEvent& event : result.events) {
     EXPECT_EQ(event.cause, FailureCause::kCut);
     EXPECT_LT(distanceTo(path, event.material), 0.05 * std::sqrt(2.0));
     structural += event.kind == SpringKind::kStructural ? 1 : 0;
   }
-  EXPECT_GE(structural, 5);
+  EXPECT_GE(structural, 3);
+  EXPECT_GE(result.events.size(), 10U);
   for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
     EXPECT_FALSE(separates(path, model.mesh.material(spring.a), model.mesh.material(spring.b)));

@@ -255,7 +255,8 @@ TEST(Snapshot, ShowsTheSimulation) {
   EXPECT_THAT(shot->springs, ElementsAre(8 * 7 + 9 * 6, 2 * 8 * 6, 7 * 7 + 9 * 5));
   EXPECT_EQ(shot->clamps.size(), 2U);
   EXPECT_EQ(shot->obstacles.size(), 2U);
-  EXPECT_EQ(shot->pieces, 1);
+  ASSERT_EQ(shot->pieces.size(), 1U);
+  EXPECT_NEAR(shot->pieces[0].restArea, 0.12, 1e-15);
   EXPECT_NEAR(shot->restArea, 0.12, 1e-15);
   EXPECT_FALSE(shot->failed);
   EXPECT_EQ(shot->topology->links.size(), 8U * 7 + 9 * 6 + 2 * 8 * 6) << "no bend springs";
@@ -274,8 +275,16 @@ TEST(Snapshot, SharesTheTopologyUntilItChanges) {
   const auto torn = simulation.snapshot();
   EXPECT_NE(torn->topology, first->topology);
   EXPECT_GT(torn->topology->revision, first->topology->revision);
-  // The notch crosses rows 0 to 2 (v = 0, 0.05, 0.1), so it opens three edges, on both sides.
-  EXPECT_EQ(torn->topology->tornEdges.size(), 6U);
+  // The notch goes up to v = 0.11 at u = 0.225: its flanks lie on it, and are as long.
+  double length = 0.0;
+  for (const auto& edge : torn->topology->tornEdges) {
+    const Vec2& a = torn->topology->material[edge[0]];
+    const Vec2& b = torn->topology->material[edge[1]];
+    EXPECT_NEAR(a.x(), 0.225, 1e-12);
+    EXPECT_NEAR(b.x(), 0.225, 1e-12);
+    length += (b - a).norm();
+  }
+  EXPECT_NEAR(length, 2 * 0.11, 1e-12);
   EXPECT_EQ(first->topology->revision, 0U) << "what was given out does not change";
 }
 
@@ -344,7 +353,16 @@ TEST(Summary, HasEveryKeyOfTheContract) {
   EXPECT_EQ(json["scene"], "bench");
   EXPECT_EQ(json["solver"], "xpbd");
   EXPECT_EQ(json["method_params"]["substeps"], 5);
-  EXPECT_EQ(json["faces"], 96);
+  EXPECT_EQ(json["faces"], simulation.model().mesh.faceCount());
+  EXPECT_GT(json["faces"], 96) << "the notch splits faces";
+  ASSERT_EQ(json["piece_list"].size(), 1U);
+  EXPECT_THAT(keysOf(json["piece_list"][0]),
+              testing::UnorderedElementsAre("faces", "mass_kg", "rest_area_m2",
+                                            "centre_of_mass_m"));
+  EXPECT_EQ(json["piece_list"][0]["faces"], json["faces"]);
+  EXPECT_EQ(json["dropped"]["count"], 0);
+  EXPECT_GT(json["shortest_edge_m"], 0.0);
+  EXPECT_GT(json["stable_step_s"], 0.0);
   EXPECT_EQ(json["particles"], simulation.model().particleCount());
   EXPECT_EQ(json["springs"]["active"], simulation.model().springs.count());
   EXPECT_EQ(json["broken"]["total"], simulation.broken().total);
