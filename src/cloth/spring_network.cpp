@@ -16,6 +16,8 @@ const double kThreadCosine = std::cos(M_PI / 8.0);
 constexpr double kBendCurvature = 50.0;
 /// ... but at no fold sharper than this [rad], where the spring law loses its meaning.
 constexpr double kBendFoldLimit = 1.5;
+/// Springs that stand on a vertex, as a rule.
+constexpr std::size_t kUsualStanding = 16;
 /// What structural springs keep of the tensile stiffness at least, whatever shear and bend springs
 /// already carry.
 constexpr double kStructuralFloor = 0.01;
@@ -181,8 +183,9 @@ void SpringNetwork::build(const TriangleMesh& mesh) {
 
 void SpringNetwork::deriveAround(const TriangleMesh& mesh, VertexId v,
                                  std::vector<Spring>& out) const {
-  for (VertexId w : mesh.neighbours(v)) deriveEdge(mesh, std::min(v, w), std::max(v, w), out);
-  if (selection_.bend) deriveBends(mesh, v, out);
+  const std::vector<VertexId> neighbours = mesh.neighbours(v);
+  for (VertexId w : neighbours) deriveEdge(mesh, std::min(v, w), std::max(v, w), out);
+  if (selection_.bend) deriveBends(mesh, v, neighbours, out);
 }
 
 void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
@@ -212,9 +215,9 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
 }
 
 void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
+                                const std::vector<VertexId>& neighbours,
                                 std::vector<Spring>& out) const {
   const Vec2& centre = mesh.material(v);
-  const std::vector<VertexId> neighbours = mesh.neighbours(v);
   for (const ThreadDirection thread : {ThreadDirection::kWarp, ThreadDirection::kWeft}) {
     const Vec2 axis = thread == ThreadDirection::kWarp ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0);
     VertexId ahead = kNone;
@@ -308,7 +311,9 @@ RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
 
 SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
-  standing_.resize(mesh.vertexCount());
+  while (standing_.size() < static_cast<std::size_t>(mesh.vertexCount())) {
+    standing_.emplace_back().reserve(kUsualStanding);
+  }
   if (raw_) rawShares_.follow(mesh, changes);
   followCleared(changes);
   const std::vector<std::int32_t> before = standingOnAny(changes.touched);
@@ -428,11 +433,12 @@ std::vector<Spring> SpringNetwork::deriveAroundAll(const TriangleMesh& mesh,
   std::vector<Spring> springs;
   springs.reserve(8 * vertices.size());
   for (VertexId v : vertices) {
-    for (VertexId w : mesh.neighbours(v)) {
+    const std::vector<VertexId> neighbours = mesh.neighbours(v);
+    for (VertexId w : neighbours) {
       const bool foundThere = w < v && listed[w];
       if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), springs);
     }
-    if (selection_.bend) deriveBends(mesh, v, springs);
+    if (selection_.bend) deriveBends(mesh, v, neighbours, springs);
   }
   return springs;
 }

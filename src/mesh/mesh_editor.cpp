@@ -5,6 +5,9 @@
 namespace cloth_sim {
 namespace {
 
+/// Faces around a vertex, as a rule.
+constexpr std::size_t kUsualFaces = 8;
+
 /// Sets a flag, and tells whether it was not set before.
 bool raise(std::vector<bool>& flags, std::int32_t k) {
   if (flags.size() <= static_cast<std::size_t>(k)) flags.resize(static_cast<std::size_t>(k) + 1);
@@ -206,7 +209,7 @@ VertexId MeshEditor::addVertex(const VertexEdit& edit) {
   VertexEdit added = edit;
   added.id = mesh_.vertexCount();
   mesh_.material_.push_back(blendMaterial(edit));
-  mesh_.incident_.emplace_back();
+  mesh_.incident_.emplace_back().reserve(kUsualFaces);
   changes_.vertices.push_back(added);
   return added.id;
 }

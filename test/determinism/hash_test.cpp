@@ -18,7 +18,7 @@
 namespace cloth_sim {
 namespace {
 
-/// A cloth that falls on a sphere over a table, is notched, grasped and torn.
+/// A cloth that falls on a sphere over a table, is notched, grasped and torn, refined where it tears.
 Scene busyScene(const std::string& method, int n = 64) {
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);
@@ -144,7 +144,12 @@ TEST_P(Determinism, CommandsAtTheSameTimes) {
     run(simulation, 5);
     simulation.apply(MoveObstacle{"sphere", Pose{Vec3(0.1, 0.0, 0.1)}, Vec3(0.0, 0.5, 0.0)});
     simulation.apply(SetPhase{"pull"});
-    run(simulation, 10);
+    run(simulation, 4);
+    const Vec3 down(0.0, 0.0, -1.0);
+    EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}).success);
+    EXPECT_TRUE(
+        simulation.apply(CutAlong{strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, down, 1.0)}).success);
+    run(simulation, 6);
     return hashOf(simulation);
   };
   const std::uint64_t first = commanded();

@@ -100,6 +100,10 @@ Pose poseOf(const Vec3& position, const Quat& orientation = Quat::Identity()) {
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 const double kInf = std::numeric_limits<double>::infinity();
 
+Stroke strokeTo(const Vec3& end) {
+  return strokeAlong({Vec3(0.0, -1.0, 0.2), end}, Vec3::UnitZ(), 0.1);
+}
+
 class RefusedCommand : public testing::TestWithParam<BadCommand> {};
 
 TEST_P(RefusedCommand, ChangesNothing) {
@@ -150,7 +154,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadCommand{"ObstacleAtNoSpeed", MoveObstacle{"ball", Pose{}, Vec3(0, kNan, 0)}, "velocity"},
         BadCommand{"TearRatioOfOne", SetTearing{true, {1.0, 2.0, 2.0}},
                    "tear ratio: expected numbers > 1"},
-        BadCommand{"TearRatioNotANumber", SetTearing{true, {2.0, kNan, 2.0}}, "tear ratio"}),
+        BadCommand{"TearRatioNotANumber", SetTearing{true, {2.0, kNan, 2.0}}, "tear ratio"},
+        BadCommand{"CutWithOnePose", CutAlong{Stroke{{Blade{}}, false, 0.0}}, "pose"},
+        BadCommand{"CutNotANumber", CutAlong{strokeTo({kNan, 0.0, 0.2})}, "finite"},
+        BadCommand{"CutToInfinity", CutAlong{strokeTo({0.1, kInf, 0.2})}, "finite"},
+        BadCommand{"RefineNowhere", RefineNear{{}, {0.1, 2, 0.0}}, "the path is empty"},
+        BadCommand{"RefineNotANumber", RefineNear{{Vec3(0.0, kNan, 0.2)}, {0.1, 2, 0.0}}, "finite"},
+        BadCommand{"RefineNoRadius", RefineNear{{Vec3(0.0, 0.0, 0.2)}, {0.0, 2, 0.0}}, "radius"},
+        BadCommand{"RefineTooFar", RefineNear{{Vec3(0.0, 0.0, 0.2)}, {0.1, 13, 0.0}},
+                   "generations: expected 0 to 12"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Command, GravityActsFromTheNextStep) {

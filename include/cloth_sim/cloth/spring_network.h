@@ -104,7 +104,8 @@ class SpringNetwork {
   SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
   void deriveAround(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
   void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, std::vector<Spring>& out) const;
-  void deriveBends(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
+  void deriveBends(const TriangleMesh& mesh, VertexId v, const std::vector<VertexId>& neighbours,
+                   std::vector<Spring>& out) const;
   void setConstants(const TriangleMesh& mesh, const FaceRange& on, Spring& spring) const;
   double fabricStiffness(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
   RawShare rawShare(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;

@@ -26,7 +26,9 @@ struct RefineNear {
 struct SurgerySettings {
   /// A crossing nearer to a vertex than this part of the crossed edge is made at the vertex: the
   /// vertex moves onto the cut, or, where it may not move (a corner of the cloth, an earlier cut, a
-  /// held particle), the cut bends to it, by no more than this part of the edge. [0.05, 0.45]
+  /// held particle), the cut bends to it, by no more than this part of the edge, or the 0.18 nearer
+  /// to its end than which an edge of a grid cannot be split without an angle under 5 degrees.
+  /// [0.05, 0.45]
   double snap = 0.2;
   /// No edge shorter than this is made [m]; absent: a twentieth of the shortest edge of the
   /// original mesh.
