@@ -52,8 +52,7 @@ int gridColour(const Model& model, const Spring& spring) {
 /// Greedy colouring that prefers a given colour where it is free.
 class Colouring {
  public:
-  explicit Colouring(std::int32_t particles)
-      : place_(static_cast<std::size_t>(particles), kNone) {}
+  explicit Colouring(std::int32_t particles) : place_(static_cast<std::size_t>(particles), kNone) {}
 
   int pick(const Spring& spring, int preferred) {
     const std::size_t first = placeOf(spring.a);

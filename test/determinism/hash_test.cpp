@@ -18,7 +18,8 @@
 namespace cloth_sim {
 namespace {
 
-/// A cloth that falls on a sphere over a table, is notched, grasped and torn, refined where it tears.
+/// A cloth that falls on a sphere over a table, is notched, grasped and torn, refined where it
+/// tears.
 Scene busyScene(const std::string& method, int n = 64) {
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);

@@ -25,7 +25,7 @@ cloth:
   particles: [17, 17]
   pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}
   fabric: {preset: interlock, damping: 2.0e-5}
-  pins: {row: top}
+  pins: [last_row]
   surgery: {)" +
          surgery + R"(}
 solver: {method: )" +
@@ -34,7 +34,9 @@ drag: 1.0
 )" + more;
 }
 
-Simulation simulationOf(const std::string& yaml) { return Simulation(parseScene(yaml, "cut.yaml")); }
+Simulation simulationOf(const std::string& yaml) {
+  return Simulation(parseScene(yaml, "cut.yaml"));
+}
 
 /// A stroke through the plane of the cloth.
 CutAlong along(std::vector<Vec3> path, double halfWidth = 0.0) {
@@ -66,7 +68,10 @@ TEST_P(SurgeryCommand, ACutAcrossDropsTheLowerPart) {
   EXPECT_THAT(result.message, HasSubstr("2 pieces"));
   EXPECT_EQ(simulation.pieces(), 2);
   EXPECT_EQ(simulation.broken().total, simulation.broken().cut);
-  EXPECT_GE(simulation.broken().byKind[0], 10);
+  // Of 17 columns, where a particle did not move onto the cut.
+  EXPECT_GE(simulation.broken().byKind[0], 8);
+  EXPECT_LE(simulation.broken().byKind[0], 17);
+  EXPECT_GE(simulation.broken().total, 17);
   EXPECT_EQ(simulation.takeEvents().size(), static_cast<std::size_t>(simulation.broken().total));
   EXPECT_NEAR(totalMass(simulation.model()), mass, 1e-12 * mass);
   run(simulation, 60);
@@ -142,8 +147,8 @@ TEST(SurgeryAnswers, TooManyParticlesAreRefusedAndNothingChanges) {
   Simulation untouched = simulationOf(hanging("xpbd", "max_particles: 300"));
   run(simulation, 3);
   run(untouched, 3);
-  for (const Command& command : std::vector<Command>{
-           along({{-0.5, 0, 0.913}, {0.5, 0, 0.961}}), RefineNear{{Vec3(0, 0, 1)}, {0.2, 4, 0.0}}}) {
+  for (const Command& command : std::vector<Command>{along({{-0.5, 0, 0.913}, {0.5, 0, 0.961}}),
+                                                     RefineNear{{Vec3(0, 0, 1)}, {0.2, 4, 0.0}}}) {
     const CommandResult result = simulation.apply(command);
     EXPECT_FALSE(result.success);
     EXPECT_THAT(result.message, HasSubstr("max_particles"));
@@ -172,7 +177,8 @@ TEST(SurgeryScene, SmallScrapsAreTakenAwayAndCounted) {
               1e-12 * area);
   // Half the cloth is no scrap, and neither is a pinned corner.
   ASSERT_TRUE(simulation.apply(along({{-0.5, 0, 0.897}, {0.5, 0, 0.881}})).success);
-  ASSERT_TRUE(simulation.apply(along({{-0.17, 0, 1.5}, {-0.14, 0, 1.15}, {-0.5, 0, 1.13}})).success);
+  ASSERT_TRUE(
+      simulation.apply(along({{-0.17, 0, 1.5}, {-0.14, 0, 1.15}, {-0.5, 0, 1.13}})).success);
   EXPECT_EQ(simulation.dropped().count, 1);
   EXPECT_EQ(simulation.pieces(), 3);
   run(simulation, 20);
@@ -181,17 +187,18 @@ TEST(SurgeryScene, SmallScrapsAreTakenAwayAndCounted) {
 TEST(SurgeryScene, StripsAreClearedOnlyIfTheSceneSaysSo) {
   const CutAlong stroke = along({{-0.1, 0, 0.987}, {0.1, 0, 1.013}}, 0.04);
   Simulation plain = simulationOf(hanging("xpbd"));
-  EXPECT_THAT(plain.apply(stroke).message, HasSubstr(" 0 cleared"));
+  EXPECT_THAT(plain.apply(stroke).message, testing::Not(HasSubstr("cleared")));
   Simulation cleared = simulationOf(hanging("xpbd", "clear_strip: true"));
-  EXPECT_THAT(cleared.apply(stroke).message, testing::Not(HasSubstr(" 0 cleared")));
+  EXPECT_THAT(cleared.apply(stroke).message, HasSubstr(" cleared"));
   EXPECT_GT(cleared.broken().cut, plain.broken().cut);
   EXPECT_LT(cleared.model().springs.count(), plain.model().springs.count());
   run(cleared, 20);
 }
 
 TEST(SurgeryScene, PhasesRefineNotchAndCutInThisOrder) {
-  Simulation simulation = simulationOf(hanging("xpbd", "refine_cuts: {radius: 0.02, generations: 2}",
-                                               R"(
+  Simulation simulation =
+      simulationOf(hanging("xpbd", "refine_cuts: {radius: 0.02, generations: 2}",
+                           R"(
 phases:
   - {name: wait, timeout: 0.05}
   - name: operate

@@ -72,7 +72,8 @@ TEST_P(StraightCut, LeavesTheTwoSidesOfItsLine) {
     }
     const double lean = hanging ? std::cos(0.4) : 1.0;  // how the cloth looks from above
     const auto seen = [&](const Vec2& p) { return Vec2(p.x(), lean * p.y()); };
-    const SurgeryResult result = cloth.cutAlong({seen(middle - 1.5 * along), seen(middle + 1.5 * along)});
+    const SurgeryResult result =
+        cloth.cutAlong({seen(middle - 1.5 * along), seen(middle + 1.5 * along)});
     EXPECT_LT(result.deviation, 1e-9);
     EXPECT_LT(farthestFrom({middle - 1.5 * along, middle + 1.5 * along}, cloth.model.mesh), 1e-9);
     const double left = areaLeftOf(rectangle(1.0, 1.0), middle, along);
@@ -95,10 +96,9 @@ TEST(Cut, AlongARowOfEdgesOpensThem) {
 
 TEST(Cut, ExactlyThroughVerticesOpensThere) {
   // Along the diagonals of the cells, and at a slope of a half: through every second vertex.
-  for (const auto& [from, to, area] :
-       {std::tuple(Vec2(0.0, 0.0), Vec2(1.0, 1.0), 0.5),
-        std::tuple(Vec2(0.0, 0.25), Vec2(1.0, 0.75), 0.5),
-        std::tuple(Vec2(0.0, 1.0), Vec2(1.0, 0.0), 0.5)}) {
+  for (const auto& [from, to, area] : {std::tuple(Vec2(0.0, 0.0), Vec2(1.0, 1.0), 0.5),
+                                       std::tuple(Vec2(0.0, 0.25), Vec2(1.0, 0.75), 0.5),
+                                       std::tuple(Vec2(0.0, 1.0), Vec2(1.0, 0.0), 0.5)}) {
     Cloth cloth(33);
     const Vec2 d = to - from;
     const SurgeryResult result = cloth.cutAlong({from - 0.1 * d, to + 0.1 * d});
@@ -112,8 +112,9 @@ TEST(Cut, ExactlyThroughVerticesOpensThere) {
 // ---- shapes ------------------------------------------------------------------------------------
 
 TEST(Cut, ACircleFreesADisc) {
-  // Corners of 5.6 degrees are no corners of the cut: it is straight within a face. Chords of length
-  // l take (l / r)^2 / 6 from a disc, and on average they are some two thirds of a cell long.
+  // Corners of 5.6 degrees are no corners of the cut: it is straight within a face. Chords of
+  // length l take (l / r)^2 / 6 from a disc, and on average they are some two thirds of a cell
+  // long.
   const double disc = 0.5 * 64 * std::sin(2.0 * M_PI / 64);
   for (const double radius : {0.1, 0.15, 0.21, 0.35}) {
     Cloth cloth;

@@ -10,7 +10,9 @@ namespace cloth_sim::surgery_support {
 
 /// Area of the part of a polygon that is left of the line through `p` along `d` [m^2].
 inline double areaLeftOf(const std::vector<Vec2>& polygon, const Vec2& p, const Vec2& d) {
-  const auto height = [&](const Vec2& q) { return d.x() * (q.y() - p.y()) - d.y() * (q.x() - p.x()); };
+  const auto height = [&](const Vec2& q) {
+    return d.x() * (q.y() - p.y()) - d.y() * (q.x() - p.x());
+  };
   std::vector<Vec2> left;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Vec2& a = polygon[k];

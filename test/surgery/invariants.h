@@ -109,7 +109,9 @@ inline std::string defectOfShapes(const TriangleMesh& mesh, const ShapeLimits& l
 inline std::string defectOfSizes(const Model& model, const State& state) {
   const auto n = static_cast<std::size_t>(model.particleCount());
   const std::uint64_t revision = model.mesh.revision();
-  const auto fits = [&](const auto& data) { return data.size() == n && data.revision() == revision; };
+  const auto fits = [&](const auto& data) {
+    return data.size() == n && data.revision() == revision;
+  };
   if (!fits(state.x) || !fits(state.v)) return "the state does not fit the mesh";
   if (!fits(model.mass)) return "the masses do not fit the mesh";
   if (!fits(model.arealDensity)) return "the areal densities do not fit the mesh";
@@ -184,7 +186,9 @@ inline std::string defectOfNetwork(const SpringNetwork& have, const SpringNetwor
   }
   for (const auto& [key, spring] : theirs) {
     const auto at = ours.find(key);
-    const auto name = [&k = key] { return say(k[0], ": ", k[1], "-", k[2], " on ", k[3], "-", k[4]); };
+    const auto name = [&k = key] {
+      return say(k[0], ": ", k[1], "-", k[2], " on ", k[3], "-", k[4]);
+    };
     if (at == ours.end()) return "no spring " + name();
     const auto off = [](double a, double b) { return std::abs(a - b) > 1e-9 * std::abs(b); };
     if (off(at->second.stiffness, spring.stiffness) || off(at->second.damping, spring.damping) ||
@@ -212,8 +216,8 @@ inline std::string defectOfResult(const SurgeryResult& result, const Model& befo
         !std::isfinite(event.stretch) || event.stretch < 0.0) {
       return "an event is not finite";
     }
-    // Bend and shear springs may join the same ends: over the two sides of a slit between them, over
-    // two spokes of a vertex with four.
+    // Bend and shear springs may join the same ends: over the two sides of a slit between them,
+    // over two spokes of a vertex with four.
     if (event.kind != SpringKind::kStructural) continue;
     if (!failed.insert({event.a, event.b}).second) {
       return say("the spring ", event.a, "-", event.b, " failed twice");

@@ -15,12 +15,12 @@ namespace cloth_sim::surgery_support {
 
 /// A cloth of small whole numbers.
 struct ClothCase {
-  int columns = 4;        ///< of vertices
-  int rows = 4;           ///< of vertices
-  int aspect = 10;        ///< height of a cell in tenths of its width
-  int shake = 0;          ///< how far inner vertices are moved at rest [hundredths of a cell]
-  int crumple = 0;        ///< 0: flat; 1: waves and noise; 2: every vertex anywhere
-  int heldRadius = -1;    ///< of the patch that a clamp holds in the middle; -1: no clamp
+  int columns = 4;      ///< of vertices
+  int rows = 4;         ///< of vertices
+  int aspect = 10;      ///< height of a cell in tenths of its width
+  int shake = 0;        ///< how far inner vertices are moved at rest [hundredths of a cell]
+  int crumple = 0;      ///< 0: flat; 1: waves and noise; 2: every vertex anywhere
+  int heldRadius = -1;  ///< of the patch that a clamp holds in the middle; -1: no clamp
   bool shear = true;
   bool bend = true;
   bool raw = false;        ///< raw springs instead of a fabric
@@ -103,8 +103,8 @@ class Patient {
   ///
   /// No spring pushes beyond its energy, so with E = kinetic + elastic now, a particle of mass m
   /// would in exact time go no faster than sqrt(2 E / m), plus g t. A symplectic method at half its
-  /// longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of it, and
-  /// the bound omega of stableStep is the steeper the nearer springs are to failing; twice the
+  /// longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of it,
+  /// and the bound omega of stableStep is the steeper the nearer springs are to failing; twice the
   /// speed (four times the energy) is generous, and far from what a dangling index or a step
   /// beyond the stable one would give.
   /// \param goOnWith  the method whose result the cloth goes on from; absent: it stays as it is.
@@ -240,9 +240,8 @@ class Patient {
       SurgeryResult result;
       const CutPlan plan = tearing.plan(model_, state_, 0.01);
       if (plan.paths.empty()) break;
-      const std::string defect = carryOut([&] {
-        return result = cut(plan, limits_, held(), model_, state_);
-      });
+      const std::string defect =
+          carryOut([&] { return result = cut(plan, limits_, held(), model_, state_); });
       if (!defect.empty()) return defect;
       tearing.opened(result);
       tearing.follow(model_, result.changes);
@@ -376,8 +375,8 @@ std::string Patient::carryOut(const Edit& edit) {
   }
   if (deep_ && !case_.raw && !cleared_) {
     check([&] {
-      return defectOfNetwork(model_.springs, SpringNetwork(model_.mesh, model_.fabric,
-                                                           {case_.shear, case_.bend}),
+      return defectOfNetwork(model_.springs,
+                             SpringNetwork(model_.mesh, model_.fabric, {case_.shear, case_.bend}),
                              renumbered_);
     });
   }

@@ -83,13 +83,15 @@ TEST(Seam, AlongEdgesAndThroughVerticesTearsThroughToo) {
         MaterialPath{{0.25, 0.0}, {0.75, 1.0}}}) {
     const Model model = tearThrough(squareSpec(17), seam);
     EXPECT_EQ(describeDefect(model.mesh), "");
-    EXPECT_EQ(pieceAreas(model.mesh).size(), 2U) << seam[0].transpose() << " - " << seam[1].transpose();
+    EXPECT_EQ(pieceAreas(model.mesh).size(), 2U)
+        << seam[0].transpose() << " - " << seam[1].transpose();
     EXPECT_LT(farthestFrom(seam, model.mesh), 1e-9);
   }
 }
 
 TEST(Seam, PastACornerNearerThanTheShortestEdgeBendsToIt) {
-  // It meets the borders 2 mm from two corners, where the shortest edge is 2.5 mm, and corners stay.
+  // It meets the borders 2 mm from two corners, where the shortest edge is 2.5 mm, and corners
+  // stay.
   const MaterialPath seam{{1.098, -0.1}, {-0.1, 1.098}};
   const Model model = tearThrough(squareSpec(21), seam);
   EXPECT_EQ(describeDefect(model.mesh), "");
@@ -106,8 +108,8 @@ TEST(Seam, OfAPolylineTearsExactlyAlongIt) {
 }
 
 TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
-  // From the lower border towards the upper left, 40 degrees off the v axis: it lies where it should,
-  // the springs across it are gone, and the cloth holds together.
+  // From the lower border towards the upper left, 40 degrees off the v axis: it lies where it
+  // should, the springs across it are gone, and the cloth holds together.
   Model model = buildModel(clothOf(21, 21, 0.05));
   State state = flatState(model);
   const MaterialPath path{{0.62, 0.0}, {0.62 - 0.35 * std::sin(0.7), 0.35 * std::cos(0.7)}};

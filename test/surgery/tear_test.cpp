@@ -67,7 +67,9 @@ void finish(Simulation& simulation) {
 }
 
 /// When the last phase ended [s].
-double endOf(const Simulation& simulation) { return simulation.script().history().back().end.value(); }
+double endOf(const Simulation& simulation) {
+  return simulation.script().history().back().end.value();
+}
 
 /// Direction of the torn edges within `radius` of the middle, at rest, of those that hang together
 /// with the notch through the middle: the main crack [degrees, 0 to 180].

@@ -368,9 +368,9 @@ TEST(Summary, HasEveryKeyOfTheContract) {
   EXPECT_EQ(json["faces"], simulation.model().mesh.faceCount());
   EXPECT_GT(json["faces"], 96) << "the notch splits faces";
   ASSERT_EQ(json["piece_list"].size(), 1U);
-  EXPECT_THAT(keysOf(json["piece_list"][0]),
-              testing::UnorderedElementsAre("faces", "mass_kg", "rest_area_m2",
-                                            "centre_of_mass_m"));
+  EXPECT_THAT(
+      keysOf(json["piece_list"][0]),
+      testing::UnorderedElementsAre("faces", "mass_kg", "rest_area_m2", "centre_of_mass_m"));
   EXPECT_EQ(json["piece_list"][0]["faces"], json["faces"]);
   EXPECT_EQ(json["dropped"]["count"], 0);
   EXPECT_GT(json["shortest_edge_m"], 0.0);

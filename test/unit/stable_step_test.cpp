@@ -83,17 +83,16 @@ class StableStep : public testing::TestWithParam<Cloth> {
   State state;
 };
 
-INSTANTIATE_TEST_SUITE_P(
-    Cloths, StableStep,
-    testing::Values(Cloth{"Cotton", "cotton", true, true, false},
-                    Cloth{"DenimWithoutShear", "denim", false, true, false},
-                    Cloth{"SilkWithoutBend", "silk", true, false, false},
-                    Cloth{"Raw", "", true, true, false},
-                    Cloth{"CottonCut", "cotton", true, true, true},
-                    Cloth{"InterlockCut", "interlock", true, true, true},
-                    Cloth{"DenimWithoutShearCut", "denim", false, true, true},
-                    Cloth{"RawCut", "", true, true, true}),
-    [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(Cloths, StableStep,
+                         testing::Values(Cloth{"Cotton", "cotton", true, true, false},
+                                         Cloth{"DenimWithoutShear", "denim", false, true, false},
+                                         Cloth{"SilkWithoutBend", "silk", true, false, false},
+                                         Cloth{"Raw", "", true, true, false},
+                                         Cloth{"CottonCut", "cotton", true, true, true},
+                                         Cloth{"InterlockCut", "interlock", true, true, true},
+                                         Cloth{"DenimWithoutShearCut", "denim", false, true, true},
+                                         Cloth{"RawCut", "", true, true, true}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 TEST_P(StableStep, IsALowerBoundWithinAFactorOfTwo) {
   // Without damping, symplectic Euler and Verlet are stable up to h = 2 / omega.
@@ -131,13 +130,12 @@ TEST(StableStepBound, OfAClothWithoutSpringsIsInfinite) {
 TEST(StableStepBound, CutsLowerItNoFurtherThanTheShortestEdgeAllows) {
   // Without bending. Faces keep angles from a = 5 degrees and edges from e = minEdge on.
   // An edge of length l >= e whose faces have the area A has a spring of k <= q A / l^2, or
-  // G A / (2 l^2 c^2 s^2) <= 4 G A / l^2 if it is a bias (c s >= sqrt(2) / 4 up to 22.5 degrees from
-  // the threads). Each face around a particle is under two of the edges there: with S their area,
-  // these sum up to at most 2 (q + 4 G) S / e^2.
-  // Springs across the outer edge of a face also stand on the face beyond. They are longer than
-  // both heights, and a height is at least half the base times tan(a): A / l^2 <= 2 / tan(a), so
-  // that n faces have at most 8 n G / tan(a). S is n e^2 sin(a) / 2 at least.
-  // The mass is rho S / 3, and omega^2 <= 2 sum k / m
+  // G A / (2 l^2 c^2 s^2) <= 4 G A / l^2 if it is a bias (c s >= sqrt(2) / 4 up to 22.5 degrees
+  // from the threads). Each face around a particle is under two of the edges there: with S their
+  // area, these sum up to at most 2 (q + 4 G) S / e^2. Springs across the outer edge of a face also
+  // stand on the face beyond. They are longer than both heights, and a height is at least half the
+  // base times tan(a): A / l^2 <= 2 / tan(a), so that n faces have at most 8 n G / tan(a). S is n
+  // e^2 sin(a) / 2 at least. The mass is rho S / 3, and omega^2 <= 2 sum k / m
   //   <= (6 / rho) (2 (q + 4 G) / e^2 + 16 G / (e^2 sin(a) tan(a))).
   const double a = ShapeLimits{}.minAngle;
   for (const char* name : {"cotton", "denim", "interlock", "silk"}) {
@@ -152,9 +150,8 @@ TEST(StableStepBound, CutsLowerItNoFurtherThanTheShortestEdgeAllows) {
     const Fabric& f = spec.fabric;
     const double g = f.shear;
     const double ratio = f.tensileWarp / f.tensileWeft;
-    const double q =
-        0.5 * (f.tensileWarp + std::sqrt(f.tensileWarp * f.tensileWarp +
-                                         4.0 * g * g * std::max(ratio, 1.0 / ratio)));
+    const double q = 0.5 * (f.tensileWarp + std::sqrt(f.tensileWarp * f.tensileWarp +
+                                                      4.0 * g * g * std::max(ratio, 1.0 / ratio)));
     const double most = 6.0 / f.arealDensity / (e * e) *
                         (2.0 * (q + 4.0 * g) + 16.0 * g / (std::sin(a) * std::tan(a)));
     EXPECT_LT(stableStep(model), before) << name;

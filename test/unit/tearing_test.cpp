@@ -144,11 +144,11 @@ TEST(TearingPlan, BeginsAtTheMostOverloadedAndNotNearATearThatBegins) {
     Tearing tearing(settings, model);
     const CutPlan plan = tearing.plan(model, state, kStep);
     ASSERT_GE(plan.paths.size(), 1U);
-    const auto worst = std::max_element(
-        plan.overloaded.begin(), plan.overloaded.end(), [&](std::int32_t a, std::int32_t b) {
-          return overload(model, state, a, settings.ratio) <
-                 overload(model, state, b, settings.ratio);
-        });
+    const auto worst = std::max_element(plan.overloaded.begin(), plan.overloaded.end(),
+                                        [&](std::int32_t a, std::int32_t b) {
+                                          return overload(model, state, a, settings.ratio) <
+                                                 overload(model, state, b, settings.ratio);
+                                        });
     const Spring& spring = model.springs[*worst];
     const Vec2 middle = 0.5 * (model.mesh.material(spring.a) + model.mesh.material(spring.b));
     const SurfacePath& first = plan.paths.front();
@@ -328,7 +328,8 @@ TEST(Notch, OutsideOfTheClothOpensNothing) {
   Model model = clothModel(6, 6);
   State state = flatState(model);
   const std::uint64_t hash = stateHash(model, state);
-  for (const auto& line : {std::vector<Vec2>{{-0.05, 0.0}, {-0.05, 0.5}}, {{0.05, 0.6}, {0.05, 0.7}}}) {
+  for (const auto& line :
+       {std::vector<Vec2>{{-0.05, 0.0}, {-0.05, 0.5}}, {{0.05, 0.6}, {0.05, 0.7}}}) {
     const SurgeryResult result = cutAlong(line, model, state);
     EXPECT_TRUE(result.changes.mesh.empty());
     EXPECT_TRUE(result.events.empty());
