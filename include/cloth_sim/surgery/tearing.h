@@ -39,8 +39,9 @@ struct TearingSettings {
 /// tear runs at right angles to the direction of largest tension around its tip, whatever way the
 /// mesh runs, across the faces around the tip.
 ///
-/// A tip runs at `tipSpeed` at most, and keeps account of what is left over of a step, so how far
-/// it gets depends neither on the step nor on the mesh.
+/// A tip runs at `tipSpeed` at most, and keeps account of what is left over of a step. How far it
+/// gets still depends on the step where `tipSpeed` times the step is more than about an edge: the
+/// stress is as old as the step (docs/surgery.md).
 class Tearing {
  public:
   Tearing(TearingSettings settings, const Model& model);
