@@ -122,16 +122,17 @@ void Publishers::sendTopology(const Observation& observation) {
 }
 
 void Publishers::sendEvents(const Observation& observation) {
-  if (observation.resets != resetsSeen_) {
-    resetsSeen_ = observation.resets;
+  const FailureBatch failures = simulation_.takeEvents();
+  if (failures.resets != resetsSeen_) {
+    resetsSeen_ = failures.resets;
     failures_.clear();
     sentBroken_ = -1;
   }
-  const std::vector<FailureEvent> events = simulation_.takeEvents();
-  if (!events.empty()) {
-    failures_.add(events);
-    tearEvents_.publish(toEventsMessage(events, header_));
+  if (!failures.events.empty()) {
+    failures_.add(failures.events);
+    tearEvents_.publish(toEventsMessage(failures.events, header_));
   }
+  if (observation.resets != failures.resets) return;  // its counts are of the run before
   const BrokenCounts& broken = observation.snapshot->broken;
   if (broken.total == sentBroken_) return;
   sentBroken_ = broken.total;

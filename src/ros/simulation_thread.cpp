@@ -114,9 +114,9 @@ Observation SimulationThread::observe() const {
   return result;
 }
 
-std::vector<FailureEvent> SimulationThread::takeEvents() {
+FailureBatch SimulationThread::takeEvents() {
   const std::lock_guard<std::mutex> lock(outputMutex_);
-  return std::exchange(events_, {});
+  return {failures_.resets, std::exchange(failures_.events, {})};
 }
 
 void SimulationThread::run(int threads) {
@@ -171,7 +171,7 @@ void SimulationThread::carryOut(Envelope& envelope) {
     simulation_.takeEvents();
     {
       const std::lock_guard<std::mutex> lock(outputMutex_);
-      events_.clear();
+      failures_ = {resets_, {}};
     }
     startMeasuring();
   }
@@ -202,7 +202,7 @@ void SimulationThread::collectEvents() {
   const std::vector<FailureEvent> events = simulation_.takeEvents();
   if (events.empty()) return;
   const std::lock_guard<std::mutex> lock(outputMutex_);
-  events_.insert(events_.end(), events.begin(), events.end());
+  failures_.events.insert(failures_.events.end(), events.begin(), events.end());
 }
 
 void SimulationThread::countJobStep() {

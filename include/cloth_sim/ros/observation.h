@@ -21,4 +21,10 @@ struct Observation {
   std::uint64_t number = 0;           ///< grows with every observation
 };
 
+/// Springs that failed, in order.
+struct FailureBatch {
+  std::uint64_t resets = 0;  ///< of the run that they failed in, since the start
+  std::vector<FailureEvent> events;
+};
+
 }  // namespace cloth_sim

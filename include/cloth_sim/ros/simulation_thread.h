@@ -70,8 +70,8 @@ class SimulationThread {
   /// The latest; its snapshot is never null.
   Observation observe() const;
 
-  /// Springs that failed since the last call, in order. One caller only.
-  std::vector<FailureEvent> takeEvents();
+  /// Springs that failed since the last call and the last reset. One caller only.
+  FailureBatch takeEvents();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -130,7 +130,7 @@ class SimulationThread {
 
   mutable std::mutex outputMutex_;
   Observation observation_;
-  std::vector<FailureEvent> events_;
+  FailureBatch failures_;
 
   std::thread thread_;  // last: starts when everything above is there
 };

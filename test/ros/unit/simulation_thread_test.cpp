@@ -101,10 +101,13 @@ TEST(SimulationThread, SpringsThatACommandCutAreToldAtOnce) {
   const Observation now = simulation.observe();
   EXPECT_EQ(now.snapshot->pieces.size(), 2u);
   EXPECT_GT(now.snapshot->broken.cut, 0);
-  EXPECT_EQ(simulation.takeEvents().size(), static_cast<std::size_t>(now.snapshot->broken.total));
+  EXPECT_EQ(simulation.takeEvents().events.size(),
+            static_cast<std::size_t>(now.snapshot->broken.total));
   EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
   EXPECT_EQ(simulation.observe().snapshot->pieces.size(), 1u);
-  EXPECT_TRUE(simulation.takeEvents().empty());
+  const FailureBatch after = simulation.takeEvents();
+  EXPECT_TRUE(after.events.empty());
+  EXPECT_EQ(after.resets, simulation.observe().resets);
 }
 
 TEST(SimulationThread, ResultDoesNotDependOnHowItIsDriven) {
