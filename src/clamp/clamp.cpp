@@ -133,9 +133,8 @@ void Clamp::appendTargets(std::vector<KinematicTarget>& out) const {
   }
 }
 
-void Clamp::readReactions(const std::vector<KinematicTarget>& targets,
-                          const std::vector<Vec3>& reactions) {
-  wrench_ = Wrench();
+void Clamp::addReactions(const std::vector<KinematicTarget>& targets,
+                         const std::vector<Vec3>& reactions, double share) {
   if (held_.empty()) return;
   if (targets.size() != reactions.size()) {
     throw std::invalid_argument("clamp: expected one reaction for each kinematic target");
@@ -146,7 +145,7 @@ void Clamp::readReactions(const std::vector<KinematicTarget>& targets,
   for (const VertexId vertex : held_) {
     const auto it = std::lower_bound(targets.begin(), targets.end(), vertex, byVertex);
     if (it == targets.end() || it->vertex != vertex) continue;
-    const Vec3& force = reactions[static_cast<std::size_t>(it - targets.begin())];
+    const Vec3 force = share * reactions[static_cast<std::size_t>(it - targets.begin())];
     wrench_.force += force;
     wrench_.torque += (it->position - pose_.position).cross(force);
   }

@@ -27,6 +27,15 @@ double minAngle(const TriangleMesh& mesh, FaceId f) {
   return minAngle(mesh.material(face[0]), mesh.material(face[1]), mesh.material(face[2]));
 }
 
+double longestEdge(const TriangleMesh& mesh, FaceId f) {
+  double squared = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec2 edge = mesh.material(mesh.face(f)[(k + 1) % 3]) - mesh.material(mesh.face(f)[k]);
+    squared = std::max(squared, edge.squaredNorm());
+  }
+  return std::sqrt(squared);
+}
+
 double shortestEdge(const TriangleMesh& mesh) {
   double shortest = std::numeric_limits<double>::infinity();
   for (const Face& face : mesh.faces()) {

@@ -4,12 +4,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cloth_sim/mesh/quality.h"
+
 namespace cloth_sim {
 namespace {
-
-double signedArea(const Vec2& a, const Vec2& b, const Vec2& c) {
-  return 0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y()));
-}
 
 bool contains(const Face& face, VertexId v) { return face[0] == v || face[1] == v || face[2] == v; }
 
@@ -123,7 +121,7 @@ bool TriangleMesh::isBoundary(VertexId v) const {
 
 double TriangleMesh::restArea(FaceId f) const {
   const Face& face = faces_[f];
-  return signedArea(material_[face[0]], material_[face[1]], material_[face[2]]);
+  return 0.5 * doubleArea(material_[face[0]], material_[face[1]], material_[face[2]]);
 }
 
 double TriangleMesh::totalRestArea() const {

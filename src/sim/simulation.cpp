@@ -64,13 +64,19 @@ Simulation::Simulation(Scene scene)
 void Simulation::step() {
   if (failed()) return;
   runScript();
-  moveClamps();
-  detectContacts();
-  solve();
+  const int parts = tearing_.isNear() ? solver_->substeps() : 1;
+  for (Clamp& clamp : clamps_) clamp.clearWrench();
+  for (int k = 0; k < parts && !failed(); ++k) advance({scene_.solver.dt / parts, 1.0 / parts});
+  if (!failed()) ++stepCount_;
+}
+
+void Simulation::advance(const StepLength& length) {
+  moveClamps(length.dt);
+  detectContacts(length.dt);
+  solve(length);
   if (failed()) return;
-  readClamps();
-  tear();
-  ++stepCount_;
+  readClamps(length.dt / scene_.solver.dt);
+  tear(length.dt);
 }
 
 void Simulation::runScript() {
@@ -142,10 +148,10 @@ void Simulation::act(const ClampAction& action, Clamp& clamp) {
   if (action.grasp) *action.grasp ? clamp.close() : clamp.release();
 }
 
-void Simulation::moveClamps() {
+void Simulation::moveClamps(double dt) {
   controls_.kinematic = pins_;
   for (Clamp& clamp : clamps_) {
-    clamp.advance(model_, state_, scene_.solver.dt);
+    clamp.advance(model_, state_, dt);
     clamp.appendTargets(controls_.kinematic);
   }
   // Pins come first, then clamps in order: the first to hold a particle keeps it.
@@ -157,28 +163,27 @@ void Simulation::moveClamps() {
                 targets.end());
 }
 
-void Simulation::detectContacts() {
+void Simulation::detectContacts(double dt) {
   if (colliders_.all().empty()) return;
-  const double dt = scene_.solver.dt;
   colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
 }
 
-void Simulation::solve() {
+void Simulation::solve(const StepLength& length) {
   lastGood_ = state_;
-  report_ = solver_->step(model_, state_, controls_, contacts_, scene_.solver.dt);
+  report_ = solver_->step(model_, state_, controls_, contacts_, length);
   if (report_.status == StepStatus::kOk) return;
   state_ = lastGood_;
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
 }
 
-void Simulation::readClamps() {
-  for (Clamp& clamp : clamps_) clamp.readReactions(controls_.kinematic, report_.reactions);
+void Simulation::readClamps(double share) {
+  for (Clamp& clamp : clamps_) clamp.addReactions(controls_.kinematic, report_.reactions, share);
 }
 
-void Simulation::tear() {
+void Simulation::tear(double dt) {
   for (int stride = 0; stride < kMostStrides && !failed(); ++stride) {
-    const CutPlan plan = tearing_.plan(model_, state_, scene_.solver.dt);
+    const CutPlan plan = tearing_.plan(model_, state_, dt);
     if (plan.paths.empty()) return;
     try {
       operate(plan);

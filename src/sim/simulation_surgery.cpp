@@ -8,13 +8,9 @@ namespace {
 
 /// A path in material coordinates as a stroke over the cloth laid flat.
 std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath& notch) {
-  VertexData<Vec3> flat(static_cast<std::size_t>(mesh.vertexCount()), Vec3::Zero());
-  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    flat[v].head<2>() = mesh.material(v);
-  }
   std::vector<Vec3> path;
-  for (const Vec2& p : notch) path.emplace_back(p.x(), p.y(), 0.0);
-  return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, flat);
+  for (const Vec2& p : notch) path.push_back(laidFlat(p));
+  return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, laidFlat(mesh));
 }
 
 const KinematicTarget* findPin(const std::vector<KinematicTarget>& pins, VertexId v) {

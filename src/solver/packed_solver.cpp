@@ -1,6 +1,15 @@
 #include "cloth_sim/solver/packed_solver.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace cloth_sim {
+namespace {
+
+/// So that a third of three substeps is one.
+constexpr double kRounding = 1e-9;
+
+}  // namespace
 
 PackedSolver::PackedSolver(const Model& model, int substeps)
     : configured_(substeps), substeps_(substeps) {
@@ -20,13 +29,16 @@ void PackedSolver::onModelChanged(const Model& model, const ModelChanges& change
 }
 
 const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,
-                                     Contacts& contacts, double dt) {
-  const double h = dt / substeps_;
+                                     Contacts& contacts, const StepLength& length) {
+  const double dt = length.dt;
+  const int substeps =
+      std::max(1, static_cast<int>(std::ceil(substeps_ * length.substepFactor - kRounding)));
+  const double h = dt / substeps;
   particles_.load(state);
   loadKinematics(model, controls, dt);
   prepare(controls, h);
-  for (int k = 1; k <= substeps_; ++k) {
-    const double fraction = static_cast<double>(k) / substeps_;
+  for (int k = 1; k <= substeps; ++k) {
+    const double fraction = static_cast<double>(k) / substeps;
     substep({model, controls, contacts, h, state.t + fraction * dt, fraction});
   }
   particles_.store(state);
@@ -36,7 +48,7 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
   state.t += dt;
   finishReactions(model, controls, dt);
   layoutChanged_ = false;
-  report_.substeps = substeps_;
+  report_.substeps = substeps;
   report_.status = isFinite(state) ? StepStatus::kOk : StepStatus::kNotFinite;
   return report_;
 }

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "cloth_sim/mesh/quality.h"
+
 namespace cloth_sim {
 namespace {
 
 constexpr double kTolerance = 1e-9;  // [m]
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double squaredDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
   const Vec2 d = b - a;
@@ -33,6 +33,13 @@ bool boxesMeet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
 }
 
 }  // namespace
+
+VertexData<Vec3> laidFlat(const TriangleMesh& mesh) {
+  std::vector<Vec3> points;
+  points.reserve(mesh.material().size());
+  for (const Vec2& p : mesh.material()) points.push_back(laidFlat(p));
+  return VertexData<Vec3>(std::move(points), mesh.revision());
+}
 
 double sideOf(const MaterialPath& path, const Vec2& point) {
   // Where two segments are equally near (beyond a corner), the one whose line is farther decides.

@@ -50,18 +50,9 @@ void append(const ModelChanges& more, ModelChanges& all) {
   append(more.springs.removedSprings, all.springs.removedSprings);
 }
 
-VertexData<Vec3> lifted(const std::vector<Vec2>& material) {
+std::vector<Vec3> pointsOf(const SurfacePath& path) {
   std::vector<Vec3> points;
-  points.reserve(material.size());
-  for (const Vec2& p : material) points.emplace_back(p.x(), p.y(), 0.0);
-  return VertexData<Vec3>(std::move(points));
-}
-
-std::vector<Vec3> lifted(const SurfacePath& path) {
-  std::vector<Vec3> points;
-  for (const SurfacePoint& p : path.points) {
-    points.emplace_back(p.material.x(), p.material.y(), 0.0);
-  }
+  for (const SurfacePoint& p : path.points) points.push_back(laidFlat(p.material));
   return points;
 }
 
@@ -69,11 +60,10 @@ std::vector<EmbeddedPath> prepare(const CutPlan& plan, std::int32_t maxVertices,
                                   Remesher& remesher) {
   if (plan.refine) {
     for (const SurfacePath& path : plan.paths) {
-      const Neighbourhood near(lifted(path), plan.refine->radius);
+      const Neighbourhood near(pointsOf(path), plan.refine->radius);
       std::vector<FaceId> seeds;
       for (const SurfacePoint& p : path.points) seeds.push_back(locate(remesher.mesh(), p));
-      refineNear(near, *plan.refine, lifted(remesher.mesh().material()), seeds, maxVertices,
-                 remesher);
+      refineNear(near, *plan.refine, laidFlat(remesher.mesh()), seeds, maxVertices, remesher);
     }
   }
   std::vector<EmbeddedPath> embedded;
@@ -246,13 +236,10 @@ SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
   }
   SurgeryResult result;
   if (seeds.empty()) return result;
-  const auto run = [&](TriangleMesh& mesh, std::int32_t most) {
-    Remesher remesher(mesh, limits.shape, held);
-    refineNear(near, request.refinement, state.x, seeds, most, remesher);
-    return remesher.finish();
-  };
   TriangleMesh trial = model.mesh;
-  const MeshChanges changes = run(trial, limits.maxParticles);
+  Remesher remesher(trial, limits.shape, held);
+  refineNear(near, request.refinement, state.x, seeds, limits.maxParticles, remesher);
+  const MeshChanges changes = remesher.finish();
   if (trial.vertexCount() > limits.maxParticles) refuse(trial.vertexCount(), limits.maxParticles);
   if (changes.empty()) return result;
   model.mesh = std::move(trial);

@@ -239,11 +239,11 @@ std::optional<Exit> Embedding::crossing(VertexId centre, FaceId f, const Vec2& f
   const Vec2& b = mesh_.material(exit.edge[1]);
   const Vec2 d = to - from;
   const Vec2 e = b - a;
-  const double outward = d.x() * e.y() - d.y() * e.x();  // e runs counter-clockwise about centre
+  const double outward = cross(d, e);  // e runs counter-clockwise about centre
   if (outward <= kTolerance * d.norm() * e.norm()) return std::nullopt;
   const Vec2 r = a - from;
-  const double along = (r.x() * e.y() - r.y() * e.x()) / outward;
-  const double t = (r.x() * d.y() - r.y() * d.x()) / outward;
+  const double along = cross(r, e) / outward;
+  const double t = cross(r, d) / outward;
   const bool meets = along >= -kTolerance && along <= 1.0 + kTolerance && t >= -kTolerance &&
                      t <= 1.0 + kTolerance;
   if (!meets || along >= nearest) return std::nullopt;

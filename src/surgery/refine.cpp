@@ -4,6 +4,8 @@
 #include <cmath>
 #include <deque>
 
+#include "cloth_sim/mesh/quality.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -19,15 +21,6 @@ Vec3 nearestOnSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 std::array<Vec3, 3> cornersOf(const Face& face, const VertexData<Vec3>& coordinates) {
   return {coordinates[face[0]], coordinates[face[1]], coordinates[face[2]]};
-}
-
-double longestEdge(const TriangleMesh& mesh, FaceId f) {
-  double squared = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    const Vec2 edge = mesh.material(mesh.face(f)[(k + 1) % 3]) - mesh.material(mesh.face(f)[k]);
-    squared = std::max(squared, edge.squaredNorm());
-  }
-  return std::sqrt(squared);
 }
 
 }  // namespace

@@ -80,8 +80,6 @@ VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
     mark(middle, b);
   }
   if (held_.count(a) != 0 && held_.count(b) != 0) hold(middle);
-  const std::vector<FaceId>& around = mesh().facesAround(middle);
-  reshaped_.insert(reshaped_.end(), around.begin(), around.end());
   // On the edge, rounding is all that is left; beside it, the vertex has to move.
   // An edge on the border stays on its line.
   const bool inside = mesh().facesAround(middle).size() == 4;
@@ -130,8 +128,6 @@ void Remesher::moveVertex(VertexId v, const Vec2& to) {
     }
   }
   editor_.moveVertex(v, in, barycentric(mesh(), in, to));
-  const std::vector<FaceId>& around = mesh().facesAround(v);
-  reshaped_.insert(reshaped_.end(), around.begin(), around.end());
 }
 
 double Remesher::angleIfSplit(FaceId f, const Vec2& at) const {
@@ -152,8 +148,6 @@ VertexId Remesher::splitFace(FaceId f, const Vec2& at) {
   if (held_.count(face[0]) != 0 && held_.count(face[1]) != 0 && held_.count(face[2]) != 0) {
     hold(middle);
   }
-  const std::vector<FaceId>& around = mesh().facesAround(middle);
-  reshaped_.insert(reshaped_.end(), around.begin(), around.end());
   return middle;
 }
 
@@ -239,8 +233,7 @@ bool Remesher::improveFace(FaceId f, std::vector<FaceId>& next) {
 }
 
 void Remesher::improve() {
-  std::vector<FaceId> faces = std::move(reshaped_);
-  reshaped_.clear();
+  std::vector<FaceId> faces = editor_.reshaped();
   for (int pass = 0; pass < kImprovePasses && !faces.empty(); ++pass) {
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());

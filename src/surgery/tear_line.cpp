@@ -75,8 +75,8 @@ Interval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& 
     const Vec2& a = mesh.material(face[k]);
     const Vec2 e = mesh.material(face[(k + 1) % 3]) - a;
     const Vec2 r = from - a;
-    const double height = e.x() * r.y() - e.y() * r.x();
-    const double rate = e.x() * d.y() - e.y() * d.x();
+    const double height = cross(e, r);
+    const double rate = cross(e, d);
     if (std::abs(rate) <= kTolerance * e.norm() * d.norm()) {
       if (height < -kTolerance * e.squaredNorm()) return {1.0, 0.0, f};
     } else if (rate > 0.0) {
@@ -89,7 +89,7 @@ Interval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& 
 }
 
 /// Grows [first, last] by the intervals that meet it, until none does.
-Interval connected(std::vector<Interval> intervals, double at) {
+Interval connected(const std::vector<Interval>& intervals, double at) {
   Interval all{at, at, kNone};
   FaceId firstFace = kNone;
   for (bool grew = true; grew;) {
@@ -183,7 +183,7 @@ std::optional<double> crossingOf(const MaterialPath& seam, const Vec2& p, const 
     const Vec2 d = seam[k + 1] - seam[k];
     const Vec2 e = q - p;
     const Vec2 r = p - seam[k];
-    const double t = (r.x() * e.y() - r.y() * e.x()) / (d.x() * e.y() - d.y() * e.x());
+    const double t = cross(r, e) / cross(d, e);
     return static_cast<double>(k) + std::clamp(t, 0.0, 1.0);
   }
   return std::nullopt;
@@ -209,7 +209,7 @@ std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<
       parts.push_back({offset + part.first, offset + part.last, f});
     }
   }
-  Interval whole = connected(parts, at);
+  const Interval whole = connected(parts, at);
   const FaceId hint = whole.face != kNone ? whole.face : faces.front();
   const auto pointAt = [&](double s) -> Vec2 {
     const auto k = std::min(static_cast<std::size_t>(s), seam.size() - 2);

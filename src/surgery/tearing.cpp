@@ -1,8 +1,8 @@
 #include "cloth_sim/surgery/tearing.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/surgery/tear_line.h"
 
 namespace cloth_sim {
@@ -16,6 +16,8 @@ constexpr double kShade = 12.0;
 constexpr double kMemory = 1.0;
 /// When cuts ended whose tips have not run yet [s].
 constexpr double kLongAgo = -1e9;
+/// From this strain over the strain that tears on, a spring may fail soon.
+constexpr double kNear = 0.7;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
   return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
@@ -40,15 +42,16 @@ double lengthOf(const SurfacePath& path) {
   return length;
 }
 
-double longestEdge(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
-  double squared = 0.0;
-  for (FaceId f : faces) {
-    for (int k = 0; k < 3; ++k) {
-      const Vec2 edge = mesh.material(mesh.face(f)[(k + 1) % 3]) - mesh.material(mesh.face(f)[k]);
-      squared = std::max(squared, edge.squaredNorm());
-    }
-  }
-  return std::sqrt(squared);
+std::vector<Vec2> placesOf(const SurfacePath& path) {
+  std::vector<Vec2> places;
+  for (const SurfacePoint& p : path.points) places.push_back(p.material);
+  return places;
+}
+
+double longestEdgeOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
+  double longest = 0.0;
+  for (FaceId f : faces) longest = std::max(longest, longestEdge(mesh, f));
+  return longest;
 }
 
 }  // namespace
@@ -84,15 +87,17 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
   }
 }
 
-std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model,
-                                                      const State& state) const {
+std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const State& state) {
   std::vector<Overload> found;
+  worst_ = 0.0;
   for (std::int32_t slot : candidates_) {
     const Spring& spring = model.springs[slot];
     if (!spring.exists()) continue;
-    const double excess =
-        stretch(spring, state) / settings_.ratio[static_cast<std::size_t>(spring.kind)];
-    if (excess > 1.0) found.push_back({excess, slot});
+    const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
+    const double stretched = stretch(spring, state);
+    const double load = (stretched - 1.0) / (ratio - 1.0);
+    if (load > worst_ && idle_.count(slot) == 0) worst_ = load;
+    if (stretched > ratio) found.push_back({stretched / ratio, slot});
   }
   std::sort(found.begin(), found.end(), [](const Overload& p, const Overload& q) {
     return p.excess != q.excess ? p.excess > q.excess : p.slot < q.slot;
@@ -100,11 +105,14 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model,
   return found;
 }
 
+bool Tearing::isNear() const { return settings_.enabled && worst_ > kNear; }
+
 CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
   CutPlan plan;
   plan.cause = FailureCause::kTear;
   plan.refine = settings_.refineTip;
   strides_.clear();
+  plannedAt_ = state.t;
   if (!settings_.enabled) return plan;
   forget(model.mesh, state.t);
   std::vector<Vec2> begun;  // where strides of this plan are
@@ -114,26 +122,22 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
     const Spring& spring = model.springs[overload.slot];
     const std::vector<FaceId> faces = facesUnder(model.mesh, spring);
     const Vec2 middle = middleOf(model.mesh, spring);
-    const double edge = longestEdge(model.mesh, faces);
-    const auto near = [&](const Vec2& p, double edges) {
-      return (p - middle).norm() < edges * edge;
-    };
-    if (std::any_of(begun.begin(), begun.end(), [&](const Vec2& p) { return near(p, kGrip); })) {
-      continue;
-    }
+    const double edge = longestEdgeOf(model.mesh, faces);
+    const auto isNear = [&](const Vec2& p) { return (p - middle).norm() < kGrip * edge; };
+    if (std::any_of(begun.begin(), begun.end(), isNear)) continue;
     const VertexId tip = nearestTip(model.mesh, middle, kGrip * edge);
     if (tip != kNone && tips_.at(tip) > state.t) continue;
     // A spring may have crossed the seam before an edit moved it.
     if (!allowed(model, spring)) continue;
-    std::optional<SurfacePath> line = seamLine(model.mesh, spring);
+    std::optional<SurfacePath> line = seamLine(model.mesh, spring, faces);
     const bool begins = tip == kNone && !line;
     if (begins && isShaded(middle, edge, state.t)) continue;
-    if (!line && isInBand(model.mesh, spring)) line = lineFor(model, state, spring, tip);
+    if (!line && isInBand(model.mesh, spring)) line = lineFor(model, state, spring, faces, tip);
     if (!line) continue;
     const double ready = tip == kNone ? 0.0 : tips_.at(tip);
-    strides_.push_back({std::max(ready, state.t - dt), lengthOf(*line), overload.slot});
+    strides_.push_back(
+        {std::max(ready, state.t - dt), lengthOf(*line), overload.slot, placesOf(*line)});
     begun.push_back(tip == kNone ? middle : model.mesh.material(tip));
-    for (const SurfacePoint& p : line->points) runs_.push_back({p.material, state.t});
     plan.paths.push_back(std::move(*line));
   }
   std::sort(plan.overloaded.begin(), plan.overloaded.end());
@@ -141,11 +145,12 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
 }
 
 /// Along the seam, for a spring that crosses it or ends on it.
-std::optional<SurfacePath> Tearing::seamLine(const TriangleMesh& mesh, const Spring& spring) const {
+std::optional<SurfacePath> Tearing::seamLine(const TriangleMesh& mesh, const Spring& spring,
+                                             const std::vector<FaceId>& faces) const {
   if (!settings_.seam) return std::nullopt;
   const MaterialPath& seam = settings_.seam->path;
   const auto at = crossingOf(seam, mesh.material(spring.a), mesh.material(spring.b));
-  if (at) return seamOver(mesh, facesUnder(mesh, spring), seam, *at);
+  if (at) return seamOver(mesh, faces, seam, *at);
   const VertexId end = endOn(mesh, spring, seam);
   return end == kNone ? std::nullopt : seamFrom(mesh, end, seam);
 }
@@ -158,9 +163,9 @@ bool Tearing::isInBand(const TriangleMesh& mesh, const Spring& spring) const {
 }
 
 std::optional<SurfacePath> Tearing::lineFor(const Model& model, const State& state,
-                                            const Spring& spring, VertexId tip) const {
+                                            const Spring& spring, const std::vector<FaceId>& faces,
+                                            VertexId tip) const {
   const TriangleMesh& mesh = model.mesh;
-  const std::vector<FaceId> faces = facesUnder(mesh, spring);
   const VertexId origin = tip == kNone ? borderVertex(mesh, faces) : tip;
   const Vec2 tension = tensionDirection(model, state, origin == kNone ? spring.a : origin);
   const Vec2 along(-tension.y(), tension.x());
@@ -184,9 +189,15 @@ VertexId Tearing::nearestTip(const TriangleMesh& mesh, const Vec2& p, double wit
 
 bool Tearing::isShaded(const Vec2& p, double edge, double time) const {
   const double reach = kShade * edge;
-  return std::any_of(runs_.begin(), runs_.end(), [&](const Run& run) {
-    return run.time >= time - reach / settings_.tipSpeed && (run.at - p).norm() < reach;
-  });
+  const auto isNear = [&](const Vec2& place) { return (place - p).norm() < reach; };
+  const auto shades = [&](const Run& run) {
+    return run.time >= time - reach / settings_.tipSpeed && isNear(run.at);
+  };
+  const auto willShade = [&](const Stride& stride) {
+    return std::any_of(stride.places.begin(), stride.places.end(), isNear);
+  };
+  return std::any_of(runs_.begin(), runs_.end(), shades) ||
+         std::any_of(strides_.begin(), strides_.end(), willShade);
 }
 
 void Tearing::forget(const TriangleMesh& mesh, double time) {
@@ -202,6 +213,7 @@ void Tearing::opened(const SurgeryResult& result) {
     for (const Stride& stride : strides_) idle_.insert(stride.slot);
   }
   for (std::size_t k = 0; k < strides_.size(); ++k) {
+    for (const Vec2& place : strides_[k].places) runs_.push_back({place, plannedAt_});
     const double ready = strides_[k].start + strides_[k].length / settings_.tipSpeed;
     for (VertexId tip : {result.tips[2 * k], result.tips[2 * k + 1]}) tips_[tip] = ready;
   }

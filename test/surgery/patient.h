@@ -122,7 +122,7 @@ class Patient {
       State own = start;
       Contacts contacts;
       for (int n = 0; n < 3; ++n) {
-        const StepReport& report = solvers_[k]->step(model_, own, controls, contacts, dt_);
+        const StepReport& report = solvers_[k]->step(model_, own, controls, contacts, {dt_});
         if (report.status != StepStatus::kOk) return solverRegistry()[k].name + " diverged";
         if (report.reactions.size() != controls.kinematic.size()) return "reactions are missing";
       }

@@ -447,17 +447,27 @@ TEST(ClampReactions, SumToAWrenchAboutItsOrigin) {
   targets.insert(targets.begin(), KinematicTarget{0, Vec3(9.0, 0.0, 0.0), Vec3::Zero()});
   const std::vector<Vec3> reactions{Vec3(100.0, 0.0, 0.0), Vec3(0.0, 0.0, -3.0),
                                     Vec3(0.0, 0.0, -1.0)};
-  clamp.readReactions(targets, reactions);
+  clamp.addReactions(targets, reactions);
   EXPECT_LT((clamp.wrench().force - Vec3(0.0, 0.0, -4.0)).norm(), 1e-14);
   // (0.02, 0, 0) x (0, 0, -3) + (-0.02, 0, 0) x (0, 0, -1) = (0, 0.06 - 0.02, 0)
   EXPECT_LT((clamp.wrench().torque - Vec3(0.0, 0.04, 0.0)).norm(), 1e-14);
 
-  EXPECT_THROW(clamp.readReactions(targets, {}), std::invalid_argument);
-  clamp.readReactions({}, {});  // all taken by others
+  EXPECT_THROW(clamp.addReactions(targets, {}), std::invalid_argument);
+  clamp.clearWrench();
+  clamp.addReactions({}, {});  // all taken by others
   EXPECT_EQ(clamp.wrench().force, Vec3::Zero());
-  clamp.readReactions(targets, reactions);
   clamp.release();
   EXPECT_EQ(clamp.wrench().force, Vec3::Zero());
+}
+
+TEST(ClampReactions, OfThePartsOfAStepAreAveraged) {
+  Clamp clamp(spec());
+  closeFully(clamp, Model(), stateAt({Vec3::Zero()}));
+  ASSERT_THAT(clamp.held(), ElementsAre(0));
+  clamp.clearWrench();
+  clamp.addReactions(targetsOf(clamp), {Vec3(0.0, 0.0, -4.0)}, 0.25);
+  clamp.addReactions(targetsOf(clamp), {Vec3(0.0, 8.0, 0.0)}, 0.75);
+  EXPECT_EQ(clamp.wrench().force, Vec3(0.0, 6.0, -1.0));
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ TEST(Substeps, RiseAfterACutSoThatTheRunStaysStable) {
     Controls controls;
     controls.gravity = Vec3::Zero();
     Contacts contacts;
-    EXPECT_EQ(solver->step(model, state, controls, contacts, dt).substeps, configured);
+    EXPECT_EQ(solver->step(model, state, controls, contacts, {dt}).substeps, configured);
 
     const SurgeryResult result =
         cutAlong({{-0.1, 0.113, 0.0}, {0.31, 0.172, 0.0}, {0.187, 0.5, 0.0}}, model, state);
@@ -187,7 +187,7 @@ TEST(Substeps, RiseAfterACutSoThatTheRunStaysStable) {
     };
     const double start = energy();
     for (int k = 0; k < 500; ++k) {
-      const StepReport& report = solver->step(model, state, controls, contacts, dt);
+      const StepReport& report = solver->step(model, state, controls, contacts, {dt});
       ASSERT_EQ(report.status, StepStatus::kOk) << method;
       ASSERT_EQ(report.substeps,
                 static_cast<int>(std::ceil(configured * first / stableStep(model) - 1e-9)));

@@ -125,7 +125,7 @@ class ForceMethods : public testing::TestWithParam<std::string> {
     controls.gravity = gravity;
     Contacts contacts;
     State after = state;
-    solver->step(model, after, controls, contacts, h);
+    solver->step(model, after, controls, contacts, {h});
     std::vector<Vec3> result;
     for (VertexId v = 0; v < model.particleCount(); ++v) {
       result.push_back((after.v[v] - state.v[v]) / h);

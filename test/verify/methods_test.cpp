@@ -30,7 +30,7 @@ void advance(Solver& solver, const Model& model, State& state, const Controls& c
              int steps) {
   Contacts contacts;
   for (int k = 0; k < steps; ++k) {
-    ASSERT_EQ(solver.step(model, state, controls, contacts, dt).status, StepStatus::kOk);
+    ASSERT_EQ(solver.step(model, state, controls, contacts, {dt}).status, StepStatus::kOk);
   }
 }
 
@@ -381,7 +381,7 @@ TEST_P(Methods, AHeldClothInTheWindIsBorneByItsHolders) {
   }
   Contacts contacts;
   const std::unique_ptr<Solver> solver = makeSolver(info(), model, 4);
-  const StepReport& report = solver->step(model, state, controls, contacts, 0.01);
+  const StepReport& report = solver->step(model, state, controls, contacts, {0.01});
   Vec3 sum = Vec3::Zero();
   for (const Vec3& f : report.reactions) sum += f;
   const double pressure = 0.5 * 1.2 * 1.1 * 0.09 * 25.0;
@@ -401,7 +401,7 @@ TEST_P(Methods, AHolderThatAcceleratesTheClothBearsItsInertia) {
   }
   Contacts contacts;
   const std::unique_ptr<Solver> solver = makeSolver(info(), model, 4);
-  const StepReport& report = solver->step(model, state, controls, contacts, dt);
+  const StepReport& report = solver->step(model, state, controls, contacts, {dt});
   Vec3 sum = Vec3::Zero();
   for (const Vec3& f : report.reactions) sum += f;
   const Vec3 expected = totalMass(model) * (controls.gravity - u / dt);

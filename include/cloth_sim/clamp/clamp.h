@@ -63,8 +63,8 @@ const char* toString(ClampState state);  ///< "open", "closing", "closed"
 /// that nothing jumps. A patch is grasped likewise but wherever it is, also beside the plates; what
 /// of it lies beyond a plate is held as soon as closing begins.
 ///
-/// Order of use in a step of length dt: `advance`, `appendTargets`, (solver), `readReactions`;
-/// `follow` after every edit of the mesh.
+/// Order of use in a step: `clearWrench`; then once, or for each of its equal parts: `advance`,
+/// `appendTargets`, (solver), `addReactions`. `follow` after every edit of the mesh.
 class Clamp {
  public:
   /// \throws std::invalid_argument unless every length, speed and acceleration is finite and > 0,
@@ -108,12 +108,15 @@ class Clamp {
   /// Where the held particles shall be at the end of the step, ascending by vertex.
   void appendTargets(std::vector<KinematicTarget>& out) const;
 
-  /// Sums `reactions[k]`, the force that the particle `targets[k]` puts on its holder, over what
-  /// this clamp holds. Held particles that are not among the targets count as zero.
-  /// \param targets  ascending by vertex; of the step that the reactions are of.
-  /// \throws std::invalid_argument if there are not as many reactions as targets.
-  void readReactions(const std::vector<KinematicTarget>& targets,
-                     const std::vector<Vec3>& reactions);
+  void clearWrench() { wrench_ = Wrench(); }
+
+  /// Adds to the wrench `reactions[k]`, the force that the particle `targets[k]` puts on its
+  /// holder, over what this clamp holds. Held particles that are not among the targets count as
+  /// zero. \param share  of the step that the reactions are the mean over. \param targets ascending
+  /// by vertex; of the step that the reactions are of. \throws std::invalid_argument if there are
+  /// not as many reactions as targets.
+  void addReactions(const std::vector<KinematicTarget>& targets, const std::vector<Vec3>& reactions,
+                    double share = 1.0);
 
   /// Copies of held particles are held too, at the same place; so is a particle that an edit put
   /// between held ones. Held particles must not be moved within the surface.

@@ -47,6 +47,9 @@ class MeshEditor {
   /// The edits of the list of vertices so far.
   const std::vector<VertexEdit>& edits() const { return changes_.vertices; }
 
+  /// Faces that have been made or have changed their shape so far, in no order.
+  const std::vector<FaceId>& reshaped() const { return changes_.reshapedFaces; }
+
   /// The changes since construction or the last call; raises the mesh's revision if there are any.
   MeshChanges finish();
 

@@ -58,11 +58,12 @@ class Simulation {
 
  private:
   void runScript();
-  void moveClamps();
-  void detectContacts();
-  void solve();
-  void readClamps();
-  void tear();
+  void advance(const StepLength& length);
+  void moveClamps(double dt);
+  void detectContacts(double dt);
+  void solve(const StepLength& length);
+  void readClamps(double share);
+  void tear(double dt);
 
   PhaseObservation observe() const;
   void beginPhase(const PhaseSpec& phase);

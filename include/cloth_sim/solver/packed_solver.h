@@ -12,7 +12,8 @@ namespace cloth_sim {
 class PackedSolver : public Solver {
  public:
   const StepReport& step(const Model& model, State& state, const Controls& controls,
-                         Contacts& contacts, double dt) final;
+                         Contacts& contacts, const StepLength& length) final;
+  int substeps() const final { return substeps_; }
   void onModelChanged(const Model& model, const ModelChanges& changes) final;
 
  protected:

@@ -34,6 +34,12 @@ struct Controls {
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
 };
 
+/// How far a solver goes, and how finely.
+struct StepLength {
+  double dt = 0.0;             ///< [s], > 0
+  double substepFactor = 1.0;  ///< times the substeps that the method was configured with, > 0
+};
+
 enum class StepStatus { kOk, kNotFinite, kNotConverged };
 
 struct StepReport {
@@ -52,11 +58,14 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Advances `state` by `dt`, in as many substeps as the method was configured with.
+  /// Advances `state`.
   /// Allocates nothing once warm. If the result is not finite, says so in the status; the caller
   /// restores the state.
   virtual const StepReport& step(const Model& model, State& state, const Controls& controls,
-                                 Contacts& contacts, double dt) = 0;
+                                 Contacts& contacts, const StepLength& length) = 0;
+
+  /// How many substeps a step takes whose `substepFactor` is 1.
+  virtual int substeps() const = 0;
 
   /// To be called after every edit of the model, before the next step.
   virtual void onModelChanged(const Model& model, const ModelChanges& changes) = 0;

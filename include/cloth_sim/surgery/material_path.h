@@ -3,12 +3,17 @@
 
 #include <array>
 
-#include "cloth_sim/types.h"
+#include "cloth_sim/mesh/triangle_mesh.h"
+#include "cloth_sim/mesh/vertex_data.h"
 
 namespace cloth_sim {
 
 /// A polyline in material coordinates [m].
 using MaterialPath = std::vector<Vec2>;
+
+/// A place, or a whole cloth, in material coordinates as if it lay in the world's plane z = 0 [m].
+inline Vec3 laidFlat(const Vec2& p) { return Vec3(p.x(), p.y(), 0.0); }
+VertexData<Vec3> laidFlat(const TriangleMesh& mesh);
 
 /// Signed distance to the nearest segment of `path`: positive to the right of its direction, and
 /// beyond its ends measured from the end segments' lines [m]. Points within 1e-9 m count as right.

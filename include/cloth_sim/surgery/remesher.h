@@ -56,7 +56,7 @@ class Remesher {
   /// \return whether it did; false if the limits forbid it.
   bool bisect(FaceId f);
 
-  /// Flips edges near what was edited where that makes bad angles better.
+  /// Flips edges near what was edited since the last `finish` where that makes bad angles better.
   void improve();
 
   /// Opens the surface along all marked edges, and forgets the marks. Nothing else may be edited
@@ -79,8 +79,7 @@ class Remesher {
   ShapeLimits limits_;
   std::set<VertexId> held_;
   std::set<EdgeKey> marks_;
-  std::set<VertexId> marked_;     ///< ends of marks
-  std::vector<FaceId> reshaped_;  ///< by edits since the start
+  std::set<VertexId> marked_;  ///< ends of marks
 };
 
 /// Barycentric weights of `p` in a face, the first two computed and the third the rest to one.

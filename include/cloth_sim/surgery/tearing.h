@@ -40,8 +40,8 @@ struct TearingSettings {
 /// mesh runs, across the faces around the tip.
 ///
 /// A tip runs at `tipSpeed` at most, and keeps account of what is left over of a step. How far it
-/// gets still depends on the step where `tipSpeed` times the step is more than about an edge: the
-/// stress is as old as the step (docs/surgery.md).
+/// gets depends on the step where the stress is older than the time that it needs for an edge:
+/// while `isNear`, divide steps.
 class Tearing {
  public:
   Tearing(TearingSettings settings, const Model& model);
@@ -49,6 +49,10 @@ class Tearing {
   const TearingSettings& settings() const { return settings_; }
   void setEnabled(bool enabled) { settings_.enabled = enabled; }
   void setRatio(const TearRatios& ratio) { settings_.ratio = ratio; }
+
+  /// Whether a spring is near failing, as the last plan saw it: from 0.7 of the strain that tears
+  /// it on. The stress that `plan` goes by should then be no older than a substep.
+  bool isNear() const;
 
   /// What tears now, most overloaded first (by stretch over limit; ties by slot); at most one line
   /// through each face. Visits only springs that the gate allows. To be asked again after the cut
@@ -70,6 +74,7 @@ class Tearing {
     double start = 0.0;   ///< [s]
     double length = 0.0;  ///< [m]
     std::int32_t slot = kNone;
+    std::vector<Vec2> places;  ///< corners of the line, material coordinates [m]
   };
   /// Where a tear has run.
   struct Run {
@@ -82,11 +87,13 @@ class Tearing {
   };
 
   bool allowed(const Model& model, const Spring& spring) const;
-  std::vector<Overload> findOverloads(const Model& model, const State& state) const;
+  std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
-  std::optional<SurfacePath> seamLine(const TriangleMesh& mesh, const Spring& spring) const;
+  /// \param faces  that the spring stands on; of `lineFor` too.
+  std::optional<SurfacePath> seamLine(const TriangleMesh& mesh, const Spring& spring,
+                                      const std::vector<FaceId>& faces) const;
   std::optional<SurfacePath> lineFor(const Model& model, const State& state, const Spring& spring,
-                                     VertexId tip) const;
+                                     const std::vector<FaceId>& faces, VertexId tip) const;
   VertexId nearestTip(const TriangleMesh& mesh, const Vec2& p, double within) const;
   bool isShaded(const Vec2& p, double edge, double time) const;
   void forget(const TriangleMesh& mesh, double time);
@@ -97,6 +104,8 @@ class Tearing {
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
   std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
+  double worst_ = 0.0;           ///< largest strain over the strain that tears, seen last
+  double plannedAt_ = 0.0;       ///< time of the state of the last plan [s]
   std::vector<Stride> strides_;  ///< of the last plan, by path
 };
 
