@@ -420,7 +420,10 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
 std::vector<std::int32_t> SpringNetwork::standingOnAny(
     const std::vector<VertexId>& vertices) const {
   std::vector<std::int32_t> slots;
-  for (VertexId v : vertices) slots.insert(slots.end(), standing_[v].begin(), standing_[v].end());
+  for (VertexId v : vertices) {
+    if (static_cast<std::size_t>(v) >= standing_.size()) continue;
+    slots.insert(slots.end(), standing_[v].begin(), standing_[v].end());
+  }
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   return slots;

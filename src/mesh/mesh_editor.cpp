@@ -124,6 +124,7 @@ void MeshEditor::moveVertex(VertexId v, FaceId f, const std::array<double, 3>& w
   edit.id = v;
   edit.from = mesh_.faces_[f];
   edit.weight = weight;
+  changes_.movedFrom.emplace_back(v, mesh_.material_[v]);
   mesh_.material_[v] = blendMaterial(edit);
   changes_.vertices.push_back(edit);
   for (FaceId around : mesh_.incident_[v]) recordReshaped(around);

@@ -10,6 +10,7 @@ namespace cloth_sim {
 namespace {
 
 constexpr double kTolerance = 1e-9;  // [m]
+constexpr std::size_t kBoxed = 16;   // segments in a box of PathIndex
 
 double squaredDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
   const Vec2 d = b - a;
@@ -30,6 +31,16 @@ bool boxesMeet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
   };
   return !apart(a.x(), b.x(), p.x(), q.x()) && !apart(p.x(), q.x(), a.x(), b.x()) &&
          !apart(a.y(), b.y(), p.y(), q.y()) && !apart(p.y(), q.y(), a.y(), b.y());
+}
+
+bool segmentSeparates(const Vec2& from, const Vec2& to, const Vec2& p, const Vec2& q) {
+  if (!boxesMeet(from, to, p, q)) return false;
+  const double a = offLine(from, to, p);
+  const double b = offLine(from, to, q);
+  const double c = offLine(p, q, from);
+  const double d = offLine(p, q, to);
+  return std::min(a, b) < -kTolerance && std::max(a, b) > kTolerance &&
+         std::min(c, d) <= kTolerance && std::max(c, d) >= -kTolerance;
 }
 
 }  // namespace
@@ -66,14 +77,28 @@ double distanceTo(const MaterialPath& path, const Vec2& point) {
 
 bool separates(const MaterialPath& path, const Vec2& p, const Vec2& q) {
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
-    if (!boxesMeet(path[k], path[k + 1], p, q)) continue;
-    const double a = offLine(path[k], path[k + 1], p);
-    const double b = offLine(path[k], path[k + 1], q);
-    const double c = offLine(p, q, path[k]);
-    const double d = offLine(p, q, path[k + 1]);
-    if (std::min(a, b) < -kTolerance && std::max(a, b) > kTolerance &&
-        std::min(c, d) <= kTolerance && std::max(c, d) >= -kTolerance) {
-      return true;
+    if (segmentSeparates(path[k], path[k + 1], p, q)) return true;
+  }
+  return false;
+}
+
+PathIndex::PathIndex(MaterialPath path) : path_(std::move(path)) {
+  for (std::size_t first = 0; first + 1 < path_.size(); first += kBoxed) {
+    Eigen::AlignedBox2d& box = boxes_.emplace_back();
+    const std::size_t last = std::min(first + kBoxed, path_.size() - 1);
+    for (std::size_t k = first; k <= last; ++k) box.extend(path_[k]);
+    box.extend((box.min().array() - kTolerance).matrix().eval());
+    box.extend((box.max().array() + kTolerance).matrix().eval());
+  }
+}
+
+bool PathIndex::separates(const Vec2& p, const Vec2& q) const {
+  const Eigen::AlignedBox2d own(p.cwiseMin(q), p.cwiseMax(q));
+  for (std::size_t box = 0; box < boxes_.size(); ++box) {
+    if (!boxes_[box].intersects(own)) continue;
+    const std::size_t last = std::min((box + 1) * kBoxed, path_.size() - 1);
+    for (std::size_t k = box * kBoxed; k < last; ++k) {
+      if (segmentSeparates(path_[k], path_[k + 1], p, q)) return true;
     }
   }
   return false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "cloth_sim/surgery/material_path.h"
 #include "cloth_sim/surgery/momentum.h"
@@ -32,6 +33,10 @@ void merge(const std::vector<T>& more, std::vector<T>& all) {
   append(more, all);
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
+}
+
+bool contains(const std::vector<std::int32_t>& ascending, std::int32_t slot) {
+  return std::binary_search(ascending.begin(), ascending.end(), slot);
 }
 
 /// Puts a later edit behind an earlier one.
@@ -115,12 +120,27 @@ MaterialPath materialOf(const EmbeddedPath& path, const TriangleMesh& mesh) {
   return points;
 }
 
-bool isSevered(const Spring& spring, const TriangleMesh& mesh,
-               const std::vector<MaterialPath>& lines) {
-  return std::any_of(lines.begin(), lines.end(), [&](const MaterialPath& line) {
-    return separates(line, mesh.material(spring.a), mesh.material(spring.b));
-  });
+MaterialPath materialOf(const SurfacePath& path) {
+  MaterialPath points;
+  for (const SurfacePoint& p : path.points) points.push_back(p.material);
+  return points;
 }
+
+/// Where vertices were at rest before an edit of a mesh.
+class MaterialBefore {
+ public:
+  MaterialBefore(const TriangleMesh& mesh, const MeshChanges& changes) : mesh_(mesh) {
+    for (const auto& [v, from] : changes.movedFrom) from_.emplace(v, from);  // the first one counts
+  }
+  const Vec2& operator[](VertexId v) const {
+    const auto found = from_.find(v);
+    return found == from_.end() ? mesh_.material(v) : found->second;
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::unordered_map<VertexId, Vec2> from_;
+};
 
 /// Springs whose middle is within `distance` of a line go.
 SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance, Model& model) {
@@ -164,21 +184,38 @@ class CutOperation {
     }
   }
 
-  /// Springs are exchanged for others; those that the cut crosses have failed.
+  /// Springs are exchanged for others. Those that a path crossed have failed, also if a vertex
+  /// moves onto the cut and what is left of its spring goes on.
   void fit(MeshChanges changes) {
     if (changes.empty()) return;
+    reportSevered(changes);
     ModelChanges fitted;
     fitted.mesh = std::move(changes);
     fitted.springs = follow(fitted.mesh, model_, state_);
-    for (std::size_t k = 0; k < fitted.springs.removed.size(); ++k) {
-      const Spring& spring = fitted.springs.removedSprings[k];
-      if (isSevered(spring, model_.mesh, lines_)) report(fitted.springs.removed[k], spring);
-    }
-    made_ = fitted.springs.added;
+    settled_ = fitted.springs.added;
+    merge(severed_, settled_);
     append(fitted, result_.changes);
   }
 
-  /// Whatever goes now and was there before the cut has failed.
+  /// While the springs and the state are still those of the cloth as it was.
+  void reportSevered(const MeshChanges& changes) {
+    const MaterialBefore before(model_.mesh, changes);
+    std::vector<PathIndex> paths;
+    for (const SurfacePath& path : plan_.paths) paths.emplace_back(materialOf(path));
+    for (std::int32_t slot : model_.springs.standingOnAny(changes.touched)) {
+      const Spring& spring = model_.springs[slot];
+      const Vec2& a = before[spring.a];
+      const Vec2& b = before[spring.b];
+      const bool severed = std::any_of(paths.begin(), paths.end(),
+                                       [&](const PathIndex& path) { return path.separates(a, b); });
+      if (!severed) continue;
+      severed_.push_back(slot);
+      report(slot, spring);
+      result_.events.back().material = 0.5 * (a + b);
+    }
+  }
+
+  /// Whatever goes now, was there before the cut and has not been told of has failed.
   void open(MeshChanges changes) {
     if (changes.empty()) return;
     ModelChanges opened;
@@ -186,8 +223,7 @@ class CutOperation {
     opened.springs = follow(opened.mesh, model_, state_);
     for (std::size_t k = 0; k < opened.springs.removed.size(); ++k) {
       const std::int32_t slot = opened.springs.removed[k];
-      if (std::binary_search(made_.begin(), made_.end(), slot)) continue;
-      report(slot, opened.springs.removedSprings[k]);
+      if (!contains(settled_, slot)) report(slot, opened.springs.removedSprings[k]);
     }
     append(opened, result_.changes);
   }
@@ -197,7 +233,8 @@ class CutOperation {
     cleared.mesh.fromRevision = cleared.mesh.toRevision = model_.mesh.revision();
     cleared.springs = clearNear(lines_, plan_.clearWithin, model_);
     for (std::size_t k = 0; k < cleared.springs.removed.size(); ++k) {
-      report(cleared.springs.removed[k], cleared.springs.removedSprings[k]);
+      const std::int32_t slot = cleared.springs.removed[k];
+      if (!contains(severed_, slot)) report(slot, cleared.springs.removedSprings[k]);
     }
     result_.cleared = static_cast<int>(cleared.springs.removed.size());
     append(cleared, result_.changes);
@@ -205,15 +242,16 @@ class CutOperation {
 
   void report(std::int32_t slot, const Spring& spring) {
     FailureEvent event = describeFailure(model_, state_, spring, plan_.cause);
-    event.overloaded = std::binary_search(plan_.overloaded.begin(), plan_.overloaded.end(), slot);
+    event.overloaded = contains(plan_.overloaded, slot);
     result_.events.push_back(event);
   }
 
   const CutPlan& plan_;
   Model& model_;
   State& state_;
-  std::vector<MaterialPath> lines_;  ///< of the cut, along mesh edges
-  std::vector<std::int32_t> made_;   ///< slots of springs that came to be before it opened
+  std::vector<MaterialPath> lines_;    ///< of the cut, along mesh edges
+  std::vector<std::int32_t> severed_;  ///< slots of springs that paths crossed, ascending
+  std::vector<std::int32_t> settled_;  ///< these, and those made to fit the paths, ascending
   SurgeryResult result_;
 };
 

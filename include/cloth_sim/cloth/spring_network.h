@@ -78,6 +78,9 @@ class SpringNetwork {
   const Spring& operator[](std::int32_t slot) const { return slots_[slot]; }
   /// Slots of the springs that stand on the faces around `v` (see Spring::support).
   const std::vector<std::int32_t>& standingOn(VertexId v) const { return standing_[v]; }
+  /// The same around any of `vertices`, ascending, unique. Vertices that the network does not know
+  /// have none.
+  std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
   std::int32_t count() const { return count_[0] + count_[1] + count_[2]; }
   std::int32_t count(SpringKind kind) const { return count_[static_cast<int>(kind)]; }
 
@@ -109,7 +112,6 @@ class SpringNetwork {
   void setConstants(const TriangleMesh& mesh, const FaceRange& on, Spring& spring) const;
   double fabricStiffness(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
   RawShare rawShare(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
-  std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
   std::vector<Spring> deriveAroundAll(const TriangleMesh& mesh,
                                       const std::vector<VertexId>& vertices) const;
   std::int32_t insert(const Spring& spring);

@@ -3,6 +3,8 @@
 /// on it.
 
 #include <array>
+#include <utility>
+#include <vector>
 
 #include "cloth_sim/types.h"
 
@@ -29,7 +31,9 @@ struct VertexEdit {
 struct MeshChanges {
   std::uint64_t fromRevision = 0;
   std::uint64_t toRevision = 0;
-  std::vector<VertexEdit> vertices;   ///< in the order of the edits
+  std::vector<VertexEdit> vertices;  ///< in the order of the edits
+  /// Where vertices were that moved, in the order of the edits: material coordinates [m].
+  std::vector<std::pair<VertexId, Vec2>> movedFrom;
   std::vector<FaceId> changedFaces;   ///< new, or with other vertices than before; ascending
   std::vector<FaceId> reshapedFaces;  ///< new, or with another shape at rest; ascending, unique
   std::vector<FaceId> removedFaces;   ///< in order; the last face took the place of each

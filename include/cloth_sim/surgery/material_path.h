@@ -1,6 +1,7 @@
 #pragma once
 /// \file Which side of a path things are on, in material coordinates.
 
+#include <Eigen/Geometry>
 #include <array>
 
 #include "cloth_sim/mesh/triangle_mesh.h"
@@ -25,6 +26,18 @@ double distanceTo(const MaterialPath& path, const Vec2& point);
 /// Whether p and q lie on different sides of some segment of `path` (neither nearer to its line
 /// than 1e-9 m) that p-q crosses or touches.
 bool separates(const MaterialPath& path, const Vec2& p, const Vec2& q);
+
+/// A path that is asked for many segments.
+class PathIndex {
+ public:
+  explicit PathIndex(MaterialPath path);
+  /// As the function `separates`.
+  bool separates(const Vec2& p, const Vec2& q) const;
+
+ private:
+  MaterialPath path_;
+  std::vector<Eigen::AlignedBox2d> boxes_;  ///< of so many segments each, in their order
+};
 
 /// Whether the segment p-q meets `path` (touching counts, within 1e-9 m).
 bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q);
