@@ -334,6 +334,7 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
   // (the one that kept its ends, if any did) goes on in the slot.
   SpringChanges result;
   std::vector<Spring> fresh;
+  fresh.reserve(after.size());
   auto at = old.begin();
   for (const auto& [key, k] : after) {
     const Spring& spring = derived[k];

@@ -120,12 +120,6 @@ MaterialPath materialOf(const EmbeddedPath& path, const TriangleMesh& mesh) {
   return points;
 }
 
-MaterialPath materialOf(const SurfacePath& path) {
-  MaterialPath points;
-  for (const SurfacePoint& p : path.points) points.push_back(p.material);
-  return points;
-}
-
 /// Where vertices were at rest before an edit of a mesh.
 class MaterialBefore {
  public:
@@ -167,9 +161,12 @@ class CutOperation {
   SurgeryResult run(const ShapeLimits& shape, const std::vector<VertexId>& held) {
     Remesher remesher(model_.mesh, shape, held);
     note(prepare(plan_, std::numeric_limits<std::int32_t>::max(), remesher));
-    fit(remesher.finish());
     remesher.openMarks();
-    open(remesher.finish());
+    result_.changes.mesh = remesher.finish();
+    if (!result_.changes.mesh.empty()) {
+      reportSevered();
+      result_.changes.springs = follow(result_.changes.mesh, model_, state_);
+    }
     if (plan_.clearWithin > 0.0) clear();
     return std::move(result_);
   }
@@ -184,48 +181,23 @@ class CutOperation {
     }
   }
 
-  /// Springs are exchanged for others. Those that a path crossed have failed, also if a vertex
-  /// moves onto the cut and what is left of its spring goes on.
-  void fit(MeshChanges changes) {
-    if (changes.empty()) return;
-    reportSevered(changes);
-    ModelChanges fitted;
-    fitted.mesh = std::move(changes);
-    fitted.springs = follow(fitted.mesh, model_, state_);
-    settled_ = fitted.springs.added;
-    merge(severed_, settled_);
-    append(fitted, result_.changes);
-  }
-
-  /// While the springs and the state are still those of the cloth as it was.
-  void reportSevered(const MeshChanges& changes) {
-    const MaterialBefore before(model_.mesh, changes);
-    std::vector<PathIndex> paths;
-    for (const SurfacePath& path : plan_.paths) paths.emplace_back(materialOf(path));
-    for (std::int32_t slot : model_.springs.standingOnAny(changes.touched)) {
+  /// Springs that the cut crosses have failed, also where a vertex moves onto it and what is left
+  /// of its spring goes on. Refinement exchanges others, which have not. To be called while springs
+  /// and state are still those of the cloth as it was.
+  void reportSevered() {
+    const MaterialBefore before(model_.mesh, result_.changes.mesh);
+    const std::vector<PathIndex> lines(lines_.begin(), lines_.end());
+    for (std::int32_t slot : model_.springs.standingOnAny(result_.changes.mesh.touched)) {
       const Spring& spring = model_.springs[slot];
       const Vec2& a = before[spring.a];
       const Vec2& b = before[spring.b];
-      const bool severed = std::any_of(paths.begin(), paths.end(),
-                                       [&](const PathIndex& path) { return path.separates(a, b); });
+      const bool severed = std::any_of(lines.begin(), lines.end(),
+                                       [&](const PathIndex& line) { return line.separates(a, b); });
       if (!severed) continue;
       severed_.push_back(slot);
       report(slot, spring);
       result_.events.back().material = 0.5 * (a + b);
     }
-  }
-
-  /// Whatever goes now, was there before the cut and has not been told of has failed.
-  void open(MeshChanges changes) {
-    if (changes.empty()) return;
-    ModelChanges opened;
-    opened.mesh = std::move(changes);
-    opened.springs = follow(opened.mesh, model_, state_);
-    for (std::size_t k = 0; k < opened.springs.removed.size(); ++k) {
-      const std::int32_t slot = opened.springs.removed[k];
-      if (!contains(settled_, slot)) report(slot, opened.springs.removedSprings[k]);
-    }
-    append(opened, result_.changes);
   }
 
   void clear() {
@@ -251,7 +223,6 @@ class CutOperation {
   State& state_;
   std::vector<MaterialPath> lines_;    ///< of the cut, along mesh edges
   std::vector<std::int32_t> severed_;  ///< slots of springs that paths crossed, ascending
-  std::vector<std::int32_t> settled_;  ///< these, and those made to fit the paths, ascending
   SurgeryResult result_;
 };
 

@@ -79,9 +79,16 @@ bool Neighbourhood::reaches(const std::array<Vec3, 3>& triangle) const {
   const auto& [a, b, c] = triangle;
   const double low = std::min({a[axis_], b[axis_], c[axis_]}) - radius_;
   const double high = std::max({a[axis_], b[axis_], c[axis_]}) + radius_;
-  auto sample = std::lower_bound(samples_.begin(), samples_.end(), low,
-                                 [&](const Vec3& p, double value) { return p[axis_] < value; });
-  for (; sample != samples_.end() && (*sample)[axis_] <= high; ++sample) {
+  const auto from = [&](double value) {
+    return std::lower_bound(samples_.begin(), samples_.end(), value,
+                            [&](const Vec3& p, double v) { return p[axis_] < v; });
+  };
+  // Most triangles that are near are near by their middle.
+  const Vec3 middle = (a + b + c) / 3.0;
+  const auto beside = from(middle[axis_]);
+  if (beside != samples_.end() && (middle - *beside).squaredNorm() <= radius_ * radius_)
+    return true;
+  for (auto sample = from(low); sample != samples_.end() && (*sample)[axis_] <= high; ++sample) {
     if ((nearestPoint(triangle, *sample) - *sample).squaredNorm() <= radius_ * radius_) return true;
   }
   return false;
