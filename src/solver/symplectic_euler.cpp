@@ -34,6 +34,7 @@ SolverInfo symplecticEulerInfo() {
   info.limitations =
       "diverges for substeps longer than 2 / omega_max; dashpots shorten that further";
   info.order = 1;
+  info.stabilityLimit = 2.0;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     return std::make_unique<SymplecticEuler>(model, static_cast<int>(p.at("substeps")));

@@ -40,6 +40,7 @@ SolverInfo verletInfo() {
   info.reference = "Tuckerman, Berne & Martyna, J. Chem. Phys. 97 (1992), eq. 2.22";
   info.limitations = "diverges for substeps longer than 2 / omega_max; first order in damping";
   info.order = 2;
+  info.stabilityLimit = 2.0;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     return std::make_unique<Verlet>(model, static_cast<int>(p.at("substeps")));

@@ -2,6 +2,7 @@
 /// \file The methods there are. A new one is a file in src/solver and a row in registry.cpp.
 
 #include <functional>
+#include <limits>
 #include <map>
 
 #include "cloth_sim/solver/solver.h"
@@ -28,6 +29,9 @@ struct SolverInfo {
   std::string reference;    ///< paper
   std::string limitations;  ///< one line
   int order = 1;            ///< of convergence in the time step on smooth problems
+  /// Largest omega h, h the length of a substep, at which an undamped oscillator of the angular
+  /// frequency omega stays bounded. Infinity: there is no such limit; 0: it never does.
+  double stabilityLimit = std::numeric_limits<double>::infinity();
   std::vector<SolverParameter> parameters;
   std::function<std::unique_ptr<Solver>(const Model&, const SolverParameters&)> create;
 };
