@@ -25,6 +25,16 @@ void driftAxis(std::size_t count, double h, const double* v, double* x) {
   for (std::size_t k = 0; k < count; ++k) x[k] += h * v[k];
 }
 
+/// a = f / m + (g - drag v) [m > 0] along one axis.
+CLOTH_SIM_VECTOR_CLONES
+void accelerationAxis(std::size_t count, double g, double drag, const double* force,
+                      const double* v, const double* inverseMass, double* a) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const double fall = inverseMass[k] > 0.0 ? g - drag * v[k] : 0.0;
+    a[k] = force[k] * inverseMass[k] + fall;
+  }
+}
+
 }  // namespace
 
 ForceSolver::ForceSolver(const Model& model, int substeps)
@@ -52,9 +62,20 @@ void ForceSolver::kick(const Substep& now) {
   kickAxis(n, now.h, g.x(), force_.x.data(), w, particles_.v.x.data());
   kickAxis(n, now.h, g.y(), force_.y.data(), w, particles_.v.y.data());
   kickAxis(n, now.h, g.z(), force_.z.data(), w, particles_.v.z.data());
-  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
-    addReaction(k, now.h * force_.at(static_cast<std::size_t>(kinematicSlots_[k])));
-  }
+  addForcesToReactions(now.h);
+}
+
+void ForceSolver::evaluateAccelerations(const Controls& controls, PackedVectors& out) const {
+  const auto n = static_cast<std::size_t>(particles_.slots);
+  out.resize(n);
+  const auto axis = [&](double g, const std::vector<double>& f, const std::vector<double>& v,
+                        std::vector<double>& a) {
+    accelerationAxis(n, g, controls.drag, f.data(), v.data(), particles_.inverseMass.data(),
+                     a.data());
+  };
+  axis(controls.gravity.x(), force_.x, particles_.v.x, out.x);
+  axis(controls.gravity.y(), force_.y, particles_.v.y, out.y);
+  axis(controls.gravity.z(), force_.z, particles_.v.z, out.z);
 }
 
 void ForceSolver::drift(double h) {

@@ -17,6 +17,8 @@ class ForceSolver : public PackedSolver {
   void evaluateForces(const Substep& now);
   /// v += h (f / m + g) for free particles; reactions for the others.
   void kick(const Substep& now);
+  /// f / m + g - drag v for free particles, 0 for the others, with the forces last evaluated.
+  void evaluateAccelerations(const Controls& controls, PackedVectors& out) const;
   /// x += h v.
   void drift(double h);
   /// v *= exp(-drag h): exact for linear drag.

@@ -5,7 +5,13 @@
 
 namespace cloth_sim {
 
+SolverInfo explicitEulerInfo();
+SolverInfo implicitEulerInfo();
+SolverInfo pbdInfo();
+SolverInfo projectiveInfo();
+SolverInfo rungeKuttaInfo();
 SolverInfo symplecticEulerInfo();
+SolverInfo trBdf2Info();
 SolverInfo verletInfo();
 SolverInfo xpbdInfo();
 

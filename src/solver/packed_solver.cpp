@@ -36,10 +36,13 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
   const double h = dt / substeps;
   particles_.load(state);
   loadKinematics(model, controls, dt);
+  report_.iterations = 0;
+  report_.residual = 0.0;
   prepare(controls, h);
   for (int k = 1; k <= substeps; ++k) {
     const double fraction = static_cast<double>(k) / substeps;
-    substep({model, controls, contacts, h, state.t + fraction * dt, fraction});
+    const double before = static_cast<double>(k - 1) / substeps;
+    substep({model, controls, contacts, h, state.t + fraction * dt, before, fraction});
   }
   particles_.store(state);
   for (const KinematicTarget& target : controls.kinematic) {
@@ -93,6 +96,12 @@ void PackedSolver::placeKinematic(double fraction) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     particles_.x.set(kinematicSlots_[k],
                      kinematicFrom_[k] + fraction * (kinematicTo_[k] - kinematicFrom_[k]));
+  }
+}
+
+void PackedSolver::addForcesToReactions(double h) {
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    addReaction(k, h * force_.at(static_cast<std::size_t>(kinematicSlots_[k])));
   }
 }
 

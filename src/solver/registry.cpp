@@ -40,7 +40,9 @@ void checkRange(const SolverParameter& parameter, double value) {
 }  // namespace
 
 const std::vector<SolverInfo>& solverRegistry() {
-  static const std::vector<SolverInfo> rows = {symplecticEulerInfo(), verletInfo(), xpbdInfo()};
+  static const std::vector<SolverInfo> rows = {
+      explicitEulerInfo(),   implicitEulerInfo(), pbdInfo(),    projectiveInfo(), rungeKuttaInfo(),
+      symplecticEulerInfo(), trBdf2Info(),        verletInfo(), xpbdInfo()};
   return rows;
 }
 

@@ -78,6 +78,22 @@ void pullSingle(std::int32_t p, const SpringSchedule& s, const PackedVectors& x,
 
 }  // namespace
 
+double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
+                       const PackedVectors& v, double tau) {
+  double sum = 0.0;
+  for (std::int32_t p = 0; p < schedule.size(); ++p) {
+    const auto a = static_cast<std::size_t>(schedule.endA[p]);
+    const auto b = static_cast<std::size_t>(schedule.endB[p]);
+    const Vec3 d = x.at(b) - x.at(a);
+    const double length = std::sqrt(d.squaredNorm() + kTinySquare);
+    const double rate = d.dot(v.at(b) - v.at(a)) / length;
+    const double extension = length - schedule.restLength[p];
+    sum += 0.5 * schedule.stiffness[p] * extension * extension +
+           0.5 * tau * schedule.damping[p] * rate * rate;
+  }
+  return sum;
+}
+
 void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
                      PackedVectors& force) {
   schedule.sweep(

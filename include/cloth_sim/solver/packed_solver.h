@@ -26,7 +26,8 @@ class PackedSolver : public Solver {
     Contacts& contacts;
     double h = 0.0;         ///< length [s]
     double time = 0.0;      ///< at its end [s]
-    double fraction = 0.0;  ///< of the step that has passed at its end
+    double before = 0.0;    ///< fraction of the step that has passed at its start
+    double fraction = 0.0;  ///< and at its end
   };
 
   /// Called once before the substeps of a step; masses and kinematic slots are set.
@@ -40,6 +41,13 @@ class PackedSolver : public Solver {
   void markStart();
   /// Puts the kinematic particles where they are when `fraction` of the step has passed.
   void placeKinematic(double fraction);
+  /// Sums up how a substep was solved, for methods that iterate.
+  void noteIterations(int iterations, double residual) {
+    report_.iterations += iterations;
+    report_.residual = residual;
+  }
+  /// Adds `force_` for the time h to the reactions of the kinematic targets.
+  void addForcesToReactions(double h);
   /// Adds an impulse [N s] on the k-th kinematic target to its reaction.
   void addReaction(std::size_t k, const Vec3& impulse) { report_.reactions[k] += impulse; }
   /// Adds the pressure of the wind on every face to `force_`.

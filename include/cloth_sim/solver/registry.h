@@ -28,7 +28,10 @@ struct SolverInfo {
   std::string title;        ///< "Extended position-based dynamics with small steps"
   std::string reference;    ///< paper
   std::string limitations;  ///< one line
-  int order = 1;            ///< of convergence in the time step on smooth problems
+  int order = 1;            ///< of convergence in the time step on smooth problems; 0: none
+  /// Whether the stiffness of springs is what the fabric says. If not, the method's own parameters
+  /// set it, and it changes with the step.
+  bool followsFabric = true;
   /// Largest omega h, h the length of a substep, at which an undamped oscillator of the angular
   /// frequency omega stays bounded. Infinity: there is no such limit; 0: it never does.
   double stabilityLimit = std::numeric_limits<double>::infinity();

@@ -1,0 +1,157 @@
+#include <cmath>
+
+#include "cloth_sim/solver/packed_solver.h"
+#include "methods.h"
+#include "packed_ops.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Position-based dynamics: Verlet's x += keep (x - x_before) + h^2 g, then passes in which each
+/// spring moves its ends by a part of its error (Mueller, Heidelberger, Hennix & Ratcliff 2007,
+/// sec. 3.3; Jakobsen 2001).
+///
+/// `stiffness` is that part. How stiff the cloth is follows from it, the passes and the step, not
+/// from the fabric, of which only masses count; dashpots act as impulses after the passes.
+class Pbd final : public PackedSolver {
+ public:
+  Pbd(const Model& model, const SolverParameters& parameters)
+      : PackedSolver(model, static_cast<int>(parameters.at("substeps"))),
+        passes_(static_cast<int>(parameters.at("iterations"))),
+        stiffness_(parameters.at("stiffness")),
+        keep_(parameters.at("velocity_factor")) {}
+
+ private:
+  void substep(const Substep& now) override {
+    markStart();
+    predict(now);
+    placeKinematic(now.fraction);
+    for (int pass = 0; pass < passes_; ++pass) {
+      visitSprings([&](std::int32_t p) { relax(p, now.h); });
+    }
+    now.contacts.project(particles_.view(), now.time, now.h);
+    setSum(particles_.x, -1.0, particles_.start, particles_.v);
+    forAxes(
+        [&](auto& axis) {
+          for (double& v : axis) v /= now.h;
+        },
+        particles_.v);
+    if (schedule_.damped) visitSprings([&](std::int32_t p) { damp(p, now.h); });
+    noteIterations(passes_, 0.0);
+  }
+
+  void predict(const Substep& now) {
+    const std::size_t n = particles_.mass.size();
+    setZero(n, force_);
+    if (now.controls.wind) addWind(now.model, *now.controls.wind);
+    addForcesToReactions(now.h);
+    const double keep = keep_ * std::exp(-now.controls.drag * now.h);
+    for (std::size_t k = 0; k < n; ++k) {
+      if (particles_.mass[k] <= 0.0) continue;
+      const Vec3 a = now.controls.gravity + particles_.inverseMass[k] * force_.at(k);
+      particles_.x.set(k, particles_.x.at(k) + now.h * (keep * particles_.v.at(k) + now.h * a));
+    }
+  }
+
+  template <typename Visit>
+  void visitSprings(const Visit& visit) const {
+    const auto run = [&](std::int32_t first, std::int32_t count) {
+      for (std::int32_t p = first; p < first + count; ++p) visit(p);
+    };
+    schedule_.sweep(run, visit);
+  }
+
+  /// Moves the ends of a spring together or apart by `part` of `along` times its direction.
+  void relax(std::int32_t p, double h) {
+    const auto a = static_cast<std::size_t>(schedule_.endA[p]);
+    const auto b = static_cast<std::size_t>(schedule_.endB[p]);
+    const double wa = particles_.inverseMass[a];
+    const double wb = particles_.inverseMass[b];
+    if (wa + wb == 0.0 || schedule_.stiffness[p] <= 0.0) return;
+    const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
+    const double length = d.norm();
+    if (length == 0.0) return;
+    const Vec3 correction =
+        stiffness_ * (length - schedule_.restLength[p]) / (length * (wa + wb)) * d;
+    if (wa > 0.0) particles_.x.set(a, particles_.x.at(a) + wa * correction);
+    if (wb > 0.0) particles_.x.set(b, particles_.x.at(b) - wb * correction);
+    if (wa == 0.0) bear(a, correction / h);
+    if (wb == 0.0) bear(b, -correction / h);
+  }
+
+  /// Takes from the ends of a spring what its dashpot would in the time h, implicitly.
+  void damp(std::int32_t p, double h) {
+    const auto a = static_cast<std::size_t>(schedule_.endA[p]);
+    const auto b = static_cast<std::size_t>(schedule_.endB[p]);
+    const double w = particles_.inverseMass[a] + particles_.inverseMass[b];
+    const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
+    const double square = d.squaredNorm();
+    if (w == 0.0 || square == 0.0) return;
+    const double c = h * schedule_.damping[p];
+    const double rate = d.dot(particles_.v.at(b) - particles_.v.at(a)) / square;
+    const Vec3 impulse = c * rate / (1.0 + c * w) * d;
+    if (particles_.inverseMass[a] > 0.0) {
+      particles_.v.set(a, particles_.v.at(a) + particles_.inverseMass[a] * impulse);
+    } else {
+      bear(a, impulse);
+    }
+    if (particles_.inverseMass[b] > 0.0) {
+      particles_.v.set(b, particles_.v.at(b) - particles_.inverseMass[b] * impulse);
+    } else {
+      bear(b, -impulse);
+    }
+  }
+
+  /// A spring's impulse on a particle with prescribed motion.
+  void bear(std::size_t slot, const Vec3& impulse) {
+    if (target_.empty() || target_[slot] == kNone) return;
+    addReaction(static_cast<std::size_t>(target_[slot]), impulse);
+  }
+
+  void prepare(const Controls& /*controls*/, double /*h*/) override {
+    if (!layoutChanged_) return;
+    target_.assign(static_cast<std::size_t>(particles_.slots), kNone);
+    for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+      target_[static_cast<std::size_t>(kinematicSlots_[k])] = static_cast<std::int32_t>(k);
+    }
+  }
+
+  int passes_;
+  double stiffness_;
+  double keep_;
+  std::vector<std::int32_t> target_;  ///< kinematic target by slot, or kNone
+};
+
+SolverParameter part(const std::string& name, double value, const std::string& description) {
+  SolverParameter parameter;
+  parameter.name = name;
+  parameter.defaultValue = value;
+  parameter.minimum = 0.0;
+  parameter.maximum = 1.0;
+  parameter.description = description;
+  return parameter;
+}
+
+}  // namespace
+
+SolverInfo pbdInfo() {
+  SolverInfo info;
+  info.name = "pbd";
+  info.title = "Position-based dynamics";
+  info.reference = "Mueller, Heidelberger, Hennix & Ratcliff 2007; Jakobsen 2001";
+  info.limitations = "stiffness follows from passes and step, not from the fabric";
+  info.order = 0;
+  info.followsFabric = false;
+  SolverParameter iterations = substepsParameter(16);
+  iterations.name = "iterations";
+  iterations.description = "passes over all springs in a substep";
+  info.parameters = {substepsParameter(1), iterations,
+                     part("stiffness", 0.5, "part of its error that a spring takes off in a pass"),
+                     part("velocity_factor", 0.99, "part of the velocity kept in a substep")};
+  info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
+    return std::make_unique<Pbd>(model, p);
+  };
+  return info;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,262 @@
+#include <Eigen/SparseCholesky>
+#include <cmath>
+
+#include "cloth_sim/solver/packed_solver.h"
+#include "methods.h"
+#include "packed_ops.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Keeps the direction of a spring of no length from being 0/0 [m^2].
+constexpr double kTinySquare = 1e-300;
+/// Conjugate gradients after which a new factorisation is cheaper.
+constexpr int kStale = 12;
+constexpr int kMostLinear = 200;
+constexpr double kLinearTolerance = 1e-3;  ///< of the residual, per iteration
+
+/// Projective dynamics for springs (Liu, Bargteil, O'Brien & Kavan 2013): backward Euler,
+/// alternating between the direction of each spring (local) and the positions given the directions
+/// (global). The matrix of the global step, M (1 + drag h) / h^2 + sum of (k + c/h) S^T S, does not
+/// depend on the state and is factorised once. A dashpot is a projection too: of the relative
+/// motion in the substep on its part across the spring.
+///
+/// After cuts and tears, and while clamps hold other particles, the old factorisation goes on as
+/// the preconditioner of conjugate gradients on the new matrix: exact but for the rows that
+/// changed, so it takes about as many iterations as the change has rank. Only when they become too
+/// many is it made anew.
+class Projective final : public PackedSolver {
+ public:
+  Projective(const Model& model, const SolverParameters& parameters)
+      : PackedSolver(model, static_cast<int>(parameters.at("substeps"))),
+        iterations_(static_cast<int>(parameters.at("iterations"))),
+        tolerance_(parameters.at("tolerance")) {}
+
+ private:
+  void prepare(const Controls& controls, double h) override {
+    if (h == step_ && controls.drag == drag_ && !layoutChanged_) return;
+    const bool scaled = h != step_ || controls.drag != drag_;
+    step_ = h;
+    drag_ = controls.drag;
+    const std::size_t n = particles_.mass.size();
+    diagonal_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) diagonal_[k] = particles_.mass[k] * (1.0 + h * drag_);
+    weight_.resize(static_cast<std::size_t>(schedule_.size()));
+    for (std::size_t p = 0; p < weight_.size(); ++p) {
+      weight_[p] = h * h * schedule_.stiffness[p] + h * schedule_.damping[p];
+    }
+    if (scaled || factorised_ == 0) factorise();
+  }
+
+  void substep(const Substep& now) override {
+    markStart();
+    velocity_ = particles_.v;
+    findWind(now);
+    setSum(particles_.start, now.h, particles_.v, particles_.x);
+    placeKinematic(now.fraction);
+    int k = 0;
+    double residual = findResidual(now);
+    for (; k < iterations_ && residual > tolerance_; ++k) {
+      solveGlobal();
+      forAxes(
+          [](auto& x, const auto& d) {
+            for (std::size_t i = 0; i < x.size(); ++i) x[i] += d[i];
+          },
+          particles_.x, change_);
+      residual = findResidual(now);
+    }
+    noteIterations(k, residual);
+    bear(now.h);
+    setSum(particles_.x, -1.0, particles_.start, particles_.v);
+    forAxes(
+        [&](auto& axis) {
+          for (double& v : axis) v /= now.h;
+        },
+        particles_.v);
+    now.contacts.empty() ? void() : enforceContacts(now);
+    if (linear_ > kStale) factorise();
+  }
+
+  void findWind(const Substep& now) {
+    setZero(particles_.mass.size(), force_);
+    if (now.controls.wind) addWind(now.model, *now.controls.wind);
+    wind_ = force_;
+  }
+
+  /// h^2 times the forces that are out of balance, in `residual_`; as a mean velocity [m/s]. Forces
+  /// of springs and dashpots, and the wind, in `force_` [N].
+  double findResidual(const Substep& now) {
+    setZero(particles_.mass.size(), force_);
+    const auto pull = [&](std::int32_t p) { addPull(p, now.h); };
+    const auto run = [&](std::int32_t first, std::int32_t count) {
+      for (std::int32_t p = first; p < first + count; ++p) pull(p);
+    };
+    schedule_.sweep(run, pull);
+    addScaled(1.0, wind_, force_);
+    residual_.resize(particles_.mass.size());
+    double square = 0.0;
+    double total = 0.0;
+    const double h = now.h;
+    for (std::size_t k = 0; k < particles_.mass.size(); ++k) {
+      const double mass = particles_.mass[k];
+      if (mass <= 0.0) {
+        residual_.set(k, Vec3::Zero());
+        continue;
+      }
+      const Vec3 moved = particles_.x.at(k) - particles_.start.at(k);
+      const Vec3 aim = h * velocity_.at(k) + h * h * now.controls.gravity;
+      const Vec3 r = mass * aim + h * h * force_.at(k) - diagonal_[k] * moved;
+      residual_.set(k, r);
+      square += r.squaredNorm() / mass;
+      total += mass;
+    }
+    return total > 0.0 ? std::sqrt(square / total) / h : 0.0;
+  }
+
+  void addPull(std::int32_t p, double h) {
+    const auto a = static_cast<std::size_t>(schedule_.endA[p]);
+    const auto b = static_cast<std::size_t>(schedule_.endB[p]);
+    const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
+    const double length = std::sqrt(d.squaredNorm() + kTinySquare);
+    const Vec3 n = d / length;
+    const double moved = n.dot(d - (particles_.start.at(b) - particles_.start.at(a)));
+    const double f = schedule_.stiffness[p] * (length - schedule_.restLength[p]) +
+                     schedule_.damping[p] * moved / h;
+    force_.set(a, force_.at(a) + f * n);
+    force_.set(b, force_.at(b) - f * n);
+  }
+
+  void bear(double h) { addForcesToReactions(h); }
+
+  /// Solves A change = residual by conjugate gradients with the factorisation before them.
+  void solveGlobal() {
+    const std::size_t n = particles_.mass.size();
+    setZero(n, change_);
+    rest_ = residual_;
+    precondition();
+    search_ = preconditioned_;
+    double rz = dot(rest_, preconditioned_);
+    const double enough = kLinearTolerance * kLinearTolerance * dot(residual_, residual_);
+    for (linear_ = 1; linear_ <= kMostLinear; ++linear_) {
+      multiply();
+      const double curvature = dot(search_, product_);
+      if (!(curvature > 0.0)) return;
+      addScaled(rz / curvature, search_, change_);
+      addScaled(-rz / curvature, product_, rest_);
+      if (dot(rest_, rest_) <= enough) return;
+      precondition();
+      const double next = dot(rest_, preconditioned_);
+      setSum(preconditioned_, next / rz, search_, search_);
+      rz = next;
+    }
+  }
+
+  /// product = A search.
+  void multiply() {
+    const std::size_t n = diagonal_.size();
+    product_.resize(n);
+    for (std::size_t k = 0; k < n; ++k) product_.set(k, diagonal_[k] * search_.at(k));
+    const auto add = [&](std::int32_t p) {
+      const auto a = static_cast<std::size_t>(schedule_.endA[p]);
+      const auto b = static_cast<std::size_t>(schedule_.endB[p]);
+      const Vec3 f = weight_[p] * (search_.at(a) - search_.at(b));
+      product_.set(a, product_.at(a) + f);
+      product_.set(b, product_.at(b) - f);
+    };
+    const auto run = [&](std::int32_t first, std::int32_t count) {
+      for (std::int32_t p = first; p < first + count; ++p) add(p);
+    };
+    schedule_.sweep(run, add);
+    hold(product_);
+  }
+
+  /// preconditioned = (old factorisation)^-1 rest; the diagonal for particles that came later.
+  void precondition() {
+    const auto n = static_cast<Eigen::Index>(factorised_);
+    preconditioned_.resize(diagonal_.size());
+    forAxes(
+        [&](const auto& from, auto& to) {
+          right_ = Eigen::Map<const Eigen::VectorXd>(from.data(), n);
+          solution_ = factor_.solve(right_);
+          Eigen::Map<Eigen::VectorXd>(to.data(), n) = solution_;
+          for (std::size_t k = factorised_; k < to.size(); ++k) {
+            to[k] = diagonal_[k] > 0.0 ? from[k] / diagonal_[k] : 0.0;
+          }
+        },
+        rest_, preconditioned_);
+    hold(preconditioned_);
+  }
+
+  /// Zero for particles with prescribed motion.
+  void hold(PackedVectors& q) const {
+    for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+      if (diagonal_[k] <= 0.0) q.set(k, Vec3::Zero());
+    }
+  }
+
+  void factorise() {
+    const auto n = static_cast<Eigen::Index>(diagonal_.size());
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(diagonal_.size() + 4 * weight_.size());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const double m = diagonal_[static_cast<std::size_t>(k)];
+      entries.emplace_back(k, k, m > 0.0 ? m : 1.0);
+    }
+    for (std::size_t p = 0; p < weight_.size(); ++p) {
+      if (weight_[p] == 0.0) continue;
+      const std::int32_t a = schedule_.endA[p];
+      const std::int32_t b = schedule_.endB[p];
+      const bool heldA = diagonal_[static_cast<std::size_t>(a)] <= 0.0;
+      const bool heldB = diagonal_[static_cast<std::size_t>(b)] <= 0.0;
+      if (!heldA) entries.emplace_back(a, a, weight_[p]);
+      if (!heldB) entries.emplace_back(b, b, weight_[p]);
+      if (!heldA && !heldB) entries.emplace_back(std::max(a, b), std::min(a, b), -weight_[p]);
+    }
+    Eigen::SparseMatrix<double> matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    factor_.compute(matrix);
+    factorised_ = diagonal_.size();
+    linear_ = 0;
+  }
+
+  int iterations_;
+  double tolerance_;  ///< of the velocities [m/s]
+  double step_ = 0.0;
+  double drag_ = 0.0;
+  std::vector<double> diagonal_;  ///< mass (1 + drag h) by particle; 0: prescribed [kg]
+  std::vector<double> weight_;    ///< h^2 k + h c by position of the schedule [kg]
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
+  std::size_t factorised_ = 0;  ///< particles that factor_ knows
+  int linear_ = 0;              ///< iterations of the last solve
+  PackedVectors velocity_;      ///< at the start of the substep [m/s]
+  PackedVectors wind_, residual_, change_, rest_, preconditioned_, search_, product_;
+  Eigen::VectorXd right_, solution_;
+};
+
+}  // namespace
+
+SolverInfo projectiveInfo() {
+  SolverInfo info;
+  info.name = "projective";
+  info.title = "Projective dynamics (fast mass-spring)";
+  info.reference = "Liu, Bargteil, O'Brien & Kavan, Fast Simulation of Mass-Spring Systems, 2013";
+  info.limitations =
+      "backward Euler's damping; converges slowly where stiff cloth turns in a substep";
+  info.order = 1;
+  SolverParameter iterations = substepsParameter(20);
+  iterations.name = "iterations";
+  iterations.description = "local and global steps in a substep, at most";
+  SolverParameter tolerance;
+  tolerance.name = "tolerance";
+  tolerance.defaultValue = 1e-6;
+  tolerance.maximum = 1.0;
+  tolerance.unit = "m/s";
+  tolerance.description = "residual, as a mean velocity, at which a substep counts as solved";
+  info.parameters = {substepsParameter(4), iterations, tolerance};
+  info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
+    return std::make_unique<Projective>(model, p);
+  };
+  return info;
+}
+
+}  // namespace cloth_sim
