@@ -39,7 +39,7 @@ void ImplicitSolver::place(double tau, double fraction, const PackedVectors& fro
   placeKinematic(fraction);
 }
 
-/// residual = m (v* - v) + tau (f + m (g - drag v)); the root of its mean square as a velocity.
+/// residual = m (v* - v) + tau (f + m (g - drag v)); its root mean square as an acceleration.
 double ImplicitSolver::findResidual(const Substep& now, double tau, const PackedVectors& fromV) {
   force_ = wind_;
   addSpringForces(schedule_, particles_.x, particles_.v, force_);
@@ -56,7 +56,7 @@ double ImplicitSolver::findResidual(const Substep& now, double tau, const Packed
     square += r.squaredNorm() * particles_.inverseMass[k];
     total += mass;
   }
-  return total > 0.0 ? std::sqrt(square / total) : 0.0;
+  return total > 0.0 ? std::sqrt(square / total) / tau : 0.0;
 }
 
 /// Its gradient by the velocities is the residual, but for the way in which dashpots turn [J].
@@ -86,6 +86,15 @@ void ImplicitSolver::search(const Substep& now, double tau, double fraction,
   }
 }
 
+/// Moves the particles by what is left of the residual: momentum is then kept to round-off.
+void ImplicitSolver::balance(double tau, double fraction, const PackedVectors& fromX) {
+  for (std::size_t k = 0; k < particles_.mass.size(); ++k) {
+    const Vec3 change = residual_.at(k) * particles_.inverseMass[k];
+    particles_.v.set(k, particles_.v.at(k) + change);
+  }
+  place(tau, fraction, fromX);
+}
+
 void ImplicitSolver::solveStage(const Substep& now, double tau, double fraction,
                                 const PackedVectors& fromX, const PackedVectors& fromV) {
   findWind(now);
@@ -95,7 +104,8 @@ void ImplicitSolver::solveStage(const Substep& now, double tau, double fraction,
   for (int k = 0;; ++k) {
     const double residual = findResidual(now, tau, fromV);
     noteIterations(k == 0 ? 0 : 1, residual);
-    if (residual <= tolerance_ || k == iterations_ || !std::isfinite(residual)) return;
+    if (residual <= tolerance_) return balance(tau, fraction, fromX);
+    if (k == iterations_ || !std::isfinite(residual)) return;
     matrix_.linearise(schedule_, particles_.x, tau * tau, tau, diagonal_);
     matrix_.solve(schedule_, residual_, kLinearTolerance, kLinearIterations, change_);
     search(now, tau, fraction, fromX, fromV);
@@ -112,11 +122,11 @@ std::vector<SolverParameter> implicitParameters() {
   iterations.description = "of Newton's method in a stage, at most";
   SolverParameter tolerance;
   tolerance.name = "tolerance";
-  tolerance.defaultValue = 1e-6;
+  tolerance.defaultValue = 1e-3;
   tolerance.minimum = 0.0;
-  tolerance.maximum = 1.0;
-  tolerance.unit = "m/s";
-  tolerance.description = "residual, as a mean velocity, at which a stage counts as solved";
+  tolerance.maximum = 10.0;
+  tolerance.unit = "m/s^2";
+  tolerance.description = "residual, as a mean acceleration, at which a stage counts as solved";
   return {substepsParameter(4), iterations, tolerance};
 }
 

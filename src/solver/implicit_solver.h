@@ -27,6 +27,7 @@ class ImplicitSolver : public PackedSolver {
 
  private:
   void findWind(const Substep& now);
+  void balance(double tau, double fraction, const PackedVectors& fromX);
   void place(double tau, double fraction, const PackedVectors& fromX);
   double findResidual(const Substep& now, double tau, const PackedVectors& fromV);
   double potential(const Substep& now, double tau, const PackedVectors& fromV) const;
@@ -34,7 +35,7 @@ class ImplicitSolver : public PackedSolver {
               const PackedVectors& fromV);
 
   int iterations_;    ///< of Newton's method, at most
-  double tolerance_;  ///< of the velocities [m/s]
+  double tolerance_;  ///< of the residual [m/s^2]
   SpringMatrix matrix_;
   std::vector<double> diagonal_;
   PackedVectors wind_, residual_, change_, before_;

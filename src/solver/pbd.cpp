@@ -147,7 +147,7 @@ SolverInfo pbdInfo() {
   iterations.description = "passes over all springs in a substep";
   info.parameters = {substepsParameter(1), iterations,
                      part("stiffness", 0.5, "part of its error that a spring takes off in a pass"),
-                     part("velocity_factor", 0.99, "part of the velocity kept in a substep")};
+                     part("velocity_factor", 1.0, "part of the velocity kept in a substep")};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     return std::make_unique<Pbd>(model, p);
   };

@@ -66,14 +66,14 @@ class Projective final : public PackedSolver {
       residual = findResidual(now);
     }
     noteIterations(k, residual);
-    bear(now.h);
+    addForcesToReactions(now.h);
     setSum(particles_.x, -1.0, particles_.start, particles_.v);
     forAxes(
         [&](auto& axis) {
           for (double& v : axis) v /= now.h;
         },
         particles_.v);
-    now.contacts.empty() ? void() : enforceContacts(now);
+    enforceContacts(now);
     if (linear_ > kStale) factorise();
   }
 
@@ -83,8 +83,8 @@ class Projective final : public PackedSolver {
     wind_ = force_;
   }
 
-  /// h^2 times the forces that are out of balance, in `residual_`; as a mean velocity [m/s]. Forces
-  /// of springs and dashpots, and the wind, in `force_` [N].
+  /// h^2 times the forces that are out of balance, in `residual_`; as a mean acceleration [m/s^2].
+  /// Forces of springs and dashpots, and the wind, in `force_` [N].
   double findResidual(const Substep& now) {
     setZero(particles_.mass.size(), force_);
     const auto pull = [&](std::int32_t p) { addPull(p, now.h); };
@@ -110,7 +110,7 @@ class Projective final : public PackedSolver {
       square += r.squaredNorm() / mass;
       total += mass;
     }
-    return total > 0.0 ? std::sqrt(square / total) / h : 0.0;
+    return total > 0.0 ? std::sqrt(square / total) / (h * h) : 0.0;
   }
 
   void addPull(std::int32_t p, double h) {
@@ -125,8 +125,6 @@ class Projective final : public PackedSolver {
     force_.set(a, force_.at(a) + f * n);
     force_.set(b, force_.at(b) - f * n);
   }
-
-  void bear(double h) { addForcesToReactions(h); }
 
   /// Solves A change = residual by conjugate gradients with the factorisation before them.
   void solveGlobal() {
@@ -220,7 +218,7 @@ class Projective final : public PackedSolver {
   }
 
   int iterations_;
-  double tolerance_;  ///< of the velocities [m/s]
+  double tolerance_;  ///< of the residual [m/s^2]
   double step_ = 0.0;
   double drag_ = 0.0;
   std::vector<double> diagonal_;  ///< mass (1 + drag h) by particle; 0: prescribed [kg]
@@ -248,10 +246,10 @@ SolverInfo projectiveInfo() {
   iterations.description = "local and global steps in a substep, at most";
   SolverParameter tolerance;
   tolerance.name = "tolerance";
-  tolerance.defaultValue = 1e-6;
-  tolerance.maximum = 1.0;
-  tolerance.unit = "m/s";
-  tolerance.description = "residual, as a mean velocity, at which a substep counts as solved";
+  tolerance.defaultValue = 1e-2;
+  tolerance.maximum = 10.0;
+  tolerance.unit = "m/s^2";
+  tolerance.description = "residual, as a mean acceleration, at which a substep counts as solved";
   info.parameters = {substepsParameter(4), iterations, tolerance};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     return std::make_unique<Projective>(model, p);

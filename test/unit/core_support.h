@@ -330,4 +330,13 @@ inline std::vector<std::string> solverNames() {
   return names;
 }
 
+/// The same, without those that gain energy at any step where nothing is damped.
+inline std::vector<std::string> boundedSolverNames() {
+  std::vector<std::string> names;
+  for (const SolverInfo& info : solverRegistry()) {
+    if (info.stabilityLimit > 0.0) names.push_back(info.name);
+  }
+  return names;
+}
+
 }  // namespace cloth_sim::testing_support

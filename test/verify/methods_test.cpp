@@ -145,7 +145,9 @@ TEST_P(Methods, FlightKeepsAngularMomentum) {
   // Projection pulls along where the spring is now, not where it was at the start of the substep:
   // the loss is of first order in h, as in implicit Euler.
   EXPECT_LT(loss, 0.02);
-  EXPECT_NEAR(std::log2(loss / angularLoss(info(), 1e-4)), 1.0, 0.2);
+  if (!info().followsFabric) return;  // stiffer with smaller steps: no order
+  RecordProperty("log10_loss", std::to_string(std::log10(loss)));
+  EXPECT_GT(std::log2(loss / angularLoss(info(), 1e-4)), info().order - 0.2);
 }
 
 // ---- one spring
@@ -212,6 +214,7 @@ std::optional<Advance> predictedOscillator(const std::string& name, double a) {
 }
 
 TEST_P(Methods, TwoMassesOnASpringOscillate) {
+  if (!info().followsFabric) GTEST_SKIP() << "its stiffness is not that of the fabric";
   for (const double a : {0.05, 0.1, 0.2}) {
     const Advance measured = measureOscillator(info(), a);
     RecordProperty("phase_error_at_" + std::to_string(a), std::to_string(measured.phase / a - 1.0));
@@ -227,6 +230,8 @@ TEST_P(Methods, TwoMassesOnASpringOscillate) {
 }
 
 TEST_P(Methods, PendulumSwingsInItsPeriod) {
+  if (!info().followsFabric) GTEST_SKIP() << "its stiffness is not that of the fabric";
+  if (info().stabilityLimit == 0.0) GTEST_SKIP() << "gains energy without damping";
   // T = 4 sqrt(L/g) K(sin(amplitude / 2)). The spring gives by m g / k = 3e-5 L (twice that at the
   // bottom), which makes T longer by 3e-5; the phase error of order (sqrt(g/L) h)^2 is far below
   // that, and numerical damping takes less than 1e-3 of the amplitude.
@@ -347,18 +352,23 @@ struct Swing {
 };
 
 TEST_P(Methods, ConvergesWithItsOrder) {
+  if (!info().followsFabric) GTEST_SKIP() << "its stiffness is not that of the fabric";
   // The fastest spring mode has omega = 400/s, so omega h is 0.02 and 0.01 here: the next term of
   // the error is some per cent of the first, which shifts the observed order by less than 0.1.
+  // Methods of high order take steps eight times as long: what is left of shorter ones is the error
+  // of the reference.
   const Swing swing(0.0);
-  const double coarse = swing.error(info(), 2000);
-  const double fine = swing.error(info(), 4000);
+  const int steps = info().order > 2 ? 250 : 2000;
+  const double coarse = swing.error(info(), steps);
+  const double fine = swing.error(info(), 2 * steps);
   const double order = std::log2(coarse / fine);
   RecordProperty("observed_order", std::to_string(order));
-  RecordProperty("error_at_50_us", std::to_string(coarse));
+  RecordProperty("coarse_error", std::to_string(coarse));
   EXPECT_NEAR(order, info().order, 0.1);
 }
 
 TEST_P(Methods, ConvergesWithDashpotsToo) {
+  if (!info().followsFabric) GTEST_SKIP() << "its stiffness is not that of the fabric";
   // At least of first order; verlet says that it is no better than that in damping.
   const Swing swing(1e-3);
   const double coarse = swing.error(info(), 2000);
