@@ -56,7 +56,7 @@ std::uint64_t hashOf(const Simulation& simulation) {
 
 class SurgeryCommand : public testing::TestWithParam<std::string> {};
 
-INSTANTIATE_TEST_SUITE_P(Registry, SurgeryCommand, testing::ValuesIn(solverNames()),
+INSTANTIATE_TEST_SUITE_P(Registry, SurgeryCommand, testing::ValuesIn(boundedSolverNames()),
                          [](const auto& test) { return test.param; });
 
 TEST_P(SurgeryCommand, ACutAcrossDropsTheLowerPart) {

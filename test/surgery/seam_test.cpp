@@ -172,7 +172,7 @@ phases:
 
 class SeamScene : public testing::TestWithParam<std::string> {};
 
-INSTANTIATE_TEST_SUITE_P(Registry, SeamScene, testing::ValuesIn(solverNames()),
+INSTANTIATE_TEST_SUITE_P(Registry, SeamScene, testing::ValuesIn(boundedSolverNames()),
                          [](const auto& test) { return test.param; });
 
 TEST_P(SeamScene, TearsIntoTwoPiecesOfTheExpectedAreas) {
