@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloth_sim/contact/collider.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -35,7 +37,12 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
       std::max(1, static_cast<int>(std::ceil(substeps_ * length.substepFactor - kRounding)));
   const double h = dt / substeps;
   particles_.load(state);
-  loadKinematics(model, controls, dt);
+  loadKinematics(model, controls);
+  keepOutOf(contacts, controls, length, state.t + dt);
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    particles_.v.set(static_cast<std::size_t>(kinematicSlots_[k]),
+                     (kinematicTo_.at(k) - kinematicFrom_.at(k)) / dt);
+  }
   report_.iterations = 0;
   report_.residual = 0.0;
   prepare(controls, h);
@@ -56,24 +63,47 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
   return report_;
 }
 
-void PackedSolver::loadKinematics(const Model& model, const Controls& controls, double dt) {
+void PackedSolver::loadKinematics(const Model& model, const Controls& controls) {
   particles_.loadMasses(model, controls.kinematic);
   kinematicSlots_.clear();
-  kinematicFrom_.clear();
-  kinematicTo_.clear();
+  kinematicFrom_.resize(controls.kinematic.size());
+  kinematicTo_.resize(controls.kinematic.size());
   kinematicStartVelocity_.clear();
   report_.reactions.assign(controls.kinematic.size(), Vec3::Zero());
   for (const KinematicTarget& target : controls.kinematic) {
     const std::int32_t slot = particles_.slotOf[target.vertex];
+    kinematicFrom_.set(kinematicSlots_.size(), particles_.x.at(slot));
+    kinematicTo_.set(kinematicSlots_.size(), target.position);
     kinematicSlots_.push_back(slot);
-    kinematicFrom_.push_back(particles_.x.at(slot));
-    kinematicTo_.push_back(target.position);
     kinematicStartVelocity_.push_back(particles_.v.at(slot));
-    particles_.v.set(slot, (target.position - kinematicFrom_.back()) / dt);
   }
   if (kinematicSlots_ != previousKinematic_) {
     previousKinematic_ = kinematicSlots_;
     layoutChanged_ = true;
+  }
+}
+
+/// Nobody can hold a particle inside an obstacle: the target is then where it leaves it again.
+void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls,
+                             const StepLength& length, double time) {
+  ParticleView view;
+  view.x = kinematicTo_.x.data();
+  view.y = kinematicTo_.y.data();
+  view.z = kinematicTo_.z.data();
+  view.startX = kinematicFrom_.x.data();
+  view.startY = kinematicFrom_.y.data();
+  view.startZ = kinematicFrom_.z.data();
+  kinematicMass_.assign(kinematicSlots_.size(), 0.0);
+  view.mass = kinematicMass_.data();
+  for (const ContactCandidates& near : contacts.candidates) {
+    touching_.clear();
+    for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+      const VertexId v = controls.kinematic[k].vertex;
+      const bool listed = std::binary_search(near.vertices.begin(), near.vertices.end(), v);
+      if (listed) touching_.push_back(static_cast<VertexId>(k));
+    }
+    Vec3 none = Vec3::Zero();
+    near.collider->project(touching_, view, time, length.dt, none);
   }
 }
 
@@ -95,7 +125,7 @@ void PackedSolver::markStart() {
 void PackedSolver::placeKinematic(double fraction) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     particles_.x.set(kinematicSlots_[k],
-                     kinematicFrom_[k] + fraction * (kinematicTo_[k] - kinematicFrom_[k]));
+                     kinematicFrom_.at(k) + fraction * (kinematicTo_.at(k) - kinematicFrom_.at(k)));
   }
 }
 

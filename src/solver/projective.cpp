@@ -11,9 +11,9 @@ namespace {
 /// Keeps the direction of a spring of no length from being 0/0 [m^2].
 constexpr double kTinySquare = 1e-300;
 /// Conjugate gradients after which a new factorisation is cheaper.
-constexpr int kStale = 12;
+constexpr int kStale = 6;
 constexpr int kMostLinear = 200;
-constexpr double kLinearTolerance = 1e-3;  ///< of the residual, per iteration
+constexpr double kLinearTolerance = 0.1;  ///< of the residual, per iteration
 
 /// Projective dynamics for springs (Liu, Bargteil, O'Brien & Kavan 2013): backward Euler,
 /// alternating between the direction of each spring (local) and the positions given the directions
@@ -241,7 +241,7 @@ SolverInfo projectiveInfo() {
   info.limitations =
       "backward Euler's damping; converges slowly where stiff cloth turns in a substep";
   info.order = 1;
-  SolverParameter iterations = substepsParameter(20);
+  SolverParameter iterations = substepsParameter(10);
   iterations.name = "iterations";
   iterations.description = "local and global steps in a substep, at most";
   SolverParameter tolerance;

@@ -70,15 +70,19 @@ class PackedSolver : public Solver {
  private:
   template <typename Visit>
   void forFreeCandidates(const Contacts& contacts, const Visit& visit) const;
-  void loadKinematics(const Model& model, const Controls& controls, double dt);
+  void loadKinematics(const Model& model, const Controls& controls);
+  void keepOutOf(const Contacts& contacts, const Controls& controls, const StepLength& length,
+                 double time);
   void finishReactions(const Model& model, const Controls& controls, double dt);
 
   int configured_;  ///< substeps that the scene asked for
   int substeps_;
   StepReport report_;
   PackedVectors before_;  ///< positions before contacts are enforced [m]
-  std::vector<Vec3> kinematicFrom_;
-  std::vector<Vec3> kinematicTo_;
+  PackedVectors kinematicFrom_;
+  PackedVectors kinematicTo_;
+  std::vector<double> kinematicMass_;  ///< zeros
+  std::vector<VertexId> touching_;     ///< which kinematic targets are near an obstacle
   std::vector<Vec3> kinematicStartVelocity_;
   std::vector<std::int32_t> previousKinematic_;
 };
