@@ -44,7 +44,7 @@ inline const Keys kTearing{"enabled", "ratio", "seam", "tip_speed", "refine_tip"
 inline const Keys kRatio{"structural", "shear", "bend"};
 inline const Keys kSeam{"path", "half_width"};
 
-inline const Keys kPhase{"name", "clamps", "obstacles", "tearing", "notch",
+inline const Keys kPhase{"name", "clamps", "obstacles", "wind",    "tearing",   "notch",
                          "cut",  "refine", "until",     "timeout", "on_timeout"};
 inline const Keys kClampAction{"hold",    "attach", "grasp",       "move_by",
                                "move_to", "rpy",    "orientation", "speed"};

@@ -155,6 +155,7 @@ PhaseSpec readPhase(const SceneNode& node, const Scene& scene) {
   if (const auto obstacles = node.find("obstacles")) {
     readObstacleActions(*obstacles, scene, phase.obstacles);
   }
+  if (const auto wind = node.find("wind")) phase.wind = readWind(*wind);
   if (const auto tearing = node.find("tearing")) readPhaseTearing(*tearing, phase);
   if (const auto notch = node.find("notch")) readNotches(*notch, scene.cloth, phase.notches);
   if (const auto cut = node.find("cut")) readStrokes(*cut, phase.strokes);

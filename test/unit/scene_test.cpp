@@ -306,8 +306,9 @@ TEST(Scene, ConditionsAndTimeouts) {
 // ------------------------------------------------------------------------------
 
 TEST(ShippedScenes, AllLoad) {
-  for (const char* name :
-       {"tear_seam", "tear_seam_explicit", "hang", "drape_sphere", "table_edge", "wind"}) {
+  for (const char* name : {"tear_seam", "tear_seam_explicit", "hang", "drape_sphere", "table_edge",
+                           "wind", "cut", "curtain_relaxed", "curtain_hover", "curtain_gusts",
+                           "explicit_hang", "explicit_blows_up"}) {
     SCOPED_TRACE(name);
     Scene scene;
     ASSERT_NO_THROW(scene = loadScene(shipped(name)));

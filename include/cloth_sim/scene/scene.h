@@ -83,6 +83,7 @@ struct PhaseSpec {
   std::string name;
   std::vector<ClampAction> clamps;
   std::vector<ObstacleAction> obstacles;
+  std::optional<Wind> wind;           ///< from here on
   std::optional<bool> tearing;        ///< enable switch
   std::optional<TearRatios> ratio;    ///< thresholds from here on
   std::vector<MaterialPath> notches;  ///< cuts given in material coordinates
