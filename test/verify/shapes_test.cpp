@@ -1,0 +1,291 @@
+/// \file Shapes at rest: the catenary, the heavy elastica, the drape of a cloth over a table.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "cloth_sim/sim/simulation.h"
+#include "verify/verify_support.h"
+
+namespace cloth_sim {
+namespace {
+
+using namespace testing_support;
+using namespace verify_support;
+
+class Shapes : public OverMethods {};
+
+INSTANTIATE_TEST_SUITE_P(Registry, Shapes, testing::ValuesIn(solverNames()),
+                         [](const auto& test) { return test.param; });
+
+/// omega_max h of every substep here. With the retardation time tau = 1 / omega_max, dashpots make
+/// even forward Euler stable at h < tau, and leave symplectic Euler a limit of 1.24.
+constexpr double kStep = 0.5;
+
+/// Bisects for the root of an increasing function.
+template <typename Function>
+double root(const Function& f, double low, double high) {
+  for (int k = 0; k < 200; ++k) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) < 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+// ---- catenary
+// ------------------------------------------------------------------------------------
+
+/// Half of an elastic chain between two pins at one height (Irvine, Cable Structures, 1981, ch. 1),
+/// by the rest length s from its lowest point.
+struct Catenary {
+  double weight = 0.0;   ///< per rest length [N/m]
+  double tensile = 0.0;  ///< EA [N]
+  double pull = 0.0;     ///< horizontal tension [N]
+
+  double x(double s) const {
+    return pull * s / tensile + pull / weight * std::asinh(weight * s / pull);
+  }
+  double z(double s) const {
+    const double q = weight * s / pull;
+    return 0.5 * weight * s * s / tensile + pull / weight * (std::sqrt(1.0 + q * q) - 1.0);
+  }
+  /// Of a chain of rest length `length` over `span`.
+  static Catenary between(double weight, double tensile, double length, double span) {
+    Catenary result{weight, tensile, 0.0};
+    result.pull = root(
+        [&](double pull) {
+          return Catenary{weight, tensile, pull}.x(0.5 * length) - 0.5 * span;
+        },
+        1e-3 * weight * length, 10.0 * weight * length);
+    return result;
+  }
+};
+
+TEST_P(Shapes, CatenaryBetweenTwoPins) {
+  // A chain of one metre over 0.8 m that a tension of its weight would stretch by 0.2 %. Its 20
+  // links are straight: they miss the curve by s^2 kappa / 8 at most, with kappa = w / H at the
+  // bottom. Started along two straight lines, so that it has to find its shape; after 3 s what
+  // moves (at 5 rad/s or more, against a drag of 6/s) has died away as exp(-9).
+  const int links = 20;
+  const double length = 1.0, span = 0.8, spacing = length / links, mass = 0.01;
+  const double weight = mass * kGravity / spacing, tensile = weight * length / 2e-3;
+  const double k = tensile / spacing, omega = 2.0 * std::sqrt(k / mass);
+  Rig rig(info(), chainOf(links + 1, spacing, k, mass, 1.0 / omega));
+  rig.controls.drag = 6.0;
+  const double slope = std::sqrt(length * length - span * span) / length;
+  for (VertexId v = 0; v < rig.model.particleCount(); ++v) {
+    const Vec2 p = rig.model.mesh.material(v);
+    const double s = p.x() - 0.5 * length;
+    rig.state.x[v] = Vec3(s * span / length, p.y(), (std::abs(s) - 0.5 * length) * slope);
+  }
+  for (const int row : {0, 1}) {
+    rig.hold(rig.model.grid->vertex(0, row));
+    rig.hold(rig.model.grid->vertex(links, row));
+  }
+  std::sort(rig.controls.kinematic.begin(), rig.controls.kinematic.end(),
+            [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
+  const double h = kStep / omega;
+  ASSERT_TRUE(rig.run(h, static_cast<int>(3.0 / h)));
+
+  const Catenary exact = Catenary::between(weight, tensile, length, span);
+  double miss = 0.0;
+  forGrid(rig.model, [&](int, int column, VertexId v) {
+    const double s = column * spacing - 0.5 * length;
+    const double x = s < 0.0 ? -exact.x(-s) : exact.x(s);
+    const double z = exact.z(std::abs(s)) - exact.z(0.5 * length);
+    const Vec3& p = rig.state.x[v];
+    miss = std::max(miss, std::hypot(p.x() - x, p.z() - z));
+  });
+  record("largest_miss_over_length", miss / length);
+  const double sagitta = 0.125 * spacing * spacing * weight / exact.pull;
+  if (!isConsistent(info())) {
+    EXPECT_GT(miss, 2.0 * sagitta);
+    return;
+  }
+  EXPECT_LT(miss, sagitta);
+}
+
+// ---- heavy elastica
+// ------------------------------------------------------------------------------
+
+/// A strip clamped level that bends under its own weight: B theta'' = -w (L - s) cos(theta) with
+/// theta(0) = 0, theta'(L) = 0, theta the slope downwards. By shooting at theta'(0).
+class Elastica {
+ public:
+  /// \param cubed  w L^3 / B
+  explicit Elastica(double cubed) : cubed_(cubed) {
+    curvature_ = root([&](double guess) { return shoot(guess).curvature; }, 0.0, cubed);
+    end_ = shoot(curvature_);
+  }
+  double drop() const { return end_.drop; }    ///< of the tip, over L
+  double reach() const { return end_.reach; }  ///< of the tip, over L
+
+ private:
+  struct Point {
+    double slope = 0.0, curvature = 0.0, drop = 0.0, reach = 0.0;
+    Point plus(double t, const Point& p) const {
+      return {slope + t * p.slope, curvature + t * p.curvature, drop + t * p.drop,
+              reach + t * p.reach};
+    }
+  };
+  Point rate(double s, const Point& p) const {
+    return {p.curvature, -cubed_ * (1.0 - s) * std::cos(p.slope), std::sin(p.slope),
+            std::cos(p.slope)};
+  }
+  Point shoot(double curvature) const {
+    Point p{0.0, curvature, 0.0, 0.0};
+    const int steps = 400;
+    const double h = 1.0 / steps;
+    for (int k = 0; k < steps; ++k) {
+      const double s = k * h;
+      const Point a = rate(s, p);
+      const Point b = rate(s + 0.5 * h, p.plus(0.5 * h, a));
+      const Point c = rate(s + 0.5 * h, p.plus(0.5 * h, b));
+      const Point d = rate(s + h, p.plus(h, c));
+      p = p.plus(h / 6.0, a).plus(h / 3.0, b).plus(h / 3.0, c).plus(h / 6.0, d);
+    }
+    return p;
+  }
+
+  double cubed_;
+  double curvature_ = 0.0;
+  Point end_;
+};
+
+TEST(Elastica, KnowsSmallDeflectionsAndPeircesAngle) {
+  // w L^4 / (8 B) for small loads; and the chord drops by 41.5 degrees where L is twice the bending
+  // length (Peirce 1930: L = c / f(theta), f = (cos(theta/2) / (8 tan theta))^(1/3), which is
+  // itself good to about a degree).
+  EXPECT_NEAR(Elastica(1e-3).drop() / 1e-3, 0.125, 1e-6);
+  const Elastica peirce(8.0);
+  EXPECT_NEAR(std::atan2(peirce.drop(), peirce.reach()) * 180.0 / M_PI, 41.5, 1.5);
+}
+
+/// What a strip of eight cells does that is clamped level; B is such that the bending length is a
+/// half of the overhang [m].
+struct Cantilever {
+  static constexpr int kCells = 8;
+  double overhang = 0.0;
+
+  /// Chord of the overhang against the horizontal [rad].
+  double angle(const SolverInfo& info, double seconds) const {
+    Fabric fabric;
+    fabric.arealDensity = 0.2;
+    fabric.bending = fabric.arealDensity * kGravity * std::pow(0.5 * overhang, 3);
+    // Stretches by 1e-3 under the weight of the overhang.
+    fabric.tensileWarp = fabric.tensileWeft = fabric.arealDensity * kGravity * overhang / 1e-3;
+    fabric.shear = 0.0;
+    fabric.damping = 0.0;
+    ClothSpec spec = clothOf(kCells + 2, 2, overhang / kCells, fabric);
+    spec.springs.shear = false;
+    fabric.damping = 1.0 / frequencyBound(buildModel(spec));
+    spec.fabric = fabric;
+    Rig rig(info, buildModel(spec));
+    for (const int row : {0, 1}) {
+      for (const int column : {0, 1}) rig.hold(rig.model.grid->vertex(column, row));
+    }
+    rig.controls.drag = 2.0 * std::sqrt(kGravity / overhang);
+    const double h = kStep / frequencyBound(rig.model);
+    EXPECT_TRUE(rig.run(h, static_cast<int>(seconds / h)));
+    const Vec3 chord = rig.state.x[rig.model.grid->vertex(kCells + 1, 0)] -
+                       rig.state.x[rig.model.grid->vertex(1, 0)];
+    return std::atan2(-chord.z(), chord.x());
+  }
+};
+
+TEST_P(Shapes, BendSpringsMissTheHeavyElastica) {
+  for (const double overhang : {0.05, 0.2}) {
+    const double tau = std::sqrt(overhang / kGravity);
+    const double angle = Cantilever{overhang}.angle(info(), 20.0 * tau) * 180.0 / M_PI;
+    record("angle_at_" + std::to_string(overhang), angle);
+  }
+}
+
+// ---- drape
+// ---------------------------------------------------------------------------------------
+
+/// Part of the raster points over [-side/2, side/2]^2 that are under some face, times the area.
+double shadowArea(const Model& model, const State& state, double side) {
+  constexpr int kRaster = 256;
+  std::vector<char> dark(kRaster * kRaster, 0);
+  const double cell = side / kRaster;
+  const auto index = [&](double x) {
+    return std::clamp(static_cast<int>((x + 0.5 * side) / cell), 0, kRaster - 1);
+  };
+  for (const Face& face : model.mesh.faces()) {
+    std::array<Vec2, 3> p;
+    for (int k = 0; k < 3; ++k) p[k] = state.x[face[k]].head<2>();
+    const Vec2 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
+    for (int row = index(low.y()); row <= index(high.y()); ++row) {
+      for (int column = index(low.x()); column <= index(high.x()); ++column) {
+        const Vec2 at((column + 0.5) * cell - 0.5 * side, (row + 0.5) * cell - 0.5 * side);
+        int left = 0, right = 0;
+        for (int k = 0; k < 3; ++k) {
+          const Vec2 e = p[(k + 1) % 3] - p[k], r = at - p[k];
+          const double turn = e.x() * r.y() - e.y() * r.x();
+          left += turn >= 0.0 ? 1 : 0;
+          right += turn <= 0.0 ? 1 : 0;
+        }
+        if (left == 3 || right == 3) dark[row * kRaster + column] = 1;
+      }
+    }
+  }
+  return static_cast<double>(std::count(dark.begin(), dark.end(), 1)) * cell * cell;
+}
+
+constexpr double kSide = 0.3;      // of the cloth [m]
+constexpr double kSupport = 0.15;  // side of the table [m]
+
+/// As Cusick (1968) has it: how much of what overhangs stays in the shadow.
+double drapeCoefficient(const std::string& method, double bending) {
+  Scene scene;
+  Fabric fabric;
+  fabric.arealDensity = 0.2;
+  fabric.tensileWarp = fabric.tensileWeft = 40.0;
+  fabric.shear = 10.0;
+  fabric.bending = bending;
+  fabric.damping = 0.0;
+  fabric.thickness = 1e-3;
+  scene.cloth = clothOf(13, 13, kSide / 12, fabric);
+  const double omega = frequencyBound(buildModel(scene.cloth));
+  scene.cloth.fabric.damping = 1.0 / omega;
+  scene.cloth.pose.position.z() = 0.5 * fabric.thickness;
+  Obstacle table;
+  table.name = "table";
+  table.shape = BoxShape{Vec3(kSupport, kSupport, 0.1)};
+  table.pose.position.z() = -0.05;
+  table.friction = 0.5;
+  scene.obstacles = {table};
+  scene.drag = 10.0;
+  scene.solver.method = method;
+  scene.solver.dt = 0.02;
+  const double substeps = std::ceil(scene.solver.dt * omega / kStep);
+  scene.solver.parameters = completeParameters(findSolver(method), {{"substeps", substeps}});
+  Simulation simulation(scene);
+  while (simulation.time() < 1.5) {
+    simulation.step();
+    if (simulation.failed()) {
+      ADD_FAILURE() << simulation.failure();
+      break;
+    }
+  }
+  const double support = kSupport * kSupport;
+  const double shadow = shadowArea(simulation.model(), simulation.state(), 1.2 * kSide);
+  return (shadow - support) / (kSide * kSide - support);
+}
+
+TEST_P(Shapes, DrapeCoefficientGrowsWithBendingRigidity) {
+  // Between 0 (all hangs) and 1 (nothing bends). The raster of 1.4 mm counts the area of a border
+  // to 1e-3 or so, so a growth of 0.02 is one.
+  double before = -0.02;
+  for (const double bending : {1e-6, 3e-5, 3e-4}) {
+    const double now = drapeCoefficient(GetParam(), bending);
+    record("drape_at_" + std::to_string(bending), now);
+    EXPECT_GT(now, before + 0.02);
+    before = now;
+  }
+  EXPECT_LT(before, 1.0);
+}
+
+}  // namespace
+}  // namespace cloth_sim
