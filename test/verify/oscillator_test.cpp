@@ -164,8 +164,7 @@ struct HeldChain {
 
   static double omega() {
     // Of the fastest of the kMasses modes.
-    return 2.0 * std::sqrt(kStiffness / kMass) *
-           std::sin(0.5 * M_PI * kMasses / (kMasses + 1.0));
+    return 2.0 * std::sqrt(kStiffness / kMass) * std::sin(0.5 * M_PI * kMasses / (kMasses + 1.0));
   }
 
   /// By what factor the largest displacement has grown after `steps` at `a` = omega h; infinity if

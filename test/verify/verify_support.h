@@ -22,13 +22,14 @@ inline double frequencyBound(const Model& model) {
   return 2.0 / std::sqrt(h * h + 2.0 * h * tau);
 }
 
-/// A method at work on a model of its own: steps of one substep.
+/// A method at work on a model of its own.
 class Rig {
  public:
-  Rig(const SolverInfo& info, Model cloth)
+  /// Steps have one substep unless `parameters` say otherwise.
+  Rig(const SolverInfo& info, Model cloth, const SolverParameters& parameters = {{"substeps", 1.0}})
       : model(std::move(cloth)),
         state(testing_support::flatState(model)),
-        solver_(testing_support::makeSolver(info, model)) {}
+        solver_(info.create(model, completeParameters(info, parameters))) {}
 
   /// Holds a particle where it is.
   void hold(VertexId v) { controls.kinematic.push_back({v, state.x[v], Vec3::Zero()}); }

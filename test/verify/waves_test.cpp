@@ -93,8 +93,9 @@ double drumFrequency(const SolverInfo& info) {
 TEST_P(Waves, FundamentalFrequencyOfATensionedSquareMembrane) {
   // omega = sqrt(2) pi / L sqrt(T / rho), with L and rho at rest and T = K e / (1 + e) the force on
   // a thread over its stretch. Threads on a grid of n cells have sin(pi / 2n) / (pi / 2n) of that:
-  // 0.16 % less here. The bulge adds (pi 1e-3)^2 / 4 to a strain of 0.1: nothing. A spring's tension
-  // may be off by (omega_max h)^2 / 4, in the methods that project springs; half of it shows.
+  // 0.16 % less here. The bulge adds (pi 1e-3)^2 / 4 to a strain of 0.1: nothing. A spring's
+  // tension may be off by (omega_max h)^2 / 4, in the methods that project springs; half of it
+  // shows.
   const double continuum =
       std::sqrt(2.0) * M_PI * std::sqrt(kStiffness * kStrain / (1.0 + kStrain) / kDensity);
   const double x = 0.5 * M_PI / kCells;
@@ -134,8 +135,8 @@ TEST_P(Waves, SpeedOfAnInPlaneWaveInAStrip) {
   // method is at most (omega h)^2 / 2 at the frequencies in the bell, omega = omega_max / 16. The
   // stiffness may be off by (omega_max h)^2 / 4, in the methods that project springs; half of it
   // shows.
-  const Model chain = chainOf(kMasses, kSpacing, 0.5 * kStiffness,
-                              0.5 * kDensity * kSpacing * kSpacing);
+  const Model chain =
+      chainOf(kMasses, kSpacing, 0.5 * kStiffness, 0.5 * kDensity * kSpacing * kSpacing);
   const double c = std::sqrt(kStiffness / kDensity);
   const double w = kWidth * kSpacing, from = 5.0 * w, amplitude = 1e-4;
   Rig rig(info(), chain);
