@@ -50,13 +50,17 @@ const char* toString(Fate fate) {
 // ---- how trials are run
 // --------------------------------------------------------------------------
 
-/// Nothing that a snapshot shows of the cloth is other than finite.
-bool showsFiniteNumbers(Simulation& simulation) {
-  const auto snapshot = simulation.snapshot();
+/// Whether the cloth that is shown is made of finite numbers, and no figure about it is NaN. (A
+/// figure may be infinite in the step before a method gives up: 1e200 m/s has no square.)
+bool showsNumbers(Simulation& simulation) {
+  const auto shown = simulation.snapshot();
   const auto finite = [](const Vec3& x) { return x.allFinite(); };
+  const std::array<double, 6> figures{shown->energies.kinetic, shown->energies.elastic,
+                                      shown->energies.gravity, shown->meanSpeed,
+                                      shown->maxStretch,       shown->mass};
   return isFinite(simulation.state()) &&
-         std::all_of(snapshot->positions.begin(), snapshot->positions.end(), finite) &&
-         std::isfinite(snapshot->meanSpeed) && std::isfinite(snapshot->maxStretch);
+         std::all_of(shown->positions.begin(), shown->positions.end(), finite) &&
+         std::none_of(figures.begin(), figures.end(), [](double x) { return std::isnan(x); });
 }
 
 /// Steps on, and looks at every state that is shown.
@@ -64,7 +68,7 @@ void watch(Simulation& simulation, double seconds, Outcome& outcome) {
   const double end = simulation.time() + seconds - 1e-9;
   while (simulation.time() < end && !simulation.failed()) {
     simulation.step();
-    outcome.shownFinite = outcome.shownFinite && showsFiniteNumbers(simulation);
+    outcome.shownFinite = outcome.shownFinite && showsNumbers(simulation);
   }
   outcome.failed = simulation.failed();
   outcome.failure = simulation.failure();
@@ -306,9 +310,9 @@ const std::vector<Trial>& trials() {
       {"mass_ratio_1e4", "error of the elongation, relative", 0.05, massRatio},
       {"clamp_yanked_at_50_m_s", "change of the middle's depth, relative", 0.05, yankedClamp},
       {"sphere_inside", "deepest overlap over the radius", 0.01, sphereInside},
-      {"all_in_one_point", "mean strain of structural springs", 0.1,
+      {"all_in_one_point", "mean strain of structural springs", 0.2,
        [](const std::string& method) { return collapsed(method, 0.0); }},
-      {"crushed_to_a_millimetre", "mean strain of structural springs", 0.1,
+      {"crushed_to_a_millimetre", "mean strain of structural springs", 0.2,
        [](const std::string& method) { return collapsed(method, 1e-3); }},
       {"slivers_after_cuts", "largest strain", 0.2, slivers},
       {"steps_of_0.1_s", "error of the length, relative", 0.01, longSteps},
@@ -329,31 +333,85 @@ struct Row {
 
 const std::vector<Row>& known() {
   static const std::vector<Row> rows{
+      {"stiffness_ratio_1e6", "explicit_euler", Fate::kFailed, 0.0},
+      {"stiffness_ratio_1e6", "implicit_euler", Fate::kSurvived, 0.0},
+      {"stiffness_ratio_1e6", "pbd", Fate::kWrong, 0.22},
+      {"stiffness_ratio_1e6", "projective", Fate::kSurvived, 0.0},
+      {"stiffness_ratio_1e6", "rk4", Fate::kFailed, 0.0},
       {"stiffness_ratio_1e6", "symplectic_euler", Fate::kFailed, 0.0},
+      {"stiffness_ratio_1e6", "tr_bdf2", Fate::kSurvived, 0.0},
       {"stiffness_ratio_1e6", "verlet", Fate::kFailed, 0.0},
       {"stiffness_ratio_1e6", "xpbd", Fate::kWrong, 0.03},
+      {"mass_ratio_1e4", "explicit_euler", Fate::kFailed, 0.0},
+      {"mass_ratio_1e4", "implicit_euler", Fate::kSurvived, 0.0},
+      {"mass_ratio_1e4", "pbd", Fate::kWrong, 44},
+      {"mass_ratio_1e4", "projective", Fate::kSurvived, 0.0},
+      {"mass_ratio_1e4", "rk4", Fate::kFailed, 0.0},
       {"mass_ratio_1e4", "symplectic_euler", Fate::kFailed, 0.0},
+      {"mass_ratio_1e4", "tr_bdf2", Fate::kSurvived, 0.0},
       {"mass_ratio_1e4", "verlet", Fate::kFailed, 0.0},
       {"mass_ratio_1e4", "xpbd", Fate::kWrong, 19},
+      {"clamp_yanked_at_50_m_s", "explicit_euler", Fate::kFailed, 0.0},
+      {"clamp_yanked_at_50_m_s", "implicit_euler", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "pbd", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "projective", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "rk4", Fate::kSurvived, 0.0},
       {"clamp_yanked_at_50_m_s", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "tr_bdf2", Fate::kSurvived, 0.0},
       {"clamp_yanked_at_50_m_s", "verlet", Fate::kSurvived, 0.0},
       {"clamp_yanked_at_50_m_s", "xpbd", Fate::kWrong, 0.14},
+      {"sphere_inside", "explicit_euler", Fate::kFailed, 0.0},
+      {"sphere_inside", "implicit_euler", Fate::kSurvived, 0.0},
+      {"sphere_inside", "pbd", Fate::kSurvived, 0.0},
+      {"sphere_inside", "projective", Fate::kSurvived, 0.0},
+      {"sphere_inside", "rk4", Fate::kSurvived, 0.0},
       {"sphere_inside", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"sphere_inside", "tr_bdf2", Fate::kSurvived, 0.0},
       {"sphere_inside", "verlet", Fate::kSurvived, 0.0},
       {"sphere_inside", "xpbd", Fate::kSurvived, 0.0},
+      {"all_in_one_point", "explicit_euler", Fate::kWrong, 1},
+      {"all_in_one_point", "implicit_euler", Fate::kWrong, 1},
+      {"all_in_one_point", "pbd", Fate::kWrong, 1},
+      {"all_in_one_point", "projective", Fate::kWrong, 1},
+      {"all_in_one_point", "rk4", Fate::kWrong, 1},
       {"all_in_one_point", "symplectic_euler", Fate::kWrong, 1},
+      {"all_in_one_point", "tr_bdf2", Fate::kWrong, 1},
       {"all_in_one_point", "verlet", Fate::kWrong, 1},
       {"all_in_one_point", "xpbd", Fate::kWrong, 1},
+      {"crushed_to_a_millimetre", "explicit_euler", Fate::kFailed, 0.0},
+      {"crushed_to_a_millimetre", "implicit_euler", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "pbd", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "projective", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "rk4", Fate::kSurvived, 0.0},
       {"crushed_to_a_millimetre", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "tr_bdf2", Fate::kSurvived, 0.0},
       {"crushed_to_a_millimetre", "verlet", Fate::kSurvived, 0.0},
       {"crushed_to_a_millimetre", "xpbd", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "explicit_euler", Fate::kFailed, 0.0},
+      {"slivers_after_cuts", "implicit_euler", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "pbd", Fate::kWrong, 0.27},
+      {"slivers_after_cuts", "projective", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "rk4", Fate::kSurvived, 0.0},
       {"slivers_after_cuts", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "tr_bdf2", Fate::kSurvived, 0.0},
       {"slivers_after_cuts", "verlet", Fate::kSurvived, 0.0},
       {"slivers_after_cuts", "xpbd", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "explicit_euler", Fate::kFailed, 0.0},
+      {"steps_of_0.1_s", "implicit_euler", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "pbd", Fate::kWrong, 0.32},
+      {"steps_of_0.1_s", "projective", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "rk4", Fate::kFailed, 0.0},
       {"steps_of_0.1_s", "symplectic_euler", Fate::kFailed, 0.0},
+      {"steps_of_0.1_s", "tr_bdf2", Fate::kSurvived, 0.0},
       {"steps_of_0.1_s", "verlet", Fate::kFailed, 0.0},
       {"steps_of_0.1_s", "xpbd", Fate::kWrong, 0.013},
+      {"torn_by_shock", "explicit_euler", Fate::kFailed, 0.0},
+      {"torn_by_shock", "implicit_euler", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "pbd", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "projective", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "rk4", Fate::kSurvived, 0.0},
       {"torn_by_shock", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "tr_bdf2", Fate::kSurvived, 0.0},
       {"torn_by_shock", "verlet", Fate::kSurvived, 0.0},
       {"torn_by_shock", "xpbd", Fate::kSurvived, 0.0},
   };

@@ -158,47 +158,50 @@ TEST_P(Oscillators, SymplecticMethodsKeepTheirEnergyWithoutATrend) {
 // ---- stability
 // -----------------------------------------------------------------------------------
 
-/// A chain between two held ends, vibrating along itself by a thousandth of its spacing.
+/// A chain between two held ends in the fastest of its modes, at a thousandth of its spacing.
 struct HeldChain {
   static constexpr int kMasses = 10;
+  static constexpr double kSize = 1e-3 * kSpacing;
 
   static double omega() {
-    // Of the fastest of the kMasses modes.
     return 2.0 * std::sqrt(kStiffness / kMass) * std::sin(0.5 * M_PI * kMasses / (kMasses + 1.0));
   }
 
-  /// By what factor the largest displacement has grown after `steps` at `a` = omega h; infinity if
+  /// By what factor the largest amplitude has grown after `steps` at `a` = omega h; infinity if
   /// the method says that it failed.
   static double growth(const SolverInfo& info, double a, int steps) {
     Rig rig(info, chainOf(kMasses + 2, kSpacing, kStiffness, kMass));
     rig.controls.gravity.setZero();
     const State rest = rig.state;
-    Generator random(11);
+    const auto mode = [](int column) {
+      return std::sin(M_PI * kMasses * column / (kMasses + 1.0));
+    };
     forGrid(rig.model, [&](int, int column, VertexId v) {
       if (column == 0 || column == kMasses + 1) {
         rig.hold(v);
       } else {
-        rig.state.x[v].x() += uniform(random, -1.0, 1.0) * 1e-3 * kSpacing;
+        rig.state.x[v].x() += kSize * mode(column);
       }
     });
     if (!rig.run(a / omega(), steps)) return std::numeric_limits<double>::infinity();
     double largest = 0.0;
     for (VertexId v = 0; v < rig.model.particleCount(); ++v) {
-      largest = std::max(largest, (rig.state.x[v] - rest.x[v]).norm());
+      const double x = (rig.state.x[v] - rest.x[v]).norm();
+      largest = std::max(largest, std::hypot(x, rig.state.v[v].norm() / omega()));
     }
-    return largest / (1e-3 * kSpacing);
+    return largest / kSize;
   }
 };
 
 TEST_P(Oscillators, StabilityLimitOfAChain) {
-  // At 1 % above the limit the fastest mode grows by more than 5 % in each step (Verlet by 28 %,
-  // Runge-Kutta by 7 %): 400 steps are a factor of 1e8 at least. At or below the limit it cannot
-  // grow by more than 1 / sqrt(1 - (a / limit)^2) = 7 at 1 %.
+  // At 1 % above the limit the fastest mode grows by 7 % in each step or more (Verlet by 28 %):
+  // 400 steps are a factor of 1e11 at least. At 1 % below, a symplectic method still swings, by
+  // 1 / sqrt(1 - (a / limit)^2) = 7.
   const double limit = info().stabilityLimit;
   if (limit == 0.0) {
-    // |1 + i a| = sqrt(1 + a^2) per step: 54 times after 800 steps at a = 0.1.
-    EXPECT_NEAR(HeldChain::growth(info(), 0.1, 1600) / HeldChain::growth(info(), 0.1, 800),
-                std::pow(1.01, 400.0), 0.05 * std::pow(1.01, 400.0));
+    // |1 + i a| = sqrt(1 + a^2) per step; to round-off, but for the 1e-3 that the strain may be off
+    // where a chain of finite extension is not held to its line.
+    EXPECT_NEAR(HeldChain::growth(info(), 0.1, 800) / std::pow(1.01, 400.0), 1.0, 1e-3);
     return;
   }
   if (std::isinf(limit)) {

@@ -106,7 +106,10 @@ TEST_P(Resting, SlidesOnALevelTableByCoulombsDistance) {
   const double expected = speed * speed / (2.0 * kFriction * kGravity);
   record("way_over_closed_form", way / expected);
   EXPECT_NEAR(way, expected, speed * kDt / simulation.lastReport().substeps);
-  EXPECT_LT(meanSpeed(simulation.state()), 1e-12);
+  // At rest, a method whose contacts only correct positions shows what gravity adds in a substep.
+  record("speed_at_rest", meanSpeed(simulation.state()));
+  EXPECT_LE(meanSpeed(simulation.state()),
+            1.001 * kGravity * kDt / simulation.lastReport().substeps);
 }
 
 // ---- weight

@@ -98,10 +98,6 @@ TEST_P(Shapes, CatenaryBetweenTwoPins) {
   });
   record("largest_miss_over_length", miss / length);
   const double sagitta = 0.125 * spacing * spacing * weight / exact.pull;
-  if (!isConsistent(info())) {
-    EXPECT_GT(miss, 2.0 * sagitta);
-    return;
-  }
   EXPECT_LT(miss, sagitta);
 }
 
@@ -259,12 +255,12 @@ double drapeCoefficient(const std::string& method, double bending) {
   Scene scene;
   Fabric fabric;
   fabric.arealDensity = 0.2;
-  fabric.tensileWarp = fabric.tensileWeft = 40.0;
-  fabric.shear = 10.0;
+  fabric.tensileWarp = fabric.tensileWeft = 20.0;
+  fabric.shear = 5.0;
   fabric.bending = bending;
   fabric.damping = 0.0;
   fabric.thickness = 1e-3;
-  scene.cloth = clothOf(13, 13, kSide / 12, fabric);
+  scene.cloth = clothOf(9, 9, kSide / 8, fabric);
   const double omega = frequencyBound(buildModel(scene.cloth));
   scene.cloth.fabric.damping = 1.0 / omega;
   scene.cloth.pose.position.z() = 0.5 * fabric.thickness;
@@ -295,14 +291,19 @@ double drapeCoefficient(const std::string& method, double bending) {
 TEST_P(Shapes, DrapeCoefficientGrowsWithBendingRigidity) {
   // Between 0 (all hangs) and 1 (nothing bends). The raster of 1.4 mm counts the area of a border
   // to 1e-3 or so, so a growth of 0.02 is one.
-  double before = -0.02;
+  std::vector<double> drape;
   for (const double bending : {1e-6, 3e-5, 3e-4}) {
-    const double now = drapeCoefficient(GetParam(), bending);
-    record("drape_at_" + std::to_string(bending), now);
-    EXPECT_GT(now, before + 0.02);
-    before = now;
+    drape.push_back(drapeCoefficient(GetParam(), bending));
+    record("drape_at_" + std::to_string(bending), drape.back());
   }
-  EXPECT_LT(before, 1.0);
+  EXPECT_GE(drape[0], 0.0);
+  EXPECT_LE(drape[2], 1.0);
+  if (!isConsistent(info())) {
+    EXPECT_NEAR(drape[2], drape[0], 0.02) << "the fabric decides, after all";
+    return;
+  }
+  EXPECT_GT(drape[1], drape[0] + 0.02);
+  EXPECT_GT(drape[2], drape[1] + 0.02);
 }
 
 }  // namespace
