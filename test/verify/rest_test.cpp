@@ -99,6 +99,7 @@ TEST_P(Resting, SlidesOnALevelTableByCoulombsDistance) {
   Scene scene = sceneOf(clothOf(4, 4, 0.05, sheet()), kDt);
   layOnTable(scene, 0.0);
   scene.cloth.velocity = Vec3(speed, 0.0, 0.0);
+  scene.solver.parameters["substeps"] *= 8.0;
   Simulation simulation(scene);
   const Vec3 start = centreOfMass(simulation.model(), simulation.state());
   run(simulation, 1.0);
