@@ -106,7 +106,7 @@ TEST_P(Waves, FundamentalFrequencyOfATensionedSquareMembrane) {
     EXPECT_GT(std::abs(measured / continuum - 1.0), 0.1);
     return;
   }
-  EXPECT_NEAR(measured / lattice, 1.0, 0.2 * kFineStep * kFineStep);
+  EXPECT_NEAR(measured / lattice, 1.0, 0.125 * kFineStep * kFineStep);
   EXPECT_NEAR(measured / continuum, 1.0, 4e-3);
 }
 
