@@ -1,0 +1,501 @@
+/// \file Where methods break. Every method meets every trial with its own defaults, in steps of
+/// 1/60 s where the trial does not say otherwise. What comes of it is known and kept in a table: a
+/// method that begins to fail, or no longer does, is a finding either way.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "cloth_sim/sim/simulation.h"
+#include "verify/verify_support.h"
+
+namespace cloth_sim {
+namespace {
+
+using namespace testing_support;
+using namespace verify_support;
+
+constexpr double kDt = 1.0 / 60.0;  // [s]
+
+/// What a trial came to.
+struct Outcome {
+  bool failed = false;      ///< the method, or the simulation, said that it is over
+  std::string failure;      ///< in which words
+  bool shownFinite = true;  ///< in every step, also the failed one, what is shown was finite
+  double error = 0.0;       ///< at the end, in the trial's own measure
+  double farthest = 0.0;    ///< largest coordinate that was shown [m]
+  double residual = 0.0;    ///< largest of those that steps ended with, as the method measures it
+};
+
+struct Trial {
+  std::string name;
+  std::string measure;     ///< what `error` is
+  double tolerance = 0.0;  ///< a larger error is a wrong result
+  std::function<Outcome(const std::string& method)> run;
+};
+
+enum class Fate { kSurvived, kWrong, kFailed };
+
+const char* toString(Fate fate) {
+  switch (fate) {
+    case Fate::kSurvived:
+      return "kSurvived";
+    case Fate::kWrong:
+      return "kWrong";
+    case Fate::kFailed:
+      return "kFailed";
+  }
+  return "?";
+}
+
+// ---- how trials are run
+// --------------------------------------------------------------------------
+
+/// Whether the cloth that is shown is made of finite numbers, and no figure about it is NaN. (A
+/// figure may be infinite in the step before a method gives up: 1e200 m/s has no square.)
+bool showsNumbers(Simulation& simulation) {
+  const auto shown = simulation.snapshot();
+  const auto finite = [](const Vec3& x) { return x.allFinite(); };
+  const std::array<double, 6> figures{shown->energies.kinetic, shown->energies.elastic,
+                                      shown->energies.gravity, shown->meanSpeed,
+                                      shown->maxStretch,       shown->mass};
+  return isFinite(simulation.state()) &&
+         std::all_of(shown->positions.begin(), shown->positions.end(), finite) &&
+         std::none_of(figures.begin(), figures.end(), [](double x) { return std::isnan(x); });
+}
+
+/// Steps on, and looks at every state that is shown.
+void watch(Simulation& simulation, double seconds, Outcome& outcome) {
+  const double end = simulation.time() + seconds - 1e-9;
+  while (simulation.time() < end && !simulation.failed()) {
+    simulation.step();
+    outcome.shownFinite = outcome.shownFinite && showsNumbers(simulation);
+    outcome.residual = std::max(outcome.residual, simulation.lastReport().residual);
+    for (const Vec3& x : simulation.state().x) {
+      outcome.farthest = std::max(outcome.farthest, x.cwiseAbs().maxCoeff());
+    }
+  }
+  outcome.failed = simulation.failed();
+  outcome.failure = simulation.failure();
+}
+
+/// A method without a simulation around it, that nobody sees: it has to tell when it fails.
+void watch(Rig& rig, double dt, double seconds, Outcome& outcome) {
+  const int steps = static_cast<int>(std::lround(seconds / dt));
+  for (int k = 0; k < steps && !outcome.failed; ++k) {
+    outcome.failed = !rig.run(dt, 1);
+    outcome.shownFinite = outcome.shownFinite && (outcome.failed || isFinite(rig.state));
+  }
+  outcome.failure = outcome.failed ? "status" : "";
+}
+
+Rig rigOf(const std::string& method, Model model) {
+  return Rig(findSolver(method), std::move(model), {});
+}
+
+/// A square cloth in the plane y = 0, its upper border at z = 0.
+Scene uprightScene(const std::string& method, int particles, double side, const Fabric& fabric) {
+  Scene scene;
+  scene.cloth = clothOf(particles, particles, side / (particles - 1), fabric);
+  scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
+  scene.cloth.pose.position.z() = -0.5 * side;
+  scene.drag = 3.0;
+  scene.solver.method = method;
+  scene.solver.dt = kDt;
+  scene.solver.parameters = completeParameters(findSolver(method), {});
+  return scene;
+}
+
+void pinUpperRow(Scene& scene) {
+  for (int column = 0; column < scene.cloth.columns; ++column) {
+    scene.cloth.pins.push_back({column, scene.cloth.rows - 1});
+  }
+}
+
+// ---- the trials
+// ----------------------------------------------------------------------------------
+
+/// Warp a million times as stiff as weft: a strain of 1e-6 in the stiff springs is right.
+Outcome stiffnessRatio(const std::string& method) {
+  Fabric fabric;
+  fabric.arealDensity = 0.1;
+  fabric.tensileWarp = 1e6;
+  fabric.tensileWeft = 1.0;
+  fabric.shear = 0.0;
+  fabric.bending = 0.0;
+  Scene scene = uprightScene(method, 6, 0.2, fabric);
+  scene.cloth.springs = {false, false};
+  scene.cloth.pins = {{0, 5}, {5, 5}};
+  Simulation simulation(scene);
+  Outcome outcome;
+  watch(simulation, 2.0, outcome);
+  for (const Spring& spring : simulation.model().springs.slots()) {
+    if (spring.direction != ThreadDirection::kWarp) continue;
+    const double strain = stretch(spring, simulation.state()) - 1.0;
+    outcome.error = std::max(outcome.error, std::abs(strain));
+  }
+  return outcome;
+}
+
+/// Ten kilogrammes on nine beads of one gramme each, on springs that they stretch by a twentieth.
+Outcome massRatio(const std::string& method) {
+  const int links = 10;
+  const double spacing = 0.05, light = 1e-3, heavy = 10.0;
+  const double k = heavy * kGravity / (0.05 * spacing);
+  Rig rig = rigOf(method, chainOf(links + 1, spacing, k, light));
+  rig.controls.drag = 20.0;
+  for (Vec3& x : rig.state.x) x = Vec3(0.0, x.y(), -x.x());
+  for (const int row : {0, 1}) {
+    rig.hold(rig.model.grid->vertex(0, row));
+    rig.model.mass[rig.model.grid->vertex(links, row)] = heavy;
+  }
+  Outcome outcome;
+  watch(rig, kDt, 2.0, outcome);
+  const Vec3 way = rig.state.x[rig.model.grid->vertex(links, 0)] - rig.state.x[0];
+  outcome.error = std::abs((way.norm() / (links * spacing) - 1.0) / 0.05 - 1.0);
+  return outcome;
+}
+
+/// Drawn aside by a metre at 50 m/s; three seconds later it should hang, stretched by its weight.
+/// (It may lie in folds, for nothing keeps cloth from lying in itself.)
+Outcome yankedClamp(const std::string& method) {
+  Scene scene = uprightScene(method, 9, 0.2, fabricPreset("interlock"));
+  ClampSpec hand;
+  hand.name = "hand";
+  hand.patch = ClampPatch{4, 8, 2};
+  hand.pose.position.z() = -0.02;
+  hand.pose.orientation = scene.cloth.pose.orientation;
+  hand.maxLinearSpeed = 50.0;
+  hand.maxLinearAcceleration = 1e5;
+  hand.closingSpeed = 10.0;
+  scene.clamps = {hand};
+  Simulation simulation(scene);
+  simulation.apply(SetGrasp{"hand", true});
+  Outcome outcome;
+  watch(simulation, 1.0, outcome);
+  Pose aside = hand.pose;
+  aside.position.x() += 1.0;
+  simulation.apply(SetClampTarget{"hand", aside});
+  watch(simulation, 3.0, outcome);
+  outcome.error = maxStretch(simulation.model(), simulation.state()) - 1.0;
+  return outcome;
+}
+
+/// A ball of 8 cm radius appears with the cloth a centimetre off its middle.
+Outcome sphereInside(const std::string& method) {
+  Scene scene = uprightScene(method, 11, 0.3, fabricPreset("interlock"));
+  pinUpperRow(scene);
+  Obstacle ball;
+  ball.name = "ball";
+  ball.shape = SphereShape{0.08};
+  ball.pose.position = Vec3(0.0, 5.0, 0.0);
+  scene.obstacles = {ball};
+  Simulation simulation(scene);
+  Outcome outcome;
+  watch(simulation, 0.2, outcome);
+  simulation.apply(MoveObstacle{"ball", Pose{Vec3(0.0, 0.01, -0.15), Quat::Identity()}});
+  watch(simulation, 1.5, outcome);
+  const Collider& collider = simulation.colliders().all().front();
+  for (const Vec3& x : simulation.state().x) {
+    outcome.error = std::max(outcome.error, -collider.gap(x, simulation.time()) / 0.08);
+  }
+  return outcome;
+}
+
+/// Mean |strain| of structural springs.
+double meanStrain(const Rig& rig) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Spring& spring : rig.model.springs.slots()) {
+    if (spring.kind != SpringKind::kStructural) continue;
+    sum += std::abs(stretch(spring, rig.state) - 1.0);
+    ++count;
+  }
+  return sum / count;
+}
+
+/// A cloth of 0.3 m in a ball of radius `radius`, left alone for two seconds.
+Outcome collapsed(const std::string& method, double radius) {
+  Rig rig = rigOf(method, buildModel(clothOf(8, 8, 0.3 / 7, fabricPreset("interlock"))));
+  rig.controls.gravity.setZero();
+  rig.controls.drag = 5.0;
+  Generator random(3);
+  for (Vec3& x : rig.state.x) x = randomVector(random, radius);
+  Outcome outcome;
+  watch(rig, kDt, 2.0, outcome);
+  outcome.error = meanStrain(rig);
+  return outcome;
+}
+
+/// All on one line, so that no face has an area or a normal, in a wind of 10 m/s across it.
+Outcome degenerateFaces(const std::string& method) {
+  Rig rig = rigOf(method, buildModel(clothOf(8, 8, 0.3 / 7, fabricPreset("interlock"))));
+  rig.controls.gravity.setZero();
+  rig.controls.drag = 5.0;
+  rig.controls.wind = Wind{Vec3(0.0, 3.0, 10.0), 1.2, 1.0};
+  for (Vec3& x : rig.state.x) x = Vec3(x.x(), 0.0, 0.0);
+  Outcome outcome;
+  watch(rig, kDt, 2.0, outcome);
+  outcome.error = meanStrain(rig);
+  return outcome;
+}
+
+/// Cuts through nearly the same points: a star of six, and six side by side, a tenth of a
+/// millimetre apart. What hangs on should be stretched by no more than 20 %.
+Outcome slivers(const std::string& method) {
+  Scene scene = uprightScene(method, 9, 0.2, fabricPreset("interlock"));
+  pinUpperRow(scene);
+  scene.cloth.surgery.snap = 0.05;
+  scene.cloth.surgery.minEdge = 1e-6;
+  Simulation simulation(scene);
+  Outcome outcome;
+  watch(simulation, 0.2, outcome);
+  const auto cut = [&](const Vec3& from, const Vec3& to) {
+    simulation.apply(CutAlong{strokeAlong({from, to}, Vec3::UnitY(), 0.5)});
+  };
+  const Vec3 middle(1e-3, 0.0, -0.1);
+  for (int k = 0; k < 6; ++k) {
+    const double angle = k * M_PI / 6.0;
+    const Vec3 arm = 0.05 * Vec3(std::cos(angle), 0.0, std::sin(angle));
+    cut(middle - arm, middle + arm);
+    const Vec3 side(0.0, 0.0, 1e-4 * k);
+    cut(Vec3(-0.09, 0.0, -0.16) + side, Vec3(0.02, 0.0, -0.161) + side);
+  }
+  watch(simulation, 1.0, outcome);
+  outcome.error = maxStretch(simulation.model(), simulation.state()) - 1.0;
+  return outcome;
+}
+
+/// Steps of 0.1 s. A strip that hangs is longer by rho g L / (2 K) = 2e-4.
+Outcome longSteps(const std::string& method) {
+  Fabric fabric;
+  fabric.arealDensity = 0.1;
+  fabric.tensileWarp = fabric.tensileWeft = 500.0;
+  fabric.shear = 10.0;
+  fabric.bending = 0.0;
+  Scene scene = uprightScene(method, 6, 0.2, fabric);
+  pinUpperRow(scene);
+  scene.solver.dt = 0.1;
+  Simulation simulation(scene);
+  Outcome outcome;
+  watch(simulation, 5.0, outcome);
+  const State& state = simulation.state();
+  const Grid& grid = *simulation.model().grid;
+  const double length = (state.x[grid.vertex(2, 5)] - state.x[grid.vertex(2, 0)]).norm();
+  outcome.error = std::abs(length / 0.2 - 1.0 - 2e-4);
+  return outcome;
+}
+
+/// A clamp tears away at 20 m/s what is pinned above. No mass may be lost, and something must tear.
+Outcome tornByShock(const std::string& method) {
+  Scene scene = uprightScene(method, 9, 0.2, fabricPreset("interlock"));
+  pinUpperRow(scene);
+  scene.tearing.enabled = true;
+  scene.tearing.ratio = {1.3, 1.3, 1.5};
+  ClampSpec hand;
+  hand.name = "hand";
+  hand.patch = ClampPatch{4, 1, 1};
+  hand.pose.position.z() = -0.18;
+  hand.pose.orientation = scene.cloth.pose.orientation;
+  hand.maxLinearSpeed = 20.0;
+  hand.maxLinearAcceleration = 1e5;
+  hand.closingSpeed = 10.0;
+  scene.clamps = {hand};
+  Simulation simulation(scene);
+  const double mass = totalMass(simulation.model());
+  simulation.apply(SetGrasp{"hand", true});
+  Outcome outcome;
+  watch(simulation, 0.1, outcome);
+  Pose away = hand.pose;
+  away.position.z() -= 2.0;
+  simulation.apply(SetClampTarget{"hand", away});
+  watch(simulation, 0.2, outcome);
+  outcome.error = std::abs(totalMass(simulation.model()) / mass - 1.0);
+  if (simulation.pieces() < 2) outcome.error = 1.0;
+  return outcome;
+}
+
+const std::vector<Trial>& trials() {
+  static const std::vector<Trial> all{
+      {"stiffness_ratio_1e6", "largest strain of the stiff springs", 0.01, stiffnessRatio},
+      {"mass_ratio_1e4", "error of the elongation, relative", 0.05, massRatio},
+      {"clamp_yanked_at_50_m_s", "largest strain", 0.2, yankedClamp},
+      {"sphere_inside", "deepest overlap over the radius", 0.01, sphereInside},
+      {"all_in_one_point", "mean strain of structural springs", 0.2,
+       [](const std::string& method) { return collapsed(method, 0.0); }},
+      {"crushed_to_a_millimetre", "mean strain of structural springs", 0.2,
+       [](const std::string& method) { return collapsed(method, 1e-3); }},
+      {"faces_without_area_in_wind", "mean strain of structural springs", 0.2, degenerateFaces},
+      {"slivers_after_cuts", "largest strain", 0.2, slivers},
+      {"steps_of_0.1_s", "error of the length, relative", 0.01, longSteps},
+      {"torn_by_shock", "mass lost, relative; 1: nothing came off", 1e-9, tornByShock},
+  };
+  return all;
+}
+
+// ---- what is known to come of them
+// ---------------------------------------------------------------
+
+struct Row {
+  std::string trial;
+  std::string method;
+  Fate fate;
+  double error;  ///< of a wrong result
+};
+
+const std::vector<Row>& known() {
+  static const std::vector<Row> rows{
+      {"stiffness_ratio_1e6", "explicit_euler", Fate::kFailed, 0.0},
+      {"stiffness_ratio_1e6", "implicit_euler", Fate::kSurvived, 0.0},
+      {"stiffness_ratio_1e6", "pbd", Fate::kWrong, 0.22},
+      {"stiffness_ratio_1e6", "projective", Fate::kSurvived, 0.0},
+      {"stiffness_ratio_1e6", "rk4", Fate::kFailed, 0.0},
+      {"stiffness_ratio_1e6", "symplectic_euler", Fate::kFailed, 0.0},
+      {"stiffness_ratio_1e6", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"stiffness_ratio_1e6", "verlet", Fate::kFailed, 0.0},
+      {"stiffness_ratio_1e6", "xpbd", Fate::kWrong, 0.03},
+      {"mass_ratio_1e4", "explicit_euler", Fate::kFailed, 0.0},
+      {"mass_ratio_1e4", "implicit_euler", Fate::kSurvived, 0.0},
+      {"mass_ratio_1e4", "pbd", Fate::kWrong, 44},
+      {"mass_ratio_1e4", "projective", Fate::kSurvived, 0.0},
+      {"mass_ratio_1e4", "rk4", Fate::kFailed, 0.0},
+      {"mass_ratio_1e4", "symplectic_euler", Fate::kFailed, 0.0},
+      {"mass_ratio_1e4", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"mass_ratio_1e4", "verlet", Fate::kFailed, 0.0},
+      {"mass_ratio_1e4", "xpbd", Fate::kWrong, 19},
+      {"clamp_yanked_at_50_m_s", "explicit_euler", Fate::kFailed, 0.0},
+      {"clamp_yanked_at_50_m_s", "implicit_euler", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "pbd", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "projective", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "rk4", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "verlet", Fate::kSurvived, 0.0},
+      {"clamp_yanked_at_50_m_s", "xpbd", Fate::kSurvived, 0.0},
+      {"sphere_inside", "explicit_euler", Fate::kFailed, 0.0},
+      {"sphere_inside", "implicit_euler", Fate::kSurvived, 0.0},
+      {"sphere_inside", "pbd", Fate::kSurvived, 0.0},
+      {"sphere_inside", "projective", Fate::kSurvived, 0.0},
+      {"sphere_inside", "rk4", Fate::kSurvived, 0.0},
+      {"sphere_inside", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"sphere_inside", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"sphere_inside", "verlet", Fate::kSurvived, 0.0},
+      {"sphere_inside", "xpbd", Fate::kSurvived, 0.0},
+      {"all_in_one_point", "explicit_euler", Fate::kWrong, 1},
+      {"all_in_one_point", "implicit_euler", Fate::kWrong, 1},
+      {"all_in_one_point", "pbd", Fate::kWrong, 1},
+      {"all_in_one_point", "projective", Fate::kWrong, 1},
+      {"all_in_one_point", "rk4", Fate::kWrong, 1},
+      {"all_in_one_point", "symplectic_euler", Fate::kWrong, 1},
+      {"all_in_one_point", "tr_bdf2", Fate::kWrong, 1},
+      {"all_in_one_point", "verlet", Fate::kWrong, 1},
+      {"all_in_one_point", "xpbd", Fate::kWrong, 1},
+      {"crushed_to_a_millimetre", "explicit_euler", Fate::kFailed, 0.0},
+      {"crushed_to_a_millimetre", "implicit_euler", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "pbd", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "projective", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "rk4", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "verlet", Fate::kSurvived, 0.0},
+      {"crushed_to_a_millimetre", "xpbd", Fate::kSurvived, 0.0},
+      {"faces_without_area_in_wind", "explicit_euler", Fate::kFailed, 0.0},
+      {"faces_without_area_in_wind", "implicit_euler", Fate::kWrong, 0.55},
+      {"faces_without_area_in_wind", "pbd", Fate::kWrong, 0.42},
+      {"faces_without_area_in_wind", "projective", Fate::kWrong, 0.55},
+      {"faces_without_area_in_wind", "rk4", Fate::kWrong, 0.55},
+      {"faces_without_area_in_wind", "symplectic_euler", Fate::kWrong, 0.55},
+      {"faces_without_area_in_wind", "tr_bdf2", Fate::kWrong, 0.55},
+      {"faces_without_area_in_wind", "verlet", Fate::kWrong, 0.55},
+      {"faces_without_area_in_wind", "xpbd", Fate::kWrong, 0.56},
+      {"slivers_after_cuts", "explicit_euler", Fate::kFailed, 0.0},
+      {"slivers_after_cuts", "implicit_euler", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "pbd", Fate::kWrong, 0.27},
+      {"slivers_after_cuts", "projective", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "rk4", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "verlet", Fate::kSurvived, 0.0},
+      {"slivers_after_cuts", "xpbd", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "explicit_euler", Fate::kFailed, 0.0},
+      {"steps_of_0.1_s", "implicit_euler", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "pbd", Fate::kWrong, 0.32},
+      {"steps_of_0.1_s", "projective", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "rk4", Fate::kFailed, 0.0},
+      {"steps_of_0.1_s", "symplectic_euler", Fate::kFailed, 0.0},
+      {"steps_of_0.1_s", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"steps_of_0.1_s", "verlet", Fate::kFailed, 0.0},
+      {"steps_of_0.1_s", "xpbd", Fate::kWrong, 0.013},
+      {"torn_by_shock", "explicit_euler", Fate::kFailed, 0.0},
+      {"torn_by_shock", "implicit_euler", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "pbd", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "projective", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "rk4", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "symplectic_euler", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "tr_bdf2", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "verlet", Fate::kSurvived, 0.0},
+      {"torn_by_shock", "xpbd", Fate::kSurvived, 0.0},
+  };
+  return rows;
+}
+
+Fate fateOf(const Trial& trial, const Outcome& outcome) {
+  if (outcome.failed) return Fate::kFailed;
+  return outcome.error <= trial.tolerance ? Fate::kSurvived : Fate::kWrong;
+}
+
+/// The outcome as a row of the table.
+std::string rowText(const Trial& trial, const std::string& method, const Outcome& outcome) {
+  char error[32];
+  std::snprintf(error, sizeof error, "%.2g", outcome.error);
+  const Fate fate = fateOf(trial, outcome);
+  return "{\"" + trial.name + "\", \"" + method + "\", Fate::" + toString(fate) + ", " +
+         (fate == Fate::kWrong ? error : "0.0") + "},";
+}
+
+std::vector<std::string> trialNames() {
+  std::vector<std::string> names;
+  for (const Trial& trial : trials()) names.push_back(trial.name);
+  return names;
+}
+
+class Breaking : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
+
+INSTANTIATE_TEST_SUITE_P(Registry, Breaking,
+                         testing::Combine(testing::ValuesIn(trialNames()),
+                                          testing::ValuesIn(solverNames())),
+                         [](const auto& test) {
+                           std::string name =
+                               std::get<0>(test.param) + "_" + std::get<1>(test.param);
+                           std::replace(name.begin(), name.end(), '.', '_');
+                           return name;
+                         });
+
+TEST_P(Breaking, EndsAsKnown) {
+  const auto& [trialName, method] = GetParam();
+  const auto isIt = [&, name = trialName](const Trial& trial) { return trial.name == name; };
+  const Trial& trial = *std::find_if(trials().begin(), trials().end(), isIt);
+  const Outcome outcome = trial.run(method);
+  const std::string measured = rowText(trial, method, outcome);
+  RecordProperty("row", measured);
+  record("error", outcome.error);
+  record("farthest", outcome.farthest);
+  record("residual", outcome.residual);
+  EXPECT_TRUE(outcome.shownFinite) << "numbers that are not finite were shown";
+  EXPECT_EQ(outcome.failed, !outcome.failure.empty());
+
+  const auto row = std::find_if(known().begin(), known().end(), [&](const Row& r) {
+    return r.trial == trial.name && r.method == std::get<1>(GetParam());
+  });
+  ASSERT_TRUE(row != known().end()) << "no row for this method yet; measured:\n" << measured;
+  EXPECT_STREQ(toString(fateOf(trial, outcome)), toString(row->fate))
+      << trial.measure << ": " << outcome.error << " " << outcome.failure;
+  if (row->fate == Fate::kWrong && fateOf(trial, outcome) == Fate::kWrong) {
+    // Chaos and compilers may change the digits, not the size.
+    EXPECT_LT(std::abs(std::log(outcome.error / row->error)), std::log(2.0)) << measured;
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim

@@ -1,0 +1,100 @@
+#pragma once
+/// \file Small models with closed forms, for the tests of verification.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "cloth_sim/cloth/stable_step.h"
+#include "unit/core_support.h"
+
+namespace cloth_sim::verify_support {
+
+constexpr double kGravity = 9.81;  // [m/s^2]
+
+/// Whether the method converges to the fabric's stiffness at all.
+inline bool isConsistent(const SolverInfo& info) { return info.order > 0; }
+
+/// Bound on the largest angular frequency of a model, by Gershgorin's circles [rad/s].
+inline double frequencyBound(const Model& model) {
+  const double h = stableStep(model), tau = model.fabric.damping;
+  return 2.0 / std::sqrt(h * h + 2.0 * h * tau);
+}
+
+/// A method at work on a model of its own.
+class Rig {
+ public:
+  /// Steps have one substep unless `parameters` say otherwise.
+  Rig(const SolverInfo& info, Model cloth, const SolverParameters& parameters = {{"substeps", 1.0}})
+      : model(std::move(cloth)),
+        state(testing_support::flatState(model)),
+        solver_(info.create(model, completeParameters(info, parameters))) {}
+
+  /// Holds a particle where it is.
+  void hold(VertexId v) { controls.kinematic.push_back({v, state.x[v], Vec3::Zero()}); }
+
+  /// Takes `steps` steps of length `h`. \return whether the method said that all was well.
+  bool run(double h, int steps) {
+    for (int k = 0; k < steps; ++k) {
+      Contacts contacts;
+      if (solver_->step(model, state, controls, contacts, {h}).status != StepStatus::kOk) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  Model model;
+  State state;
+  Controls controls;
+
+ private:
+  std::unique_ptr<Solver> solver_;
+};
+
+/// A chain along x: `count` masses m [kg] at distances of `spacing` [m], joined by springs k [N/m]
+/// with the retardation time tau [s]. It is there twice, as the two rows of a strip, with (next to)
+/// nothing between them.
+inline Model chainOf(int count, double spacing, double k, double m, double tau = 0.0) {
+  Fabric fabric;
+  fabric.tensileWarp = 2.0 * k;  // k = K A / L^2, with one face, A = L^2 / 2, on each edge
+  fabric.tensileWeft = 1e-12 * k;
+  fabric.shear = 0.0;
+  fabric.bending = 0.0;
+  fabric.damping = tau;
+  ClothSpec spec = testing_support::clothOf(count, 2, spacing, fabric);
+  spec.springs = {false, false};
+  spec.particleMass = m;
+  return buildModel(spec);
+}
+
+/// Calls `visit(row, column, vertex)` on every particle of a grid.
+template <typename Visit>
+void forGrid(const Model& model, const Visit& visit) {
+  for (int row = 0; row < model.grid->rows; ++row) {
+    for (int column = 0; column < model.grid->columns; ++column) {
+      visit(row, column, model.grid->vertex(column, row));
+    }
+  }
+}
+
+inline double totalEnergy(const Rig& rig) {
+  const Energies e = energies(rig.model, rig.state, rig.controls.gravity);
+  return e.kinetic + e.elastic + e.gravity;
+}
+
+/// Leaves a measured figure in the XML report.
+inline void record(const std::string& name, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  testing::Test::RecordProperty(name, text);
+}
+
+/// Runs the tests of one file over the registry.
+class OverMethods : public testing::TestWithParam<std::string> {
+ protected:
+  const SolverInfo& info() const { return findSolver(GetParam()); }
+};
+
+}  // namespace cloth_sim::verify_support
