@@ -14,8 +14,8 @@
 namespace cloth_sim {
 namespace {
 
-/// Steps of a reference are this part of the scene's: contacts are found once a step.
-constexpr int kStepDivision = 4;
+/// The coarsest run's steps are this part of the scene's.
+constexpr int kStepDivision = 2;
 /// Part of the longest stable step that the coarsest run takes.
 constexpr double kMargin = 0.5;
 /// Relative difference of figures that rounding on another machine may make.
@@ -24,13 +24,6 @@ constexpr double kSameFigure = 1e-9;
 /// Explicit, of second order: bounded from above in omega h, but not by zero.
 bool isReferenceMethod(const SolverInfo& info) {
   return info.order == 2 && info.stabilityLimit > 0.0 && std::isfinite(info.stabilityLimit);
-}
-
-const SolverInfo& referenceMethod() {
-  for (const SolverInfo& info : solverRegistry()) {
-    if (isReferenceMethod(info)) return info;
-  }
-  throw std::runtime_error("the registry has no explicit method of second order for references");
 }
 
 double difference(const StudyScene& study, const RunResult& run, const RunResult& finer) {
@@ -61,8 +54,16 @@ std::vector<double> figuresOf(const StudyScene& study) {
     pins += pin.vertex + 1.0;
   }
   const Vec3& g = study.scene.gravity;
-  return {totalMass(model), stiffness, damping,           rest, ends,          place,
-          speed,            pins,      study.scene.drag, g.x() + 2.0 * g.y() + 3.0 * g.z(),
+  return {totalMass(model),
+          stiffness,
+          damping,
+          rest,
+          ends,
+          place,
+          speed,
+          pins,
+          study.scene.drag,
+          g.x() + 2.0 * g.y() + 3.0 * g.z(),
           study.duration};
 }
 
@@ -106,6 +107,13 @@ void readRow(const std::string& line, Trajectory& trajectory) {
 
 }  // namespace
 
+const SolverInfo& referenceMethod() {
+  for (const SolverInfo& info : solverRegistry()) {
+    if (isReferenceMethod(info)) return info;
+  }
+  throw std::runtime_error("the registry has no explicit method of second order for references");
+}
+
 double errorAgainst(const Reference& reference, const StudyScene& study, const RunResult& run) {
   if (run.outcome != Outcome::kOk) return std::numeric_limits<double>::quiet_NaN();
   if (!study.isTearing()) {
@@ -116,14 +124,14 @@ double errorAgainst(const Reference& reference, const StudyScene& study, const R
 
 Reference convergeReference(const StudyScene& study, const ConvergenceGoal& goal) {
   const SolverInfo& method = referenceMethod();
-  const double dt = study.scene.solver.dt / kStepDivision;
+  double dt = study.scene.solver.dt / kStepDivision;
   const double longest = kMargin * stableStep(buildModel(study.scene.cloth));
-  int substeps = std::max(1, static_cast<int>(std::ceil(dt / longest)));
+  const int substeps = std::max(1, static_cast<int>(std::ceil(dt / longest)));
   RunResult run = runScene(study, configure(method, dt, substeps, 0));
   Reference reference;
   reference.converged = false;
   for (int k = 0; k < goal.halvings && !reference.converged; ++k) {
-    substeps *= 2;
+    dt *= 0.5;
     RunResult finer = runScene(study, configure(method, dt, substeps, 0));
     reference.ownError = difference(study, run, finer);
     reference.converged = reference.ownError <= goal.tolerance;

@@ -15,9 +15,9 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kTolerance = 1e-10;       ///< relative
-constexpr double kCheckTolerance = 1e-8;   ///< of the run that the error is estimated with
-constexpr double kAbsolutePart = 1e-2;     ///< absolute over relative tolerance [m], [m/s]
+constexpr double kTolerance = 1e-10;      ///< relative
+constexpr double kCheckTolerance = 1e-8;  ///< of the run that the error is estimated with
+constexpr double kAbsolutePart = 1e-2;    ///< absolute over relative tolerance [m], [m/s]
 constexpr long kMostSteps = 10000000;
 
 /// The equations of motion, written from the springs: independent of the solvers' own forces.
@@ -59,8 +59,9 @@ class Motion {
     for (VertexId v = 0; v < model_.particleCount(); ++v) {
       at(rate, v) = at(velocity, v);
       at(acceleration, v) =
-          held_[v] ? Vec3::Zero()
-                   : Vec3(at(acceleration, v) / model_.mass[v] + gravity_ - drag_ * at(velocity, v));
+          held_[v]
+              ? Vec3::Zero()
+              : Vec3(at(acceleration, v) / model_.mass[v] + gravity_ - drag_ * at(velocity, v));
     }
   }
 
@@ -75,8 +76,7 @@ class Motion {
     const Vec3 d = at(y, spring.b) - at(y, spring.a);
     const double length = d.norm();
     const double rate = d.dot(at(velocity, spring.b) - at(velocity, spring.a)) / length;
-    const double tension =
-        spring.stiffness * (length - spring.restLength) + spring.damping * rate;
+    const double tension = spring.stiffness * (length - spring.restLength) + spring.damping * rate;
     const Vec3 f = tension / length * d;
     at(force, spring.a) += f;
     at(force, spring.b) -= f;
