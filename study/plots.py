@@ -100,8 +100,9 @@ def draw_method(axes, rows, style):
 def draw_front(axes, front):
     points = [(float(row['cpu_s_per_sim_s']), float(row['error'])) for row in front]
     if points:
-        axes.plot(*zip(*points), color='#999999', linewidth=7, alpha=0.35, solid_capstyle='round',
-                  solid_joinstyle='round', zorder=1)
+        # A staircase: until the next better run is paid for, the one before is the best there is.
+        axes.plot(*zip(*points), color='#999999', linewidth=7, alpha=0.35, zorder=1,
+                  drawstyle='steps-post', solid_capstyle='round', solid_joinstyle='round')
 
 
 def label_front(axes, front):
@@ -162,8 +163,8 @@ def work_precision_chart(folder, scene, rows, front, styles, reference):
     if errors and own > 0.1 * min(errors):
         chart.axhspan(own / 1e6, own, color='#999999', alpha=0.15, linewidth=0, zorder=0)
         chart.set_ylim(bottom=min(0.5 * own, 0.5 * min(errors)))
-        chart.text(0.995, own, 'uncertainty of the reference ', fontsize=8, color=GREY, ha='right',
-                   va='top', transform=chart.get_yaxis_transform())
+        chart.text(0.01, own, 'uncertainty of the reference', fontsize=8, color=GREY, va='top',
+                   transform=chart.get_yaxis_transform())
     chart.set_xlabel('CPU time per simulated second, one thread [s/s]')
     chart.set_ylabel('relative error of the time of separation' if scene == 'seam_tear'
                      else 'error of positions / side of the cloth')
@@ -198,7 +199,7 @@ def stability_chart(folder, limits, styles):
             height = y + 0.17 - 0.34 * k
             limit = float(row['measured_limit'])
             end = MOST if math.isinf(limit) else max(limit, LEAST)
-            axes.barh(height, end / LEAST - 1.0, left=LEAST, height=0.3, color=colour,
+            axes.barh(height, end - LEAST, left=LEAST, height=0.3, color=colour,
                       alpha=0.9 if k == 0 else 0.45, linewidth=0)
             text = {True: 'no limit found', False: f'{limit:.3g}'}[math.isinf(limit)]
             if limit == 0.0:
@@ -219,7 +220,7 @@ def stability_chart(folder, limits, styles):
     axes.tick_params(axis='y', length=0)
     axes.set_xlabel('largest stable ω h  (frequency of the fastest mode times the substep)')
     axes.set_title('Limits of stability, measured without damping')
-    axes.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), fontsize=9)
+    axes.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=9)
     save(figure, folder, 'stability')
 
 

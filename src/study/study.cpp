@@ -13,8 +13,8 @@
 namespace cloth_sim {
 namespace {
 
-constexpr ConvergenceGoal kQuickGoal{1e-3, 3};
-constexpr ConvergenceGoal kFullGoal{1e-4, 5};
+constexpr ConvergenceGoal kQuickGoal{5e-4, 4};
+constexpr ConvergenceGoal kFullGoal{1e-4, 6};
 
 /// Writes a table under another name first: complete or not at all.
 template <typename Write>
