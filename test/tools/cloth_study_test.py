@@ -90,7 +90,8 @@ class ClothStudyTest(unittest.TestCase):
         skipped = 0
         for row in self.rows('work_precision.csv'):
             self.assertIn(row['status'], STATUSES)
-            self.assertEqual(math.isfinite(float(row['error'])), row['status'] in ('ok', 'wrong'))
+            if row['status'] != 'wrong':
+                self.assertEqual(math.isfinite(float(row['error'])), row['status'] == 'ok', row)
             if row['status'] == 'ok':
                 self.assertLessEqual(float(row['error']), 1.0)
                 self.assertGreater(float(row['cpu_s_per_sim_s']), 0.0)
@@ -105,7 +106,7 @@ class ClothStudyTest(unittest.TestCase):
         [reference] = self.rows('references.csv')
         self.assertIn('CVODE', reference['source'])
         self.assertLess(float(reference['own_error']), 1e-7)
-        # A method of second order, stable there: error = C h^2, and h is 1/320 of a step.
+        # omega h is about 1.3 there, in modes that hardly move; the swing itself is resolved well.
         [verlet] = [row for row in self.rows('work_precision.csv')
                     if row['solver'] == 'verlet' and row['substeps'] == '160'
                     and float(row['dt']) > 0.01]
