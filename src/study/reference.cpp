@@ -116,7 +116,7 @@ const SolverInfo& referenceMethod() {
 
 double errorAgainst(const Reference& reference, const StudyScene& study, const RunResult& run) {
   if (run.outcome != Outcome::kOk) return std::numeric_limits<double>::quiet_NaN();
-  if (!study.isTearing()) {
+  if (!study.tearing) {
     return trajectoryError(run.trajectory, reference.trajectory, study.side());
   }
   return std::abs(run.tearing.separation / reference.tearing.separation - 1.0);

@@ -29,7 +29,7 @@ class Watch {
  private:
   bool over() const {
     if (result_.outcome != Outcome::kOk) return true;
-    return study_.isTearing() && simulation_.pieces() > 1;
+    return study_.tearing && simulation_.pieces() > 1;
   }
 
   void step() {
@@ -89,6 +89,22 @@ void setIfKnown(const SolverInfo& info, const char* name, int value, SolverParam
   if (findParameter(info, name) != nullptr) given[name] = value;
 }
 
+RunResult refused(const std::string& why) {
+  RunResult result;
+  result.outcome = Outcome::kRefused;
+  result.why = why;
+  return result;
+}
+
+RunResult runAs(const StudyScene& study, const Scene& scene) {
+  try {
+    Simulation simulation(scene);
+    return Watch(study, simulation).run();
+  } catch (const std::invalid_argument& error) {
+    return refused(error.what());
+  }
+}
+
 }  // namespace
 
 const SolverParameter* findParameter(const SolverInfo& info, const std::string& name) {
@@ -135,15 +151,13 @@ const char* toString(Outcome outcome) {
   return "";
 }
 
+RunResult runScene(const StudyScene& study) { return runAs(study, study.scene); }
+
 RunResult runScene(const StudyScene& study, const Configuration& configuration) {
   try {
-    Simulation simulation(withConfiguration(study.scene, configuration));
-    return Watch(study, simulation).run();
+    return runAs(study, withConfiguration(study.scene, configuration));
   } catch (const std::invalid_argument& error) {
-    RunResult refused;
-    refused.outcome = Outcome::kRefused;
-    refused.why = error.what();
-    return refused;
+    return refused(error.what());
   }
 }
 

@@ -16,7 +16,7 @@ bool operates(const PhaseSpec& phase) {
 }  // namespace
 
 bool StudyScene::isSmooth() const {
-  return scene.obstacles.empty() && scene.clamps.empty() && !scene.wind && !isTearing() &&
+  return scene.obstacles.empty() && scene.clamps.empty() && !scene.wind && !scene.tearing.enabled &&
          std::none_of(scene.phases.begin(), scene.phases.end(), operates);
 }
 
@@ -45,6 +45,7 @@ StudyScene studyOf(Scene scene, double duration) {
   }
   study.name = scene.name;
   study.duration = steps * dt;
+  study.tearing = scene.tearing.enabled;
   study.scene = std::move(scene);
   return study;
 }

@@ -11,7 +11,7 @@ namespace cloth_sim {
 namespace {
 
 constexpr BisectionRange kRange{0.02, 1000.0, 0.005};  ///< in omega h
-constexpr double kDisplacement = 1e-4;  ///< largest at the start, over the length of a spring
+constexpr double kDisplacement = 0.01;  ///< largest at the start, over the length of a spring
 /// Steps of a probe, and how many of them at the start and at the end are compared. Forward Euler
 /// grows by a factor of exp(0.02^2 / 2 * 3000) = 1.8 at the lower end.
 constexpr int kSteps = 4000;
@@ -44,18 +44,18 @@ void layFlat(VibratingSystem& system) {
   for (VertexId v = 0; v < system.model.particleCount(); ++v) {
     system.start.x[v].head<2>() = system.model.mesh.material(v);
   }
-  system.rest = system.start.x.values();
 }
 
 /// Stiffness at rest between displacements over the root of the mass: its eigenvalues are squares
 /// of frequencies.
 Eigen::MatrixXd massScaledStiffness(const VibratingSystem& system) {
   const Model& model = system.model;
+  const VertexData<Vec3>& rest = system.start.x;
   const Eigen::Index n = 3 * model.particleCount();
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
   for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
-    const Vec3 d = (system.rest[spring.b] - system.rest[spring.a]).normalized();
+    const Vec3 d = (rest[spring.b] - rest[spring.a]).normalized();
     const Eigen::Matrix3d block = spring.stiffness * d * d.transpose();
     const double ma = model.mass[spring.a], mb = model.mass[spring.b];
     matrix.block<3, 3>(3 * spring.a, 3 * spring.a) += block / ma;
@@ -71,25 +71,22 @@ void excite(double largest, VibratingSystem& system) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(massScaledStiffness(system));
   system.omega = std::sqrt(solver.eigenvalues().maxCoeff());
   const Eigen::VectorXd mode = solver.eigenvectors().rightCols<1>();
+  std::vector<Vec3> shape;
   double most = 0.0;
   for (VertexId v = 0; v < system.model.particleCount(); ++v) {
     const Vec3 part = mode.segment<3>(3 * v);
     const double root = std::sqrt(system.model.mass[v]);
-    system.probe.push_back(root * part);
-    system.start.x[v] += part / root;
-    most = std::max(most, part.norm() / root);
+    shape.push_back(part / root);
+    most = std::max(most, shape.back().norm());
   }
   for (VertexId v = 0; v < system.model.particleCount(); ++v) {
-    system.start.x[v] = system.rest[v] + largest / most * (system.start.x[v] - system.rest[v]);
+    system.start.x[v] += largest / most * shape[v];
   }
 }
 
+/// Root of the energy in the springs: whatever the cloth does as a whole does not count.
 double amplitude(const VibratingSystem& system, const State& state) {
-  double sum = 0.0;
-  for (VertexId v = 0; v < system.model.particleCount(); ++v) {
-    sum += system.probe[v].dot(state.x[v] - system.rest[v]);
-  }
-  return std::abs(sum);
+  return std::sqrt(energies(system.model, state, Vec3::Zero()).elastic);
 }
 
 std::unique_ptr<Solver> withOneSubstep(const SolverInfo& method, const Model& model) {
@@ -103,7 +100,7 @@ std::unique_ptr<Solver> withOneSubstep(const SolverInfo& method, const Model& mo
 VibratingSystem makeOscillator() {
   VibratingSystem system;
   system.name = "oscillator";
-  system.stiffness = 50.0;
+  system.stiffness = 5e5;
   system.model = oneSpring(system.stiffness);
   layFlat(system);
   excite(kDisplacement * kSpringLength, system);
@@ -121,7 +118,7 @@ VibratingSystem makeVibratingCloth() {
   system.stiffness = spec.fabric.tensileWarp;
   system.model = buildModel(spec);
   layFlat(system);
-  excite(kDisplacement * 0.02, system);
+  excite(kDisplacement * system.model.grid->spacingU(), system);
   return system;
 }
 

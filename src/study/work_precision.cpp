@@ -38,7 +38,7 @@ class Climber {
       : study_(study), reference_(reference), ladder_(ladder) {}
 
   WorkPrecisionRow measure(const Configuration& configuration) {
-    WorkPrecisionRow row{study_.name, configuration, {}, 0.0, study_.isTearing()};
+    WorkPrecisionRow row{study_.name, configuration, {}, 0.0, study_.tearing};
     const double expected = expectedCost(configuration);
     if (expected > ladder_.mostPerRun) {
       skip("it would take about " + seconds(expected) + ", at most " + seconds(ladder_.mostPerRun) +

@@ -14,8 +14,10 @@
 #include <set>
 #include <stdexcept>
 
+#include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/study/advise.h"
 #include "cloth_sim/study/exact.h"
 #include "cloth_sim/study/study.h"
 
@@ -41,6 +43,9 @@ struct Options {
   std::vector<std::string> scenes;
   std::vector<std::string> parts{kWorkPrecision, kStability, kResolution};
   std::string references;  ///< "": do not make them
+  std::string advise;      ///< scene; "": none
+  double error = 0.01;     ///< that the advice shall keep
+  double duration = 1.0;   ///< of the scene that is looked at for that [s]
 };
 
 /// A wrong command line, or a folder that cannot be used.
@@ -67,6 +72,17 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--make-references", options.references,
                  "make the references of the smooth scenes anew, with SUNDIALS CVODE, into this\n"
                  "folder, and nothing else");
+  app.add_option("--advise", options.advise,
+                 "scene file, or name of one of the package's: says which method and how many\n"
+                 "substeps it needs");
+  app.add_option("--error", options.error,
+                 "error that the advice shall keep: of positions over the cloth's side, or\n"
+                 "(where it comes apart) of the time of separation")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-9, 1.0));
+  app.add_option("--duration", options.duration, "of the scene, for the advice [s]")
+      ->capture_default_str()
+      ->check(CLI::Range(1e-3, 1e4));
   app.footer("Exit status: 0 done; 2 bad input; 1 something failed, and the last line says what.");
   try {
     app.parse(argc, argv);
@@ -75,8 +91,11 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   } catch (const CLI::ParseError& error) {
     throw BadInput(std::string(error.what()) + " (see cloth_study --help)");
   }
-  if (options.out.empty() == options.references.empty()) {
-    throw BadInput("expected either --out DIR or --make-references DIR (see cloth_study --help)");
+  const int asked = !options.out.empty() + !options.references.empty() + !options.advise.empty();
+  if (asked != 1) {
+    throw BadInput(
+        "expected one of --out DIR, --advise SCENE and --make-references DIR (see cloth_study "
+        "--help)");
   }
   return std::nullopt;
 }
@@ -98,6 +117,14 @@ class Progress final : public StudyProgress {
       std::fprintf(stderr, "%3d %%  %.0f s  %s\n", 100 * done / total, now, next.c_str());
     }
     std::fflush(stderr);
+  }
+
+  /// Of something that nobody knows the length of.
+  void mention(int done, const std::string& next) {
+    if (terminal_) std::fprintf(stderr, "\r%d  %.0f s  %s\033[K", done, wallTime(), next.c_str());
+  }
+  void clear() const {
+    if (terminal_) std::fputs("\r\033[K", stderr);
   }
 
   void remark(const std::string& text) override {
@@ -169,9 +196,34 @@ int makeReferences(const std::string& folder) {
   return kDone;
 }
 
+StudyScene loadForAdvice(const Options& options) {
+  try {
+    return studyOf(loadScene(resolveScene(options.advise)), options.duration);
+  } catch (const std::invalid_argument& error) {
+    throw BadInput(options.advise + ": " + error.what());
+  }
+}
+
+int adviseOn(const Options& options) {
+  StudyScene study = loadForAdvice(options);
+  int done = 0;
+  Progress progress;
+  const Announce announce = [&](const std::string& next) { progress.mention(++done, next); };
+  const Advice advice = advise(study, options.error, announce);
+  progress.clear();
+  writeAdvice(std::cout, study, advice);
+  if (advice.reference.ownError > options.error) {
+    progress.remark("the run that all are compared with is itself no better than " +
+                    std::to_string(advice.reference.ownError) +
+                    ": this scene is not predictable to the error that was asked for");
+  }
+  return advice.best ? kDone : kFailed;
+}
+
 int run(const Options& options) {
   const ThreadLimit oneThread(1);
   if (!options.references.empty()) return makeReferences(options.references);
+  if (!options.advise.empty()) return adviseOn(options);
   makeFolder(options.out);
   const std::set<std::string> parts(options.parts.begin(), options.parts.end());
   StudyOptions study;

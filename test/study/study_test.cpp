@@ -47,7 +47,7 @@ TEST(StudyScenes, TheShippedOnesLoadAndFallIntoTheirKinds) {
   EXPECT_FALSE(scenes.at("drape_sphere").isSmooth());
   EXPECT_FALSE(scenes.at("table_edge").isSmooth());
   EXPECT_FALSE(scenes.at("seam_tear").isSmooth());
-  EXPECT_TRUE(scenes.at("seam_tear").isTearing());
+  EXPECT_TRUE(scenes.at("seam_tear").tearing);
 }
 
 TEST(StudyScenes, KeptReferencesAreThoseOfTheScenes) {
@@ -138,7 +138,7 @@ TEST(WorkPrecision, EveryMethodHasEveryRowWhateverItMayCost) {
 
 TEST(VibratingSystems, HaveTheFrequenciesOfTheirModels) {
   // Two masses on a spring: omega^2 = k (1/m0 + 1/m1).
-  EXPECT_NEAR(makeOscillator().omega, std::sqrt(50.0 * (1.0 / 0.02 + 1.0 / 0.03)), 1e-9);
+  EXPECT_NEAR(makeOscillator().omega, std::sqrt(5e5 * (1.0 / 0.02 + 1.0 / 0.03)), 1e-6);
 }
 
 class StabilityLimits : public testing::TestWithParam<std::string> {};

@@ -58,8 +58,10 @@ struct RunResult {
   }
 };
 
-/// Runs the scene to its duration, or until it fails, or until it is in two pieces if that is what
-/// it is about. At one thread only if the caller sets a ThreadLimit.
+/// Runs the scene as it is to its duration, or until it fails, or until it is in two pieces if that
+/// is what it is about. At one thread only if the caller sets a ThreadLimit.
+RunResult runScene(const StudyScene& study);
+/// The same with a configuration in place of the scene's own.
 RunResult runScene(const StudyScene& study, const Configuration& configuration);
 
 /// Root of the mean square distance over particles and times, over `side`. Infinity if the

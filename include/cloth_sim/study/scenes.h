@@ -17,14 +17,14 @@ struct StudyScene {
   /// When positions are compared [s], ascending, multiples of the scene's step. The last is
   /// `duration`.
   std::vector<double> samples;
+  /// It is about when the cloth falls apart, not about where it is.
+  bool tearing = false;
 
   /// Side that errors are relative to: the longer one of the cloth [m].
   double side() const { return std::max(scene.cloth.width, scene.cloth.height); }
   /// Whether springs, dashpots, drag and gravity are all that acts, on pins that rest: a system of
   /// smooth equations that a general integrator can solve.
   bool isSmooth() const;
-  /// Whether it is about when the cloth falls apart, not about where it is.
-  bool isTearing() const { return scene.tearing.enabled; }
 };
 
 /// The names of the study's own scenes, in the order of the charts.

@@ -16,9 +16,7 @@ struct VibratingSystem {
   double stiffness = 0.0;  ///< of its springs, or of its fabric along warp [N/m]
   double omega = 0.0;      ///< largest angular frequency of small vibrations [rad/s]
   Model model;
-  State start;              ///< displaced along the mode
-  std::vector<Vec3> rest;   ///< [m]
-  std::vector<Vec3> probe;  ///< amplitude = sum of probe . (x - rest)
+  State start;  ///< displaced along the mode
 };
 
 /// Two masses on a spring.
@@ -26,7 +24,7 @@ VibratingSystem makeOscillator();
 /// A small flat cloth, free, in the plane; its mode by dense eigenvalues of the stiffness.
 VibratingSystem makeVibratingCloth();
 
-/// Whether the amplitude of a method stays bounded with substeps of `h` [s].
+/// Whether the energy in the springs stays bounded with substeps of `h` [s].
 bool staysBounded(const SolverInfo& method, const VibratingSystem& system, double h);
 
 struct StabilityLimit {
