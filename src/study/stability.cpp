@@ -11,7 +11,7 @@ namespace cloth_sim {
 namespace {
 
 constexpr BisectionRange kRange{0.02, 1000.0, 0.005};  ///< in omega h
-constexpr double kDisplacement = 0.01;  ///< largest at the start, over the length of a spring
+constexpr double kDisplacement = 0.001;  ///< largest at the start, over the length of a spring
 /// Steps of a probe, and how many of them at the start and at the end are compared. Forward Euler
 /// grows by a factor of exp(0.02^2 / 2 * 3000) = 1.8 at the lower end.
 constexpr int kSteps = 4000;

@@ -108,9 +108,9 @@ Ladder quickLadder() {
   ladder.substeps = {1, 2, 5, 10, 20, 40, 80, 160, 320};
   ladder.iterations = {1.0};
   ladder.repetitions = 2;
-  ladder.repeatBelow = 0.1;
-  ladder.mostPerRun = 0.4;
-  ladder.mostPerMethod = 1.2;
+  ladder.repeatBelow = 0.05;
+  ladder.mostPerRun = 0.8;
+  ladder.mostPerMethod = 1.6;
   return ladder;
 }
 
