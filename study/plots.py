@@ -107,11 +107,12 @@ def draw_front(axes, front):
 
 def label_front(axes, front):
     """How many substeps a second of simulated time the ends of the front take."""
-    for row in front[:1] + front[-1:]:
-        rate = float(row['substeps']) / float(row['dt'])
+    for row, offset, side in list(zip([front[:1], front[-1:]], [(8, 7), (-9, -11)],
+                                      ['left', 'right']))[:len(front)]:
+        rate = float(row[0]['substeps']) / float(row[0]['dt'])
         text = f'{rate:,.0f} substeps/s'.replace(',', '\u2009')
-        axes.annotate(text, (float(row['cpu_s_per_sim_s']), float(row['error'])), fontsize=8,
-                      color=GREY, xytext=(8, 7), textcoords='offset points')
+        axes.annotate(text, (float(row[0]['cpu_s_per_sim_s']), float(row[0]['error'])), fontsize=8,
+                      color=GREY, xytext=offset, textcoords='offset points', ha=side)
 
 
 def draw_failures(axes, rows, styles):
@@ -174,7 +175,11 @@ def work_precision_chart(folder, scene, rows, front, styles, reference):
     note = f'Filled: steps of {1e3 * steps[0]:.3g} ms'
     if len(steps) > 1:
         note += ', open: ' + ', '.join(f'{1e3 * step:.3g} ms' for step in steps[1:])
-    chart.text(0.0, -0.145, note + '; points along a line: substeps.', fontsize=8, color=GREY,
+    note += '; points along a line: substeps.'
+    skipped = sum(row['status'] == 'skipped' for row in rows)
+    if skipped:
+        note += f' {skipped} runs were too expensive (skipped.txt).'
+    chart.text(0.0, -0.145, note, fontsize=8, color=GREY,
                transform=chart.transAxes)
     figure.suptitle(TITLES.get(scene, scene) + f'  ({scene})', x=0.125, ha='left',
                     fontweight='bold', fontsize=12, y=0.965 if margin is not None else 0.95)

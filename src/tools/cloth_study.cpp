@@ -237,6 +237,7 @@ int run(const Options& options) {
   Progress progress;
   runStudy(study, progress);
   if (options.charts) drawCharts(options.out);
+  std::cout << (options.charts ? "tables and charts: " : "tables: ") << options.out << std::endl;
   return kDone;
 }
 
