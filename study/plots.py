@@ -107,7 +107,7 @@ def draw_front(axes, front):
 
 def label_front(axes, front):
     """How many substeps a second of simulated time the ends of the front take."""
-    for row, offset, side in list(zip([front[:1], front[-1:]], [(8, 7), (-9, -11)],
+    for row, offset, side in list(zip([front[:1], front[-1:]], [(8, 7), (-9, -3)],
                                       ['left', 'right']))[:len(front)]:
         rate = float(row[0]['substeps']) / float(row[0]['dt'])
         text = f'{rate:,.0f} substeps/s'.replace(',', '\u2009')

@@ -10,8 +10,14 @@ import unittest
 
 import rosunit
 
-CLOTH_STUDY = subprocess.check_output(
-    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_study'], text=True).strip()
+
+def find_program(name):
+    return subprocess.check_output(
+        ['catkin_find', '--first-only', '--libexec', 'cloth_sim', name], text=True).strip()
+
+
+CLOTH_STUDY = find_program('cloth_study')
+CLOTH_RUN = find_program('cloth_run')
 SCENE = 'hang_swing'
 WORK_PRECISION = 'scene,solver,dt,substeps,iterations,cpu_s_per_sim_s,error,max_strain,status'
 STABILITY = 'solver,omega_dt,stiffness,dt,outcome,predicted_limit'
@@ -37,9 +43,7 @@ def registered_methods():
         scene = os.path.join(folder, 'scene.yaml')
         with open(scene, 'w') as file:
             file.write('cloth: {particles: [3, 3]}\nsolver: {method: no_such_method}\n')
-        run = subprocess.check_output(
-            ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True)
-        message = subprocess.run([run.strip(), scene], capture_output=True, text=True).stderr
+        message = subprocess.run([CLOTH_RUN, scene], capture_output=True, text=True).stderr
     names = re.search(r'expected one of ([a-z0-9_, ]+)', message)
     assert names, message
     return {name.strip() for name in names.group(1).split(',')}
@@ -157,6 +161,26 @@ class ClothStudyTest(unittest.TestCase):
             for method in self.methods:
                 self.assertIn(method, drawing, name)
 
+    def test_advice_is_a_block_that_a_scene_can_have(self):
+        # A soft cloth swings: a hundred steps of any method resolve it well.
+        cloth = ('cloth:\n  size: [0.2, 0.2]\n  particles: [6, 6]\n  pose: {rpy: [0.7, 0, 0]}\n'
+                 '  fabric: {preset: interlock}\n  pins: [last_row]\n')
+        scene = self.path('advised.yaml')
+        with open(scene, 'w') as file:
+            file.write(cloth + 'solver: {method: xpbd, substeps: 200}\n')
+        result = run_study('--advise', scene, '--error', '0.02', '--duration', '0.2')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for method in self.methods:
+            self.assertIn(method, result.stdout)
+        self.assertIn("The scene's own (xpbd): error", result.stdout)
+        verdict, block = re.search(r'Cheapest [^:]*: error ([0-9.e-]+).*?(^solver:.*)',
+                                   result.stdout, re.DOTALL | re.MULTILINE).groups()
+        self.assertLessEqual(float(verdict), 0.02)
+        with open(scene, 'w') as file:
+            file.write(cloth + block)
+        run = subprocess.run([CLOTH_RUN, scene, '--duration', '0.2'], capture_output=True, text=True)
+        self.assertEqual(run.returncode, 0, run.stderr)
+
     def test_help_says_what_it_does(self):
         result = run_study('--help')
         self.assertEqual(result.returncode, 0)
@@ -169,6 +193,8 @@ class ClothStudyTest(unittest.TestCase):
         self.refused('--out', self.path('x'), '--scenes', 'no_such', says=['no_such', SCENE])
         self.refused('--out', self.path('x'), '--parts', 'no_such', says=['no_such'])
         self.refused('--out', self.path('x'), '--no-such-option', says=['--help'])
+        self.refused('--advise', 'no_such_scene', says=['no_such_scene'])
+        self.refused('--advise', 'hang', '--out', self.path('x'), says=['--advise'])
 
 
 if __name__ == '__main__':
