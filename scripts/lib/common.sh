@@ -61,6 +61,7 @@ packages_for() {
       debian/build)
         echo g++ make cmake catkin python3 \
           libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcli11-dev \
+          libsundials-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
@@ -74,7 +75,7 @@ packages_for() {
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev librostest-dev python3-rostest \
-          python3-rosunit
+          python3-rosunit python3-matplotlib
         ;;
       debian/bench) echo libbenchmark-dev ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
@@ -95,7 +96,7 @@ packages_for() {
           ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
-        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit
+        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib
         ;;
       noetic/bench) echo libbenchmark-dev ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;

@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+"""Draws the charts of cloth_study from its tables; needs matplotlib, no display.
+
+usage: plots.py DIR
+
+For every scene in DIR/work_precision.csv: DIR/work_precision_<scene>.svg and .png, error against CPU
+time per simulated second. Runs that failed stand in the strip above the chart, at what they cost.
+From DIR/stability_limits.csv: DIR/stability.svg and .png, from DIR/resolution.csv: DIR/resolution.svg
+and .png. Tables that are not there are left out.
+"""
+import csv
+import math
+import os
+import sys
+
+try:
+    import matplotlib
+    matplotlib.use('Agg')
+    import matplotlib.pyplot as plt
+except ImportError:
+    sys.exit('error: the charts need matplotlib (Debian: python3-matplotlib)')
+
+# Okabe & Ito (2008): told apart with any colour vision, and by lightness in print. Yellow is left
+# out: it is too light on paper.
+COLOURS = ['#0072B2', '#D55E00', '#009E73', '#CC79A7', '#000000', '#56B4E9', '#E69F00', '#7F5FA8',
+           '#8C564B', '#6B6B6B']
+MARKERS = ['o', 's', '^', 'D', 'v', 'P', 'X', '<', '>', 'p']
+FAILED = {'diverged': 'diverged', 'wrong': 'error above 1', 'refused': 'refused'}
+GREY = '#555555'
+TITLES = {
+    'hang_swing': 'A hanging cloth swings',
+    'in_plane_wave': 'Waves in the plane of a cloth',
+    'drape_sphere': 'A cloth drapes over a sphere',
+    'table_edge': 'A cloth hangs over the edge of a table',
+    'seam_tear': 'A cloth is torn along a seam',
+}
+
+plt.rcParams.update({
+    'font.size': 10, 'axes.titlesize': 12, 'axes.titleweight': 'bold', 'axes.titlelocation': 'left',
+    'axes.spines.top': False, 'axes.spines.right': False, 'axes.grid': True, 'grid.alpha': 0.25,
+    'grid.linewidth': 0.6, 'lines.linewidth': 1.4, 'legend.frameon': False, 'svg.fonttype': 'none',
+    'svg.hashsalt': 'cloth_study', 'figure.dpi': 100, 'savefig.dpi': 160,
+})
+
+
+def read(folder, name):
+    """The rows of a table as dictionaries; none if there is no such table."""
+    path = os.path.join(folder, name)
+    if not os.path.exists(path):
+        return []
+    with open(path, newline='') as file:
+        return list(csv.DictReader(file))
+
+
+def unique(values):
+    return list(dict.fromkeys(values))
+
+
+class Styles:
+    """A colour and a marker for each method, the same on every chart."""
+
+    def __init__(self, methods):
+        self.order = sorted(methods)
+
+    def __call__(self, method):
+        k = self.order.index(method)
+        return {'color': COLOURS[k % len(COLOURS)], 'marker': MARKERS[k % len(MARKERS)]}
+
+
+def save(figure, folder, name):
+    figure.savefig(os.path.join(folder, name + '.svg'), bbox_inches='tight', metadata={'Date': None})
+    figure.savefig(os.path.join(folder, name + '.png'), bbox_inches='tight')
+    plt.close(figure)
+
+
+# ---- work and precision --------------------------------------------------------------------------
+
+def curves(rows):
+    """Rows of one method that belong on one line: the same step and iterations, by substeps."""
+    groups = {}
+    for row in rows:
+        groups.setdefault((row['dt'], row['iterations']), []).append(row)
+    for group in groups.values():
+        yield sorted(group, key=lambda row: float(row['cpu_s_per_sim_s']))
+
+
+def draw_method(axes, rows, style):
+    """The longest step filled and on a solid line; shorter ones open and dashed."""
+    longest = max(float(row['dt']) for row in rows)
+    default = min(unique(row['iterations'] for row in rows), key=int)
+    for curve in curves(rows):
+        main = float(curve[0]['dt']) == longest
+        axes.plot([float(row['cpu_s_per_sim_s']) for row in curve],
+                  [float(row['error']) for row in curve], **style,
+                  linestyle='-' if main else ':', linewidth=1.4 if main else 0.9,
+                  alpha=1.0 if curve[0]['iterations'] == default else 0.6, markersize=6,
+                  markerfacecolor=style['color'] if main else 'white', zorder=3)
+
+
+def draw_front(axes, front):
+    points = [(float(row['cpu_s_per_sim_s']), float(row['error'])) for row in front]
+    if points:
+        # A staircase: until the next better run is paid for, the one before is the best there is.
+        axes.plot(*zip(*points), color='#999999', linewidth=7, alpha=0.35, zorder=1,
+                  drawstyle='steps-post', solid_capstyle='round', solid_joinstyle='round')
+
+
+def label_front(axes, front):
+    """How many substeps a second of simulated time the ends of the front take."""
+    for row, offset, side in list(zip([front[:1], front[-1:]], [(8, 7), (-9, -3)],
+                                      ['left', 'right']))[:len(front)]:
+        rate = float(row[0]['substeps']) / float(row[0]['dt'])
+        text = f'{rate:,.0f} substeps/s'.replace(',', '\u2009')
+        axes.annotate(text, (float(row[0]['cpu_s_per_sim_s']), float(row[0]['error'])), fontsize=8,
+                      color=GREY, xytext=offset, textcoords='offset points', ha=side)
+
+
+def draw_failures(axes, rows, styles):
+    """One line of crosses for each method that failed."""
+    methods = unique(row['solver'] for row in rows)
+    axes.set_ylim(len(methods) - 0.4, -0.6)
+    axes.set_yticks(range(len(methods)))
+    axes.set_yticklabels(methods, fontsize=8)
+    for row in rows:
+        at = max(float(row['cpu_s_per_sim_s']), 1e-9) if row['status'] != 'refused' else None
+        if at is not None:
+            axes.plot(at, methods.index(row['solver']), linestyle='', markersize=6,
+                      marker='x' if row['status'] == 'diverged' else '+', markeredgewidth=1.6,
+                      color=styles(row['solver'])['color'])
+    axes.set_title('Failed runs: × diverged, + error above 1', fontsize=9, fontweight='normal',
+                   color=GREY)
+    axes.grid(axis='y', visible=False)
+    axes.tick_params(axis='y', length=0)
+    axes.tick_params(axis='x', which='both', labelbottom=False)
+    axes.spines['left'].set_visible(False)
+
+
+def scene_figure(with_failures, failed_methods):
+    if not with_failures:
+        figure, chart = plt.subplots(figsize=(8.0, 5.2))
+        return figure, chart, None
+    strip = 0.24 * failed_methods
+    figure, (margin, chart) = plt.subplots(
+        2, 1, sharex=True, figsize=(8.0, 5.4 + strip),
+        gridspec_kw={'height_ratios': [strip, 4.8], 'hspace': 0.06 + 0.02 * (failed_methods < 3)})
+    return figure, chart, margin
+
+
+def work_precision_chart(folder, scene, rows, front, styles, reference):
+    ok = [row for row in rows if row['status'] == 'ok' and float(row['error']) > 0.0]
+    failed = [row for row in rows if row['status'] in ('diverged', 'wrong')
+              and math.isfinite(float(row['cpu_s_per_sim_s']))]
+    figure, chart, margin = scene_figure(bool(failed), len(unique(r['solver'] for r in failed)))
+    for method in unique(row['solver'] for row in ok):
+        draw_method(chart, [row for row in ok if row['solver'] == method], styles(method))
+        chart.plot([], [], label=method, **styles(method))
+    draw_front(chart, front)
+    label_front(chart, front)
+    chart.plot([], [], color='#999999', linewidth=7, alpha=0.35, label='best (Pareto front)')
+    chart.set_xscale('log')
+    chart.set_yscale('log')
+    own = float(reference['own_error']) if reference else 0.0
+    errors = [float(row['error']) for row in ok]
+    if errors and own > 0.1 * min(errors):
+        chart.axhspan(own / 1e6, own, color='#999999', alpha=0.15, linewidth=0, zorder=0)
+        chart.set_ylim(bottom=min(0.5 * own, 0.5 * min(errors)))
+        chart.text(0.01, own, 'uncertainty of the reference', fontsize=8, color=GREY, va='top',
+                   transform=chart.get_yaxis_transform())
+    chart.set_xlabel('CPU time per simulated second, one thread [s/s]')
+    chart.set_ylabel('relative error of the time of separation' if scene == 'seam_tear'
+                     else 'error of positions / side of the cloth')
+    if errors:
+        chart.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=9)
+    steps = sorted({float(row['dt']) for row in rows}, reverse=True)
+    note = f'Filled: steps of {1e3 * steps[0]:.3g} ms'
+    if len(steps) > 1:
+        note += ', open: ' + ', '.join(f'{1e3 * step:.3g} ms' for step in steps[1:])
+    note += '; points along a line: substeps.'
+    skipped = sum(row['status'] == 'skipped' for row in rows)
+    if skipped:
+        note += f' {skipped} runs were too expensive (skipped.txt).'
+    chart.text(0.0, -0.145, note, fontsize=8, color=GREY,
+               transform=chart.transAxes)
+    figure.suptitle(TITLES.get(scene, scene) + f'  ({scene})', x=0.125, ha='left',
+                    fontweight='bold', fontsize=12, y=0.965 if margin is not None else 0.95)
+    if margin is not None:
+        draw_failures(margin, failed, styles)
+    save(figure, folder, 'work_precision_' + scene)
+
+
+# ---- stability -----------------------------------------------------------------------------------
+
+LEAST, MOST = 0.02, 1000.0  # ends of the bisection
+
+
+def stability_chart(folder, limits, styles):
+    methods = sorted(unique(row['solver'] for row in limits), reverse=True)
+    systems = unique(row['system'] for row in limits)
+    figure, axes = plt.subplots(figsize=(8.0, 1.4 + 0.52 * len(methods)))
+    for y, method in enumerate(methods):
+        colour = styles(method)['color']
+        for row in [row for row in limits if row['solver'] == method]:
+            k = systems.index(row['system'])
+            height = y + 0.17 - 0.34 * k
+            limit = float(row['measured_limit'])
+            end = MOST if math.isinf(limit) else max(limit, LEAST)
+            axes.barh(height, end - LEAST, left=LEAST, height=0.3, color=colour,
+                      alpha=0.9 if k == 0 else 0.45, linewidth=0)
+            text = {True: 'no limit found', False: f'{limit:.3g}'}[math.isinf(limit)]
+            if limit == 0.0:
+                text = 'unstable at every step'
+            inside = math.isinf(limit)
+            axes.text(end * (0.93 if inside else 1.07), height, f'{row["system"]}: {text}',
+                      va='center', ha='right' if inside else 'left', fontsize=8,
+                      color='white' if inside and k == 0 else 'black')
+        predicted = float(limits[[r['solver'] for r in limits].index(method)]['predicted_limit'])
+        if math.isfinite(predicted) and predicted > 0.0:
+            axes.plot([predicted] * 2, [y - 0.42, y + 0.42], color='black', linewidth=1.6)
+    axes.plot([], [], color='black', linewidth=1.6, label='limit that theory gives')
+    axes.set_xscale('log')
+    axes.set_xlim(LEAST, MOST)
+    axes.set_yticks(range(len(methods)))
+    axes.set_yticklabels(methods)
+    axes.grid(axis='y', visible=False)
+    axes.tick_params(axis='y', length=0)
+    axes.set_xlabel('largest stable ω h  (frequency of the fastest mode times the substep)')
+    axes.set_title('Limits of stability, measured without damping')
+    axes.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=9)
+    save(figure, folder, 'stability')
+
+
+# ---- resolution ----------------------------------------------------------------------------------
+
+QUANTITIES = {'sag': 'sag under its own weight', 'drape_radius': 'radius draped over a sphere',
+              'swing_period': 'period of swinging'}
+
+
+def resolution_chart(folder, rows):
+    figure, axes = plt.subplots(figsize=(6.4, 4.2))
+    for k, quantity in enumerate(unique(row['quantity'] for row in rows)):
+        of = [row for row in rows if row['quantity'] == quantity]
+        finest = of[-1]
+        axes.plot([int(row['particles']) for row in of],
+                  [100.0 * float(row['difference_from_finest']) for row in of],
+                  color=COLOURS[k], marker=MARKERS[k],
+                  label=f'{QUANTITIES.get(quantity, quantity)}\n'
+                        f'(finest: {float(finest["value"]):.4g} {finest["unit"]})')
+    sizes = unique(int(row['particles']) for row in rows)
+    axes.set_xscale('log', base=2)
+    axes.set_xticks(sizes)
+    axes.set_xticklabels(sizes)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.set_xlabel('particles a side')
+    axes.set_ylabel('difference from the finest [%]')
+    axes.set_title('What depends on the resolution')
+    axes.legend(loc='center left', bbox_to_anchor=(1.01, 0.5), fontsize=9)
+    save(figure, folder, 'resolution')
+
+
+def main(folder):
+    rows = read(folder, 'work_precision.csv')
+    front = read(folder, 'pareto.csv')
+    limits = read(folder, 'stability_limits.csv')
+    references = {row['scene']: row for row in read(folder, 'references.csv')}
+    styles = Styles(unique(row['solver'] for row in rows + limits))
+    for scene in unique(row['scene'] for row in rows):
+        work_precision_chart(folder, scene, [row for row in rows if row['scene'] == scene],
+                             [row for row in front if row['scene'] == scene], styles,
+                             references.get(scene))
+    if limits:
+        stability_chart(folder, limits, styles)
+    resolution = read(folder, 'resolution.csv')
+    if resolution:
+        resolution_chart(folder, resolution)
+
+
+if __name__ == '__main__':
+    if len(sys.argv) != 2 or sys.argv[1] in ('-h', '--help'):
+        print(__doc__)
+        sys.exit(0 if len(sys.argv) == 2 else 2)
+    if not os.path.isdir(sys.argv[1]):
+        sys.exit(f'error: {sys.argv[1]} is no folder')
+    main(sys.argv[1])
