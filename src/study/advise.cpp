@@ -78,6 +78,21 @@ void writeFigures(std::ostream& out, const RunResult& run, double error) {
   }
 }
 
+/// Of the substeps with which a method diverges only the most are of interest.
+bool isFollowedByDivergence(const std::vector<WorkPrecisionRow>& rows, std::size_t k) {
+  return k + 1 < rows.size() && rows[k].run.outcome == Outcome::kDiverged &&
+         rows[k + 1].run.outcome == Outcome::kDiverged &&
+         rows[k + 1].configuration.method == rows[k].configuration.method;
+}
+
+void writeTrial(std::ostream& out, const WorkPrecisionRow& row) {
+  const bool diverged = row.run.outcome == Outcome::kDiverged;
+  out << "  " << std::left << std::setw(18) << row.configuration.method->name << std::right
+      << (diverged ? " up to " : "       ") << std::setw(4) << row.configuration.substeps
+      << " substeps: ";
+  writeFigures(out, row.run, row.error);
+}
+
 void writeBlock(std::ostream& out, const Scene& scene) {
   out << "solver:\n  method: " << scene.solver.method << "\n  dt: " << std::setprecision(17)
       << scene.solver.dt << '\n';
@@ -107,10 +122,8 @@ Advice advise(StudyScene study, double bound, const Announce& announce) {
 void writeAdvice(std::ostream& out, const StudyScene& study, const Advice& advice) {
   out << study.name << ", " << study.duration << " s, against " << advice.reference.source
       << " (own error " << std::setprecision(2) << advice.reference.ownError << ")\n";
-  for (const WorkPrecisionRow& row : advice.tried) {
-    out << "  " << std::left << std::setw(18) << row.configuration.method->name << std::right
-        << std::setw(5) << row.configuration.substeps << " substeps: ";
-    writeFigures(out, row.run, row.error);
+  for (std::size_t k = 0; k < advice.tried.size(); ++k) {
+    if (!isFollowedByDivergence(advice.tried, k)) writeTrial(out, advice.tried[k]);
   }
   out << "The scene's own (" << study.scene.solver.method << "): ";
   writeFigures(out, advice.own, advice.ownError);
