@@ -24,14 +24,18 @@ class Adviser {
 
   void climb(const SolverInfo& method) {
     double spent = 0.0;
+    bool within = false;  // the run before
     for (int substeps = 1; substeps <= kMostSubsteps; substeps *= 2) {
       const WorkPrecisionRow row = attempt(method, substeps);
       advice_.tried.push_back(row);
-      if (row.run.outcome == Outcome::kRefused || row.error <= advice_.bound) return;
+      if (row.run.outcome == Outcome::kRefused) return;
+      const bool withinNow = row.error <= advice_.bound;
+      if (within && withinNow) return accept(advice_.tried.size() - 2);
+      within = withinNow;
       spent += row.run.cpuTime;
       const bool failed = row.run.outcome == Outcome::kDiverged;
-      const double next = 2.0 * (failed ? 0.0 : row.run.cpuPerSimulatedSecond());
-      if (next > cheapest_ || (failed && spent > kMostForFailures)) return;
+      const double cost = failed ? 0.0 : row.run.cpuPerSimulatedSecond();
+      if ((within ? cost : 2.0 * cost) > cheapest() || (failed && spent > kMostForFailures)) return;
     }
   }
 
@@ -46,27 +50,22 @@ class Adviser {
     WorkPrecisionRow row{study_.name, configuration, runScene(study_, configuration), 0.0,
                          study_.tearing};
     row.error = errorAgainst(advice_.reference, study_, row.run);
-    if (row.error <= advice_.bound) {
-      cheapest_ = std::min(cheapest_, row.run.cpuPerSimulatedSecond());
-    }
     return row;
+  }
+
+  double cheapest() const {  ///< of those accepted [s/s]
+    return advice_.best ? advice_.tried[*advice_.best].run.cpuPerSimulatedSecond()
+                        : std::numeric_limits<double>::infinity();
+  }
+
+  void accept(std::size_t k) {
+    if (advice_.tried[k].run.cpuPerSimulatedSecond() < cheapest()) advice_.best = k;
   }
 
   const StudyScene& study_;
   Advice& advice_;
   const Announce& announce_;
-  double cheapest_ = std::numeric_limits<double>::infinity();  ///< within the bound [s/s]
 };
-
-std::optional<std::size_t> cheapestWithin(double bound, const std::vector<WorkPrecisionRow>& rows) {
-  std::optional<std::size_t> best;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (!(rows[k].error <= bound)) continue;
-    const double cost = rows[k].run.cpuPerSimulatedSecond();
-    if (!best || cost < rows[*best].run.cpuPerSimulatedSecond()) best = k;
-  }
-  return best;
-}
 
 void writeFigures(std::ostream& out, const RunResult& run, double error) {
   out << std::setprecision(3);
@@ -76,6 +75,21 @@ void writeFigures(std::ostream& out, const RunResult& run, double error) {
     out << "error " << error << ", " << run.cpuPerSimulatedSecond()
         << " s of CPU per simulated second\n";
   }
+}
+
+/// Of the substeps with which a method diverges only the most are of interest.
+bool isFollowedByDivergence(const std::vector<WorkPrecisionRow>& rows, std::size_t k) {
+  return k + 1 < rows.size() && rows[k].run.outcome == Outcome::kDiverged &&
+         rows[k + 1].run.outcome == Outcome::kDiverged &&
+         rows[k + 1].configuration.method == rows[k].configuration.method;
+}
+
+void writeTrial(std::ostream& out, const WorkPrecisionRow& row) {
+  const bool diverged = row.run.outcome == Outcome::kDiverged;
+  out << "  " << std::left << std::setw(18) << row.configuration.method->name << std::right
+      << (diverged ? " up to " : "       ") << std::setw(4) << row.configuration.substeps
+      << " substeps: ";
+  writeFigures(out, row.run, row.error);
 }
 
 void writeBlock(std::ostream& out, const Scene& scene) {
@@ -100,22 +114,21 @@ Advice advise(StudyScene study, double bound, const Announce& announce) {
   advice.ownError = errorAgainst(advice.reference, study, advice.own);
   Adviser adviser(study, advice, announce);
   for (const SolverInfo& method : solverRegistry()) adviser.climb(method);
-  advice.best = cheapestWithin(bound, advice.tried);
   return advice;
 }
 
 void writeAdvice(std::ostream& out, const StudyScene& study, const Advice& advice) {
   out << study.name << ", " << study.duration << " s, against " << advice.reference.source
       << " (own error " << std::setprecision(2) << advice.reference.ownError << ")\n";
-  for (const WorkPrecisionRow& row : advice.tried) {
-    out << "  " << std::left << std::setw(18) << row.configuration.method->name << std::right
-        << std::setw(5) << row.configuration.substeps << " substeps: ";
-    writeFigures(out, row.run, row.error);
+  for (std::size_t k = 0; k < advice.tried.size(); ++k) {
+    if (!isFollowedByDivergence(advice.tried, k)) writeTrial(out, advice.tried[k]);
   }
   out << "The scene's own (" << study.scene.solver.method << "): ";
   writeFigures(out, advice.own, advice.ownError);
   if (!advice.best) {
-    out << "None of them has an error of at most " << advice.bound << ".\n";
+    out << "None of them has an error of at most " << advice.bound
+        << " and keeps it with more substeps. Where errors stop\n"
+           "falling with more substeps, only a shorter dt helps.\n";
     return;
   }
   const WorkPrecisionRow& best = advice.tried[*advice.best];

@@ -14,11 +14,12 @@ struct Advice {
   RunResult own;          ///< with the scene's own configuration
   double ownError = 0.0;  ///< of that; NaN if there is none
   std::vector<WorkPrecisionRow> tried;
-  std::optional<std::size_t> best;  ///< of `tried`: the cheapest with an error within the bound
+  std::optional<std::size_t> best;  ///< of `tried`: the cheapest that keeps the bound
 };
 
 /// Tries every registered method with its default options and 1, 2, 4 ... substeps: each until its
-/// error is within the bound, or it costs more than the cheapest that is. Errors are against a
+/// error is within the bound and stays there with twice the substeps (once may be an accident), or
+/// it costs more than the cheapest that does so. Errors are against a
 /// converged run (see `convergeReference`): of the time of separation if the scene as it is comes
 /// apart within its duration, else of positions.
 /// \throws std::runtime_error if no converged run comes through.
