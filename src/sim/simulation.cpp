@@ -12,6 +12,8 @@ namespace {
 /// How far a particle may be pulled in one step beyond its own speed times dt and still be among
 /// the contact candidates, at least [m].
 constexpr double kContactReach = 0.05;
+/// No cloth goes faster than this [m/s].
+constexpr double kFastest = 1e4;
 /// Shortest edge that surgery makes, if the scene says nothing: this part of the original ones.
 constexpr double kMinEdgePart = 0.05;
 /// Strides that the tip of a tear takes in a step at most.
@@ -22,6 +24,12 @@ double contactReach(const State& state, double dt) {
   double fastest = 0.0;
   for (const Vec3& v : state.v) fastest = std::max(fastest, v.squaredNorm());
   return std::max(kContactReach, std::sqrt(fastest) * dt);
+}
+
+/// A method that diverges is noticed long before its numbers overflow.
+bool isPlausible(const State& state) {
+  return std::all_of(state.v.begin(), state.v.end(),
+                     [](const Vec3& v) { return v.squaredNorm() <= kFastest * kFastest; });
 }
 
 std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
@@ -172,7 +180,7 @@ void Simulation::detectContacts(double dt) {
 void Simulation::solve(const StepLength& length) {
   lastGood_ = state_;
   report_ = solver_->step(model_, state_, controls_, contacts_, length);
-  if (report_.status == StepStatus::kOk) return;
+  if (report_.status == StepStatus::kOk && isPlausible(state_)) return;
   state_ = lastGood_;
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");

@@ -23,6 +23,7 @@ class ExplicitEuler final : public ForceSolver {
     kick(now);
     placeKinematic(now.fraction);
     enforceContacts(now);
+    enforceContactVelocities(now);
   }
 };
 

@@ -36,6 +36,7 @@ class TrBdf2 final : public ImplicitSolver {
     solveStage(now, tau, now.fraction, fromX_, fromV_);
     addForcesToReactions(kTau * now.h);
     enforceContacts(now);
+    enforceContactVelocities(now);
   }
 
   /// Half of the trapezoidal rule that the start of the substep decides.
