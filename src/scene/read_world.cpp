@@ -152,6 +152,11 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
   for (const SolverParameter& parameter : info.parameters) allowed.push_back(parameter.name);
   node.expectKeys(allowed);
   node.read("dt", solver.dt, kTimeStep);
+  if (const auto guard = node.find("step_guard")) {
+    solver.guard = guard->choice<StepGuard>({{"allow", StepGuard::kAllow},
+                                             {"subdivide", StepGuard::kSubdivide},
+                                             {"refuse", StepGuard::kRefuse}});
+  }
   for (const SolverParameter& parameter : info.parameters) {
     readParameter(node, parameter, solver.parameters);
   }

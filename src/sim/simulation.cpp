@@ -38,7 +38,8 @@ std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
 
 std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model) {
   const SolverInfo& info = findSolver(spec.method);
-  return info.create(model, completeParameters(info, spec.parameters));
+  const SolverParameters complete = completeParameters(info, spec.parameters);
+  return info.create(model, guardStep(spec.guard, info, model, spec.dt, complete));
 }
 
 SurgeryLimits limitsFor(const SurgerySettings& settings, const TriangleMesh& mesh) {

@@ -7,6 +7,7 @@
 #include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/solver/registry.h"
+#include "cloth_sim/solver/step_guard.h"
 #include "cloth_sim/surgery/settings.h"
 #include "cloth_sim/surgery/stroke.h"
 #include "cloth_sim/surgery/tearing.h"
@@ -42,7 +43,8 @@ struct ClothSpec {
 
 struct SolverSpec {
   std::string method = "xpbd";
-  double dt = 1.0 / 60.0;       ///< of one simulation step [s]
+  double dt = 1.0 / 60.0;  ///< of one simulation step [s]
+  StepGuard guard = StepGuard::kAllow;
   SolverParameters parameters;  ///< complete
 };
 

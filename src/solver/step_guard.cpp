@@ -1,0 +1,43 @@
+#include "cloth_sim/solver/step_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "cloth_sim/cloth/stable_step.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Limit of stability of the method that `stableStep` is about.
+constexpr double kLimitOfStableStep = 2.0;
+/// What rounding adds to the ratio is not worth a substep.
+constexpr double kRounding = 1e-9;
+
+}  // namespace
+
+int stableSubsteps(const SolverInfo& info, const Model& model, double dt) {
+  if (std::isinf(info.stabilityLimit)) return 1;
+  if (info.stabilityLimit <= 0.0) {
+    throw std::invalid_argument(info.name + " is stable at no step where anything is undamped");
+  }
+  const double longest = info.stabilityLimit / kLimitOfStableStep * stableStep(model);
+  return std::max(1, static_cast<int>(std::ceil(dt / longest - kRounding)));
+}
+
+SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const Model& model, double dt,
+                           SolverParameters parameters) {
+  if (guard == StepGuard::kAllow) return parameters;
+  const int needed = stableSubsteps(info, model, dt);
+  double& substeps = parameters.at("substeps");
+  if (substeps >= needed) return parameters;
+  if (guard == StepGuard::kRefuse) {
+    throw std::invalid_argument("solver.substeps: " + info.name + " is surely stable with " +
+                                std::to_string(needed) + " or more (got " +
+                                std::to_string(static_cast<int>(substeps)) + ")");
+  }
+  substeps = needed;
+  return parameters;
+}
+
+}  // namespace cloth_sim
