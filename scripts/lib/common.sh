@@ -61,7 +61,6 @@ packages_for() {
       debian/build)
         echo g++ make cmake catkin python3 \
           libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcli11-dev \
-          libsundials-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
@@ -74,8 +73,8 @@ packages_for() {
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs
         ;;
       debian/test)
-        echo libgtest-dev libgmock-dev librapidcheck-dev librostest-dev python3-rostest \
-          python3-rosunit python3-matplotlib
+        echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
+          python3-rostest python3-rosunit python3-matplotlib
         ;;
       debian/bench) echo libbenchmark-dev ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
