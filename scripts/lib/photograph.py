@@ -11,7 +11,7 @@ import time
 import rospy
 
 from cloth_sim.msg import ClothState
-from cloth_sim.srv import Pause
+from cloth_sim.srv import GetState, Pause
 
 DEADLINE = 600.0  # for the whole run [s]
 
@@ -60,6 +60,10 @@ def main():
     watcher = Watcher()
     rospy.wait_for_service('/cloth/pause', timeout=60)
     pause = rospy.ServiceProxy('/cloth/pause', Pause)
+    phases = rospy.ServiceProxy('/cloth/get_state', GetState)().phases
+    for moment in args.moments:
+        if moment.partition('+')[0] not in phases:
+            sys.exit(f"error: no phase '{moment.partition('+')[0]}' (there are: {', '.join(phases)})")
     wait(window_shown, deadline, 'rviz')
     time.sleep(3.0)  # until its window is drawn
     pause(False)
