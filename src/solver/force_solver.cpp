@@ -5,6 +5,7 @@
 
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/solver/vector_clones.h"
+#include "packed_ops.h"
 #include "spring_forces.h"
 
 namespace cloth_sim {
@@ -18,11 +19,6 @@ void kickAxis(std::size_t count, double h, double g, const double* force, const 
     const double fall = inverseMass[k] > 0.0 ? h * g : 0.0;
     v[k] += h * force[k] * inverseMass[k] + fall;
   }
-}
-
-CLOTH_SIM_VECTOR_CLONES
-void driftAxis(std::size_t count, double h, const double* v, double* x) {
-  for (std::size_t k = 0; k < count; ++k) x[k] += h * v[k];
 }
 
 /// a = f / m + (g - drag v) [m > 0] along one axis.
@@ -48,9 +44,7 @@ int ForceSolver::substepsFor(const Model& model, int configured) {
 }
 
 void ForceSolver::evaluateForces(const Substep& now) {
-  for (std::vector<double>* axis : {&force_.x, &force_.y, &force_.z}) {
-    std::fill(axis->begin(), axis->end(), 0.0);
-  }
+  setZero(particles_.mass.size(), force_);
   addSpringForces(schedule_, particles_.x, particles_.v, force_);
   if (now.controls.wind) addWind(now.model, *now.controls.wind);
 }
@@ -78,12 +72,7 @@ void ForceSolver::evaluateAccelerations(const Controls& controls, PackedVectors&
   axis(controls.gravity.z(), force_.z, particles_.v.z, out.z);
 }
 
-void ForceSolver::drift(double h) {
-  const auto n = static_cast<std::size_t>(particles_.slots);
-  driftAxis(n, h, particles_.v.x.data(), particles_.x.x.data());
-  driftAxis(n, h, particles_.v.y.data(), particles_.x.y.data());
-  driftAxis(n, h, particles_.v.z.data(), particles_.x.z.data());
-}
+void ForceSolver::drift(double h) { addScaled(h, particles_.v, particles_.x); }
 
 void ForceSolver::damp(const Controls& controls, double h) {
   if (controls.drag == 0.0) return;

@@ -27,7 +27,7 @@ class Pbd final : public PackedSolver {
     predict(now);
     placeKinematic(now.fraction);
     for (int pass = 0; pass < passes_; ++pass) {
-      visitSprings([&](std::int32_t p) { relax(p, now.h); });
+      schedule_.sweep([&](std::int32_t p) { relax(p, now.h); });
     }
     now.contacts.project(particles_.view(), now.time, now.h);
     setSum(particles_.x, -1.0, particles_.start, particles_.v);
@@ -36,7 +36,7 @@ class Pbd final : public PackedSolver {
           for (double& v : axis) v /= now.h;
         },
         particles_.v);
-    if (schedule_.damped) visitSprings([&](std::int32_t p) { damp(p, now.h); });
+    if (schedule_.damped) schedule_.sweep([&](std::int32_t p) { damp(p, now.h); });
     noteIterations(passes_, 0.0);
   }
 
@@ -53,15 +53,7 @@ class Pbd final : public PackedSolver {
     }
   }
 
-  template <typename Visit>
-  void visitSprings(const Visit& visit) const {
-    const auto run = [&](std::int32_t first, std::int32_t count) {
-      for (std::int32_t p = first; p < first + count; ++p) visit(p);
-    };
-    schedule_.sweep(run, visit);
-  }
-
-  /// Moves the ends of a spring together or apart by `part` of `along` times its direction.
+  /// Moves the ends of a spring together or apart by `stiffness` of its error.
   void relax(std::int32_t p, double h) {
     const auto a = static_cast<std::size_t>(schedule_.endA[p]);
     const auto b = static_cast<std::size_t>(schedule_.endB[p]);

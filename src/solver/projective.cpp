@@ -87,11 +87,7 @@ class Projective final : public PackedSolver {
   /// Forces of springs and dashpots, and the wind, in `force_` [N].
   double findResidual(const Substep& now) {
     setZero(particles_.mass.size(), force_);
-    const auto pull = [&](std::int32_t p) { addPull(p, now.h); };
-    const auto run = [&](std::int32_t first, std::int32_t count) {
-      for (std::int32_t p = first; p < first + count; ++p) pull(p);
-    };
-    schedule_.sweep(run, pull);
+    schedule_.sweep([&](std::int32_t p) { addPull(p, now.h); });
     addScaled(1.0, wind_, force_);
     residual_.resize(particles_.mass.size());
     double square = 0.0;
@@ -154,17 +150,13 @@ class Projective final : public PackedSolver {
     const std::size_t n = diagonal_.size();
     product_.resize(n);
     for (std::size_t k = 0; k < n; ++k) product_.set(k, diagonal_[k] * search_.at(k));
-    const auto add = [&](std::int32_t p) {
+    schedule_.sweep([&](std::int32_t p) {
       const auto a = static_cast<std::size_t>(schedule_.endA[p]);
       const auto b = static_cast<std::size_t>(schedule_.endB[p]);
       const Vec3 f = weight_[p] * (search_.at(a) - search_.at(b));
       product_.set(a, product_.at(a) + f);
       product_.set(b, product_.at(b) - f);
-    };
-    const auto run = [&](std::int32_t first, std::int32_t count) {
-      for (std::int32_t p = first; p < first + count; ++p) add(p);
-    };
-    schedule_.sweep(run, add);
+    });
     hold(product_);
   }
 

@@ -3,6 +3,7 @@
 #include "cloth_sim/solver/packed_solver.h"
 #include "cloth_sim/solver/vector_clones.h"
 #include "methods.h"
+#include "packed_ops.h"
 
 namespace cloth_sim {
 namespace {
@@ -97,11 +98,6 @@ void differenceAxis(std::size_t count, double scale, const double* x, const doub
   for (std::size_t k = 0; k < count; ++k) v[k] = scale * (x[k] - start[k]);
 }
 
-CLOTH_SIM_VECTOR_CLONES
-void backwardAxis(std::size_t count, double h, const double* x, const double* v, double* start) {
-  for (std::size_t k = 0; k < count; ++k) start[k] = x[k] - h * v[k];
-}
-
 /// Extended position-based dynamics with small steps: in each substep positions are predicted,
 /// springs are projected colour by colour with their compliance, contacts are enforced, and the
 /// displacement is the velocity.
@@ -145,14 +141,7 @@ void Xpbd::prepare(const Controls& /*controls*/, double h) {
     computeGains(h);
     takeAttachments();
   }
-  const auto n = static_cast<std::size_t>(particles_.slots);
-  const auto back = [&](const std::vector<double>& x, const std::vector<double>& v,
-                        std::vector<double>& start) {
-    backwardAxis(n, h, x.data(), v.data(), start.data());
-  };
-  back(particles_.x.x, particles_.v.x, particles_.start.x);
-  back(particles_.x.y, particles_.v.y, particles_.start.y);
-  back(particles_.x.z, particles_.v.z, particles_.start.z);
+  setSum(particles_.x, -h, particles_.v, particles_.start);
 }
 
 void Xpbd::computeGains(double h) {

@@ -28,31 +28,8 @@ void append(const std::vector<T>& more, std::vector<T>& all) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
-template <typename T>
-void merge(const std::vector<T>& more, std::vector<T>& all) {
-  append(more, all);
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-}
-
 bool contains(const std::vector<std::int32_t>& ascending, std::int32_t slot) {
   return std::binary_search(ascending.begin(), ascending.end(), slot);
-}
-
-/// Puts a later edit behind an earlier one.
-void append(const ModelChanges& more, ModelChanges& all) {
-  if (more.mesh.empty() && more.springs.removed.empty()) return;
-  if (all.mesh.empty()) all.mesh.fromRevision = more.mesh.fromRevision;
-  all.mesh.toRevision = more.mesh.toRevision;
-  append(more.mesh.vertices, all.mesh.vertices);
-  merge(more.mesh.changedFaces, all.mesh.changedFaces);
-  merge(more.mesh.reshapedFaces, all.mesh.reshapedFaces);
-  append(more.mesh.removedFaces, all.mesh.removedFaces);
-  merge(more.mesh.touched, all.mesh.touched);
-  append(more.springs.added, all.springs.added);
-  append(more.springs.modified, all.springs.modified);
-  append(more.springs.removed, all.springs.removed);
-  append(more.springs.removedSprings, all.springs.removedSprings);
 }
 
 std::vector<Vec3> pointsOf(const SurfacePath& path) {
@@ -201,15 +178,14 @@ class CutOperation {
   }
 
   void clear() {
-    ModelChanges cleared;
-    cleared.mesh.fromRevision = cleared.mesh.toRevision = model_.mesh.revision();
-    cleared.springs = clearNear(lines_, plan_.clearWithin, model_);
-    for (std::size_t k = 0; k < cleared.springs.removed.size(); ++k) {
-      const std::int32_t slot = cleared.springs.removed[k];
-      if (!contains(severed_, slot)) report(slot, cleared.springs.removedSprings[k]);
+    const SpringChanges cleared = clearNear(lines_, plan_.clearWithin, model_);
+    for (std::size_t k = 0; k < cleared.removed.size(); ++k) {
+      if (contains(severed_, cleared.removed[k])) continue;  // told of already
+      report(cleared.removed[k], cleared.removedSprings[k]);
     }
-    result_.cleared = static_cast<int>(cleared.springs.removed.size());
-    append(cleared, result_.changes);
+    result_.cleared = static_cast<int>(cleared.removed.size());
+    append(cleared.removed, result_.changes.springs.removed);
+    append(cleared.removedSprings, result_.changes.springs.removedSprings);
   }
 
   void report(std::int32_t slot, const Spring& spring) {

@@ -112,9 +112,10 @@ class Clamp {
 
   /// Adds to the wrench `reactions[k]`, the force that the particle `targets[k]` puts on its
   /// holder, over what this clamp holds. Held particles that are not among the targets count as
-  /// zero. \param share  of the step that the reactions are the mean over. \param targets ascending
-  /// by vertex; of the step that the reactions are of. \throws std::invalid_argument if there are
-  /// not as many reactions as targets.
+  /// zero.
+  /// \param targets  ascending by vertex; of the step that the reactions are of.
+  /// \param share  of the step that the reactions are the mean over.
+  /// \throws std::invalid_argument if there are not as many reactions as targets.
   void addReactions(const std::vector<KinematicTarget>& targets, const std::vector<Vec3>& reactions,
                     double share = 1.0);
 

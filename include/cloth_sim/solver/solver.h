@@ -40,7 +40,7 @@ struct StepLength {
   double substepFactor = 1.0;  ///< times the substeps that the method was configured with, > 0
 };
 
-enum class StepStatus { kOk, kNotFinite, kNotConverged };
+enum class StepStatus { kOk, kNotFinite };
 
 struct StepReport {
   StepStatus status = StepStatus::kOk;

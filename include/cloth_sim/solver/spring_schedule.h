@@ -54,6 +54,15 @@ class SpringSchedule {
   template <typename RunVisitor, typename SingleVisitor>
   void sweep(const RunVisitor& runVisitor, const SingleVisitor& singleVisitor) const;
 
+  /// The same, with `visitor(position)` for every spring.
+  template <typename Visitor>
+  void sweep(const Visitor& visitor) const {
+    const auto run = [&visitor](std::int32_t first, std::int32_t count) {
+      for (std::int32_t p = first; p < first + count; ++p) visitor(p);
+    };
+    sweep(run, visitor);
+  }
+
   // By position:
   std::vector<std::int32_t> endA, endB;  ///< particle slots
   std::vector<double> restLength;        ///< [m]
