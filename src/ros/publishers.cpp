@@ -16,6 +16,7 @@ constexpr double kKeepAlive = 1.0;     ///< longest silence of a topic with subs
 constexpr double kMinWanted = 10.0;    ///< least rate of observations: for tf and diagnostics [Hz]
 constexpr double kTickMargin = 0.5;    ///< of a tick: being early by less counts as in time [-]
 constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which it is a warning [-]
+constexpr double kRecent = 2.0;        ///< simulated time for which a redone step is a warning [s]
 
 }  // namespace
 
@@ -187,6 +188,8 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(DiagnosticStatus::OK, "paused");
   } else if (diagnosed_.realTimeFactor < kSlowFraction * asked && diagnosed_.stepTime > 0.0) {
     status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
+  } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
+    status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
   } else {
     status.summary(DiagnosticStatus::OK, "running");
   }
@@ -199,6 +202,9 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("pieces", snapshot.pieces.size());
   status.add("broken springs", snapshot.broken.total);
   status.add("dropped commands", diagnosed_.droppedCommands);
+  status.add("substeps", snapshot.substeps);
+  status.add("substeps in the scene", snapshot.guard.configuredSubsteps);
+  status.add("steps redone finer", snapshot.guard.redone);
 }
 
 }  // namespace cloth_sim

@@ -12,8 +12,6 @@ namespace {
 /// How far a particle may be pulled in one step beyond its own speed times dt and still be among
 /// the contact candidates, at least [m].
 constexpr double kContactReach = 0.05;
-/// No cloth goes faster than this [m/s].
-constexpr double kFastest = 1e4;
 /// Shortest edge that surgery makes, if the scene says nothing: this part of the original ones.
 constexpr double kMinEdgePart = 0.05;
 /// Strides that the tip of a tear takes in a step at most.
@@ -26,21 +24,17 @@ double contactReach(const State& state, double dt) {
   return std::max(kContactReach, std::sqrt(fastest) * dt);
 }
 
-/// A method that diverges is noticed long before its numbers overflow.
-bool isPlausible(const State& state) {
-  return std::all_of(state.v.begin(), state.v.end(),
-                     [](const Vec3& v) { return v.squaredNorm() <= kFastest * kFastest; });
-}
-
 std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
   return std::vector<Clamp>(specs.begin(), specs.end());
 }
 
-std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model) {
+std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model, const State& state) {
   const SolverInfo& info = findSolver(spec.method);
   checkFeatures(info, !model.bending.empty());
   const SolverParameters complete = completeParameters(info, spec.parameters);
-  return info.create(model, guardStep(spec.guard, info, model, spec.dt, complete));
+  if (spec.guard == StepGuard::kAllow) return info.create(model, complete);
+  const FastestMode mode = estimateFastestMode(model, state);
+  return info.create(model, guardStep(spec.guard, info, mode, spec.dt, complete));
 }
 
 SurgeryLimits limitsFor(const SurgerySettings& settings, const TriangleMesh& mesh) {
@@ -61,7 +55,8 @@ Simulation::Simulation(Scene scene)
       pins_(pinTargets(scene_.cloth, model_, state_)),
       clamps_(makeClamps(scene_.clamps)),
       colliders_(buildColliders(scene_)),
-      solver_(makeSolver(scene_.solver, model_)),
+      solver_(makeSolver(scene_.solver, model_, state_)),
+      watch_(scene_.solver, solver_->substeps()),
       script_(scene_.phases),
       tearing_(scene_.tearing, model_),
       limits_(limitsFor(scene_.cloth.surgery, model_.mesh)),
@@ -82,7 +77,6 @@ void Simulation::step() {
 
 void Simulation::advance(const StepLength& length) {
   moveClamps(length.dt);
-  detectContacts(length.dt);
   solve(length);
   if (failed()) return;
   readClamps(length.dt / scene_.solver.dt);
@@ -181,11 +175,21 @@ void Simulation::detectContacts(double dt) {
 
 void Simulation::solve(const StepLength& length) {
   lastGood_ = state_;
-  report_ = solver_->step(model_, state_, controls_, contacts_, length);
-  if (report_.status == StepStatus::kOk && isPlausible(state_)) return;
-  state_ = lastGood_;
+  watch_.begin(model_, state_, controls_, colliders_, length.dt);
+  int times = 1;
+  for (int k = 0; k < (watch_.redoes() ? StepWatch::kAttempts : 1); ++k, times *= 2) {
+    if (k > 0) watch_.noteRedone(time(), times);
+    if (attempt({length.dt, times * length.substepFactor})) return;
+    state_ = lastGood_;
+  }
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
+}
+
+bool Simulation::attempt(const StepLength& length) {
+  detectContacts(length.dt);
+  report_ = solver_->step(model_, state_, controls_, contacts_, length);
+  return watch_.isSound(model_, state_);
 }
 
 void Simulation::readClamps(double share) {

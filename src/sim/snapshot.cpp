@@ -54,6 +54,8 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
   shot->energies = energies(model_, state_, controls_.gravity);
   shot->meanSpeed = meanSpeed(state_);
   shot->maxStretch = observeMaxStretch();
+  shot->substeps = report_.substeps;
+  shot->guard = watch_.record();
   shot->failed = failed();
   shot->failure = failure_;
   return shot;

@@ -93,6 +93,11 @@ std::string summaryJson(const Simulation& simulation, const InitialFigures& init
                      {"rest_area_m2", number(simulation.dropped().restArea)}};
   json["shortest_edge_m"] = number(shortestEdge(model.mesh));
   json["stable_step_s"] = number(stableStep(model));
+  json["guard"] = {{"substeps", simulation.lastReport().substeps},
+                   {"configured_substeps", simulation.guard().configuredSubsteps},
+                   {"chosen_substeps", simulation.guard().chosenSubsteps},
+                   {"redone_steps", simulation.guard().redone},
+                   {"finest_redo", simulation.guard().finest}};
   json["mass_kg"] = number(totalMass(model));
   json["rest_area_m2"] = number(model.mesh.totalRestArea());
   json["initial_mass_kg"] = number(initial.mass);

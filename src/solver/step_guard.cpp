@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "cloth_sim/cloth/stable_step.h"
-
 namespace cloth_sim {
 namespace {
 
@@ -16,23 +14,26 @@ constexpr double kRounding = 1e-9;
 
 }  // namespace
 
-int stableSubsteps(const SolverInfo& info, const Model& model, double dt) {
+int stableSubsteps(const SolverInfo& info, const FastestMode& mode, double dt) {
   if (std::isinf(info.stabilityLimit)) return 1;
-  if (info.stabilityLimit <= 0.0) {
-    throw std::invalid_argument(info.name + " is stable at no step where anything is undamped");
+  const bool needsDamping = info.stabilityLimit <= 0.0;
+  const double longest = needsDamping ? stableForwardStep(mode)
+                                      : info.stabilityLimit / kLimitOfStableStep * stableStep(mode);
+  if (longest <= 0.0) {
+    throw std::invalid_argument("solver.method: " + info.name +
+                                " is stable at no step where anything is undamped");
   }
-  const double longest = info.stabilityLimit / kLimitOfStableStep * stableStep(model);
   return std::max(1, static_cast<int>(std::ceil(dt / longest - kRounding)));
 }
 
-SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const Model& model, double dt,
-                           SolverParameters parameters) {
+SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const FastestMode& mode,
+                           double dt, SolverParameters parameters) {
   if (guard == StepGuard::kAllow) return parameters;
-  const int needed = stableSubsteps(info, model, dt);
+  const int needed = stableSubsteps(info, mode, dt);
   double& substeps = parameters.at("substeps");
   if (substeps >= needed) return parameters;
   if (guard == StepGuard::kRefuse) {
-    throw std::invalid_argument("solver.substeps: " + info.name + " is surely stable with " +
+    throw std::invalid_argument("solver.substeps: " + info.name + " is stable with " +
                                 std::to_string(needed) + " or more (got " +
                                 std::to_string(static_cast<int>(substeps)) + ")");
   }

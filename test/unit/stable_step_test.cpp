@@ -127,6 +127,56 @@ TEST(StableStepBound, OfAClothWithoutSpringsIsInfinite) {
   EXPECT_EQ(stableStep(model), std::numeric_limits<double>::infinity());
 }
 
+/// Of the mass-weighted stiffness that the forces have at `state`; springs in
+/// compression counted without what buckles them, as estimateFastestMode does.
+double largestEigenvalueAt(const Model& model, const State& state) {
+  const int n = 3 * model.particleCount();
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
+  const auto add = [&](VertexId a, VertexId b, const Eigen::Matrix3d& block) {
+    k.block<3, 3>(3 * a, 3 * b) += block / std::sqrt(model.mass[a] * model.mass[b]);
+  };
+  for (const Spring& spring : model.springs.slots()) {
+    const Vec3 d = state.x[spring.b] - state.x[spring.a];
+    const Eigen::Matrix3d along = d * d.transpose() / d.squaredNorm();
+    const double tension = std::max(0.0, 1.0 - spring.restLength / d.norm());
+    const Eigen::Matrix3d block =
+        spring.stiffness * (along + tension * (Eigen::Matrix3d::Identity() - along));
+    add(spring.a, spring.a, block);
+    add(spring.b, spring.b, block);
+    add(spring.a, spring.b, -block);
+    add(spring.b, spring.a, -block);
+  }
+  for (const BendElement& element : model.bending.elements()) {
+    for (int i = 0; i < element.count; ++i) {
+      for (int j = 0; j < element.count; ++j) {
+        add(element.vertex[i], element.vertex[j],
+            element.stiffness * element.weight[i] * element.weight[j] *
+                Eigen::Matrix3d::Identity());
+      }
+    }
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues().maxCoeff();
+}
+
+TEST(FastestModeEstimate, IsTheLargestEigenvalueWithinItsMargin) {
+  // Against a dense eigenvalue solver; from a flat and a crumpled state, with either bending.
+  for (const bool hinge : {false, true}) {
+    for (const double shake : {0.0, 0.02}) {
+      ClothSpec spec = clothOf(7, 6, 0.05, fabricPreset("denim"));
+      spec.hinge = hinge;
+      spec.springs.bend = !hinge;
+      spec.fabric.bending = 1e-3;
+      const Model model = buildModel(spec);
+      const State state = shakenState(model, shake, 0.0, 4);
+      const double exact = largestEigenvalueAt(model, state);
+      const FastestMode estimate = estimateFastestMode(model, state);
+      EXPECT_GE(estimate.squared, exact) << hinge << shake;
+      EXPECT_LE(estimate.squared, 1.1 * exact * (1.0 + 1e-9)) << hinge << shake;
+      EXPECT_GE(boundFastestMode(model).squared, exact);
+    }
+  }
+}
+
 TEST(StableStepBound, CutsLowerItNoFurtherThanTheShortestEdgeAllows) {
   // Without bending. Faces keep angles from a = 5 degrees and edges from e = minEdge on.
   // An edge of length l >= e whose faces have the area A has a spring of k <= q A / l^2, or

@@ -12,7 +12,7 @@ namespace cloth_sim {
 struct Model {
   TriangleMesh mesh;
   SpringNetwork springs;
-  BendNetwork bending;        ///< empty: bending is none, or of springs
+  BendNetwork bending;      ///< empty: bending is none, or of springs
   VertexData<double> mass;  ///< lumped [kg], > 0
   /// Mass over a third of the rest area around each vertex [kg/m^2]: the fabric's, unless the scene
   /// gave the particles masses of their own.

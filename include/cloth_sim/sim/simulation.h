@@ -6,6 +6,7 @@
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/command.h"
 #include "cloth_sim/sim/snapshot.h"
+#include "cloth_sim/sim/step_watch.h"
 #include "cloth_sim/solver/solver.h"
 
 namespace cloth_sim {
@@ -35,6 +36,7 @@ class Simulation {
   const PhaseScript& script() const { return script_; }
   const BrokenCounts& broken() const { return broken_; }
   const StepReport& lastReport() const { return report_; }
+  const GuardRecord& guard() const { return watch_.record(); }
   int pieces() const { return pieces_.count; }
   const DroppedScraps& dropped() const { return dropped_; }
   double time() const { return state_.t; }
@@ -62,6 +64,7 @@ class Simulation {
   void moveClamps(double dt);
   void detectContacts(double dt);
   void solve(const StepLength& length);
+  bool attempt(const StepLength& length);
   void readClamps(double share);
   void tear(double dt);
 
@@ -103,6 +106,7 @@ class Simulation {
   Contacts contacts_;
   std::unique_ptr<Solver> solver_;
   StepReport report_;
+  StepWatch watch_;
   PhaseScript script_;
   Tearing tearing_;
   BrokenCounts broken_;

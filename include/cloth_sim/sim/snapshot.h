@@ -5,6 +5,7 @@
 
 #include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/scene/phase_script.h"
+#include "cloth_sim/solver/step_guard.h"
 #include "cloth_sim/surgery/tearing.h"
 
 namespace cloth_sim {
@@ -80,6 +81,8 @@ struct Snapshot {
   Energies energies;
   double meanSpeed = 0.0;   ///< [m/s]
   double maxStretch = 1.0;  ///< length over rest length
+  int substeps = 0;         ///< of the last step
+  GuardRecord guard;        ///< what was done about steps that were too long
   bool failed = false;
   std::string failure;  ///< why the simulation stopped; "" if it did not
 };

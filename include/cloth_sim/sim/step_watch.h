@@ -1,0 +1,44 @@
+#pragma once
+/// \file Whether a step ended well, for simulations that redo the ones that did not.
+
+#include "cloth_sim/contact/collider.h"
+#include "cloth_sim/scene/scene.h"
+
+namespace cloth_sim {
+
+/// Judges steps. One ended well if everything is finite and slower than 10 km/s, and, for methods
+/// with a limit of stability, if its energy did not jump: kinetic and elastic energy are at most
+/// twice what clamps, wind, obstacles and gravity can have put in since they were last lower.
+class StepWatch {
+ public:
+  /// \param substeps  that the method has after the guard looked at the scene.
+  StepWatch(const SolverSpec& solver, int substeps);
+
+  /// Whether steps that end badly shall be redone.
+  bool redoes() const { return redoes_; }
+
+  /// Notes what a step starts from.
+  void begin(const Model& model, const State& state, const Controls& controls,
+             const ColliderSet& colliders, double dt);
+  /// Whether the step that led to `state` ended well.
+  bool isSound(const Model& model, const State& state);
+  /// Notes that an attempt was rolled back, and that the next one is divided `times` further.
+  void noteRedone(double time, int times);
+
+  const GuardRecord& record() const { return record_; }
+
+  /// Attempts at a step, at most; each has twice the substeps of the one before.
+  static constexpr int kAttempts = 7;
+
+ private:
+  bool redoes_;
+  bool weighs_;           ///< looks at the energy
+  double budget_ = -1.0;  ///< that the cloth can have by now; negative: no step yet [J]
+  double input_ = 0.0;    ///< root of what may come in during the step [J^1/2]
+  double height_ = 0.0;   ///< energy of weight at the start of the step [J]
+  Vec3 gravity_ = Vec3::Zero();
+  double found_ = 0.0;  ///< by the attempt before; 0: none [J]
+  GuardRecord record_;
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,84 @@
+#include "cloth_sim/sim/step_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cloth_sim {
+namespace {
+
+/// No cloth goes faster than this [m/s].
+constexpr double kFastest = 1e4;
+/// Speed at which obstacles push out what began inside of them [m/s].
+constexpr double kPushOut = 1.0;
+/// The energy of methods that conserve one close to it swings by this factor at most.
+constexpr double kSwing = 2.0;
+/// If two attempts agree so well about the energy, it did come in.
+constexpr double kAgree = 1.2;
+
+/// A method that diverges is noticed long before its numbers overflow.
+bool isPlausible(const State& state) {
+  return std::all_of(state.v.begin(), state.v.end(),
+                     [](const Vec3& v) { return v.squaredNorm() <= kFastest * kFastest; });
+}
+
+/// The fastest thing that pushes the cloth in this step [m/s].
+double drivingSpeed(const State& state, const Controls& controls, const ColliderSet& colliders,
+                    double dt) {
+  double fastest = controls.wind ? controls.wind->velocity.norm() : 0.0;
+  for (const KinematicTarget& target : controls.kinematic) {
+    const double mean = (target.position - state.x[target.vertex]).norm() / dt;
+    fastest = std::max({fastest, mean, target.velocity.norm()});
+  }
+  for (const Collider& collider : colliders.all()) {
+    fastest = std::max(fastest, collider.obstacle().velocity.norm() + kPushOut);
+  }
+  return fastest;
+}
+
+}  // namespace
+
+StepWatch::StepWatch(const SolverSpec& solver, int substeps)
+    : redoes_(solver.guard != StepGuard::kAllow),
+      weighs_(redoes_ && std::isfinite(findSolver(solver.method).stabilityLimit)) {
+  record_.chosenSubsteps = substeps;
+  const auto configured = solver.parameters.find("substeps");
+  if (configured != solver.parameters.end()) {
+    record_.configuredSubsteps = static_cast<int>(configured->second);
+  }
+}
+
+void StepWatch::begin(const Model& model, const State& state, const Controls& controls,
+                      const ColliderSet& colliders, double dt) {
+  if (!weighs_) return;
+  gravity_ = controls.gravity;
+  // What is driven at a speed leaves at twice that at most.
+  const double speed = 2.0 * drivingSpeed(state, controls, colliders, dt);
+  input_ = std::sqrt(0.5 * totalMass(model)) * speed;
+  const Energies e = energies(model, state, gravity_);
+  height_ = e.gravity;
+  // Growth that is slow from step to step does not pay into the budget; losses leave it.
+  const double now = kSwing * (e.kinetic + e.elastic);
+  budget_ = budget_ < 0.0 ? now : std::min(budget_, now);
+  found_ = 0.0;
+}
+
+bool StepWatch::isSound(const Model& model, const State& state) {
+  if (!isFinite(state) || !isPlausible(state)) return false;
+  if (!weighs_) return true;
+  const Energies e = energies(model, state, gravity_);
+  const double energy = e.kinetic + e.elastic;
+  const double root = std::sqrt(budget_ + std::max(0.0, height_ - e.gravity)) + input_;
+  const bool agrees = found_ > 0.0 && std::max(energy, found_) <= kAgree * std::min(energy, found_);
+  found_ = energy;
+  if (energy > kSwing * root * root && !agrees) return false;
+  budget_ = std::max(root * root, agrees ? energy : 0.0);
+  return true;
+}
+
+void StepWatch::noteRedone(double time, int times) {
+  ++record_.redone;
+  record_.finest = std::max(record_.finest, times);
+  record_.lastRedone = time;
+}
+
+}  // namespace cloth_sim
