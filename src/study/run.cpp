@@ -131,6 +131,7 @@ Scene withConfiguration(Scene scene, const Configuration& configuration) {
   setIfKnown(method, "iterations", configuration.iterations, given);
   scene.solver.method = method.name;
   scene.solver.dt = configuration.dt;
+  scene.solver.guard = StepGuard::kAllow;  // a method is shown as it is
   scene.solver.parameters = completeParameters(method, given);
   return scene;
 }

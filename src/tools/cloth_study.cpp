@@ -39,6 +39,7 @@ const char* const kResolution = "resolution";
 struct Options {
   bool quick = false;
   bool charts = true;
+  int jobs = 1;
   std::string out;
   std::vector<std::string> scenes;
   std::vector<std::string> parts{kWorkPrecision, kStability, kResolution};
@@ -61,7 +62,12 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
       "stability, and what depends on the resolution. Writes CSV tables and charts.",
       "cloth_study");
   app.add_option("--out", options.out, "folder for tables and charts (made if it is not there)");
-  app.add_flag("--quick", options.quick, "shorter ladders of substeps: a minute or two, not hours");
+  app.add_flag("--quick", options.quick, "shorter ladders of substeps: two minutes");
+  app.add_option("--jobs", options.jobs,
+                 "runs at the same time, each in a thread of its own (timings are of threads, but\n"
+                 "give it no more than there are quiet cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
   app.add_option("--scenes", options.scenes, "only these of the study's scenes, a,b,...")
       ->delimiter(',');
   app.add_option("--parts", options.parts,
@@ -231,6 +237,7 @@ int run(const Options& options) {
   study.scenes = packageFolder() / "config" / "study";
   study.out = options.out;
   study.only = options.scenes;
+  study.jobs = options.jobs;
   study.workPrecision = parts.count(kWorkPrecision) != 0;
   study.stability = parts.count(kStability) != 0;
   study.resolution = parts.count(kResolution) != 0;
