@@ -47,6 +47,7 @@ struct Options {
   std::string advise;      ///< scene; "": none
   double error = 0.01;     ///< that the advice shall keep
   double duration = 1.0;   ///< of the scene that is looked at for that [s]
+  double budget = 120.0;   ///< CPU time for that [s]
 };
 
 /// A wrong command line, or a folder that cannot be used.
@@ -79,8 +80,8 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
                  "make the references of the smooth scenes anew, with SUNDIALS CVODE, into this\n"
                  "folder, and nothing else");
   app.add_option("--advise", options.advise,
-                 "scene file, or name of one of the package's: says which method and how many\n"
-                 "substeps it needs");
+                 "scene file, or name of one of the package's: says which method, step and\n"
+                 "substeps it needs, and what it can do without");
   app.add_option("--error", options.error,
                  "error that the advice shall keep: of positions over the cloth's side, or\n"
                  "(where it comes apart) of the time of separation")
@@ -89,6 +90,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--duration", options.duration, "of the scene, for the advice [s]")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e4));
+  app.add_option("--budget", options.budget,
+                 "CPU time after which the advice tries nothing new [s]")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6));
   app.footer("Exit status: 0 done; 2 bad input; 1 something failed, and the last line says what.");
   try {
     app.parse(argc, argv);
@@ -127,7 +132,12 @@ class Progress final : public StudyProgress {
 
   /// Of something that nobody knows the length of.
   void mention(int done, const std::string& next) {
-    if (terminal_) std::fprintf(stderr, "\r%d  %.0f s  %s\033[K", done, wallTime(), next.c_str());
+    const double now = wallTime();
+    if (!terminal_ && now - shown_ < kLinePeriod) return;
+    shown_ = now;
+    std::fprintf(stderr, terminal_ ? "\r%d  %.0f s  %s\033[K" : "%d  %.0f s  %s\n", done, now,
+                 next.c_str());
+    std::fflush(stderr);
   }
   void clear() const {
     if (terminal_) std::fputs("\r\033[K", stderr);
@@ -202,22 +212,19 @@ int makeReferences(const std::string& folder) {
   return kDone;
 }
 
-StudyScene loadForAdvice(const Options& options) {
-  try {
-    return studyOf(loadScene(resolveScene(options.advise)), options.duration);
-  } catch (const std::invalid_argument& error) {
-    throw BadInput(options.advise + ": " + error.what());
-  }
-}
-
 int adviseOn(const Options& options) {
-  StudyScene study = loadForAdvice(options);
+  const std::string scene = resolveScene(options.advise);
+  AdviceRequest request;
+  request.load = [scene](const auto& overrides) { return loadScene(scene, overrides); };
+  request.bound = options.error;
+  request.duration = options.duration;
+  request.budget = options.budget;
   int done = 0;
   Progress progress;
   const Announce announce = [&](const std::string& next) { progress.mention(++done, next); };
-  const Advice advice = advise(study, options.error, announce);
+  const Advice advice = advise(request, announce);
   progress.clear();
-  writeAdvice(std::cout, study, advice);
+  writeAdvice(std::cout, advice, options.advise);
   if (advice.reference.ownError > options.error) {
     progress.remark("the run that all are compared with is itself no better than " +
                     std::to_string(advice.reference.ownError) +
