@@ -13,6 +13,8 @@ constexpr double kMostShift = 0.25;
 /// Fewer particles a side are no cloth.
 constexpr int kFewest = 4;
 
+using Pins = std::set<std::pair<int, int>>;  ///< column, row
+
 /// Where things of a grid are on a coarser one.
 class Coarsening {
  public:
@@ -24,9 +26,25 @@ class Coarsening {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
 
-  /// \return false if no particle is near.
+  /// Goes to the nearest particle. \return false if it is not near.
   bool carry(int& column, int& row) const {
-    return carry(cloth_.columns, columns_, column) && carry(cloth_.rows, rows_, row);
+    const double u = place(cloth_.columns, columns_, column);
+    const double v = place(cloth_.rows, rows_, row);
+    column = static_cast<int>(std::lround(u));
+    row = static_cast<int>(std::lround(v));
+    return std::max(std::abs(u - column), std::abs(v - row)) <= kMostShift;
+  }
+
+  /// Whether all particles around a place are pinned, so that whatever is between them rests too.
+  bool isBetween(const PinSpec& at, const Pins& pins) const {
+    const double u = place(cloth_.columns, columns_, at.column);
+    const double v = place(cloth_.rows, rows_, at.row);
+    for (const double column : {std::floor(u), std::ceil(u)}) {
+      for (const double row : {std::floor(v), std::ceil(v)}) {
+        if (pins.count({static_cast<int>(column), static_cast<int>(row)}) == 0) return false;
+      }
+    }
+    return true;
   }
 
  private:
@@ -34,10 +52,8 @@ class Coarsening {
     return std::max(1, static_cast<int>(std::lround((particles - 1) / factor)));
   }
 
-  static bool carry(int from, int to, int& index) {
-    const double place = static_cast<double>(index) * (to - 1) / (from - 1);
-    index = static_cast<int>(std::lround(place));
-    return std::abs(place - index) <= kMostShift;
+  static double place(int from, int to, int index) {
+    return static_cast<double>(index) * (to - 1) / (from - 1);
   }
 
   const ClothSpec& cloth_;
@@ -58,8 +74,6 @@ const Border kBorders[] = {
     {"first_column", [](const PinSpec& pin, int, int) { return pin.column == 0; }},
     {"last_column", [](const PinSpec& pin, int columns, int) { return pin.column == columns - 1; }},
 };
-
-using Pins = std::set<std::pair<int, int>>;
 
 /// Takes a border out of the pins, if all of it is pinned.
 bool takeBorder(const Border& border, int columns, int rows, const Pins& all, Pins& rest) {
@@ -97,17 +111,30 @@ std::string obstacleTo(const Scene& scene) {
   return "";
 }
 
+/// \throws std::invalid_argument naming a pin that has no place.
+Pins coarserPins(const std::vector<PinSpec>& from, const Coarsening& to) {
+  Pins pins;
+  std::vector<PinSpec> others;
+  for (const PinSpec& pin : from) {
+    PinSpec moved = pin;
+    if (to.carry(moved.column, moved.row)) {
+      pins.emplace(moved.column, moved.row);
+    } else {
+      others.push_back(pin);
+    }
+  }
+  for (const PinSpec& pin : others) {
+    if (!to.isBetween(pin, pins)) {
+      throw std::invalid_argument("no particle is near the pin " + pair(pin.column, pin.row));
+    }
+  }
+  return pins;
+}
+
 /// \throws std::invalid_argument saying what stands in the way.
 std::vector<std::string> coarserOverrides(const Scene& scene, const Coarsening& to) {
   std::vector<std::string> overrides{"cloth.particles=" + pair(to.columns(), to.rows())};
-  Pins pins;
-  for (PinSpec pin : scene.cloth.pins) {
-    const PinSpec from = pin;
-    if (!to.carry(pin.column, pin.row)) {
-      throw std::invalid_argument("no particle is near the pin " + pair(from.column, from.row));
-    }
-    pins.emplace(pin.column, pin.row);
-  }
+  const Pins pins = coarserPins(scene.cloth.pins, to);
   if (!pins.empty()) {
     overrides.push_back("cloth.pins=" + pinsText(pins, to.columns(), to.rows()));
   }

@@ -19,6 +19,7 @@
 #include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/study/advise.h"
 #include "cloth_sim/study/exact.h"
+#include "cloth_sim/study/make_auto_table.h"
 #include "cloth_sim/study/study.h"
 
 namespace cloth_sim {
@@ -44,6 +45,8 @@ struct Options {
   std::vector<std::string> scenes;
   std::vector<std::string> parts{kWorkPrecision, kStability, kResolution};
   std::string references;  ///< "": do not make them
+  std::string autoTable;   ///< file to write; "": none
+  bool cache = false;      ///< the advice goes into the user's cache
   std::string advise;      ///< scene; "": none
   double error = 0.01;     ///< that the advice shall keep
   double duration = 1.0;   ///< of the scene that is looked at for that [s]
@@ -79,6 +82,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--make-references", options.references,
                  "make the references of the smooth scenes anew, with SUNDIALS CVODE, into this\n"
                  "folder, and nothing else");
+  app.add_option(
+      "--make-auto-table", options.autoTable,
+      "write the table of 'solver: {method: auto}' from the tables in --out, and nothing\n"
+      "else");
   app.add_option("--advise", options.advise,
                  "scene file, or name of one of the package's: says which method, step and\n"
                  "substeps it needs, and what it can do without");
@@ -90,6 +97,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--duration", options.duration, "of the scene, for the advice [s]")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e4));
+  app.add_flag(
+      "--cache", options.cache,
+      "advise on the solver only, and keep that for 'solver: {method: auto}' of this scene,\n"
+      "on this machine");
   app.add_option("--budget", options.budget,
                  "CPU time after which the advice tries nothing new [s]")
       ->capture_default_str()
@@ -212,6 +223,16 @@ int makeReferences(const std::string& folder) {
   return kDone;
 }
 
+/// For `solver: {method: auto}` of the same scene.
+void keepAdvice(const Advice& advice) {
+  const std::string file = userCacheFile();
+  if (file.empty()) throw std::runtime_error("--cache: expected HOME or CLOTH_SIM_CACHE to be set");
+  const Scene& scene = advice.study.scene;
+  AutoCache(file).add(scene.contentKey, advice.bound,
+                      withConfiguration(scene, advice.best->configuration).solver);
+  std::cout << "kept in " << file << std::endl;
+}
+
 int adviseOn(const Options& options) {
   const std::string scene = resolveScene(options.advise);
   AdviceRequest request;
@@ -219,6 +240,7 @@ int adviseOn(const Options& options) {
   request.bound = options.error;
   request.duration = options.duration;
   request.budget = options.budget;
+  request.simplify = !options.cache;
   int done = 0;
   Progress progress;
   const Announce announce = [&](const std::string& next) { progress.mention(++done, next); };
@@ -230,13 +252,45 @@ int adviseOn(const Options& options) {
                     std::to_string(advice.reference.ownError) +
                     ": this scene is not predictable to the error that was asked for");
   }
+  if (advice.best && options.cache) keepAdvice(advice);
   return advice.best ? kDone : kFailed;
+}
+
+std::ifstream openTable(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw BadInput(file + ": cannot be read");
+  return in;
+}
+
+int makeAutoTableFrom(const Options& options) {
+  std::vector<StudyScene> scenes;
+  for (const std::string& name : studySceneNames()) {
+    scenes.push_back(loadStudyScene(packageFolder() / "config" / "study", name));
+  }
+  std::ifstream runs = openTable(options.out + "/work_precision.csv");
+  std::ifstream references = openTable(options.out + "/references.csv");
+  const AutoTable table = makeAutoTable(scenes, readWorkPrecision(runs), readOwnErrors(references));
+  const std::string temporary = options.autoTable + ".tmp";
+  std::ofstream out(temporary);
+  writeAutoTable(
+      out, table,
+      "What solver: {method: auto} chooses from; include/cloth_sim/scene/auto_method.h\n"
+      "says what the columns are. Made by: cloth_study --out DIR --parts work_precision\n"
+      "and cloth_study --out DIR --make-auto-table config/auto_methods.csv");
+  out.close();
+  if (!out || std::rename(temporary.c_str(), options.autoTable.c_str()) != 0) {
+    std::remove(temporary.c_str());
+    throw std::runtime_error(options.autoTable + ": cannot be written");
+  }
+  std::cout << options.autoTable << std::endl;
+  return kDone;
 }
 
 int run(const Options& options) {
   const ThreadLimit oneThread(1);
   if (!options.references.empty()) return makeReferences(options.references);
   if (!options.advise.empty()) return adviseOn(options);
+  if (!options.autoTable.empty()) return makeAutoTableFrom(options);
   makeFolder(options.out);
   const std::set<std::string> parts(options.parts.begin(), options.parts.end());
   StudyOptions study;
