@@ -34,7 +34,8 @@ Candidate apply(const AutoRow& row, const Scene& scene) {
   Candidate candidate;
   candidate.row = &row;
   candidate.dt = scene.solver.dt / wholeUp(scene.solver.dt / row.dt);
-  const double longest = row.substep * stepUnit(scaleOf(*row.method), scene.cloth);
+  const double longest =
+      std::min(row.longest, row.substep * stepUnit(scaleOf(*row.method), scene.cloth));
   candidate.substeps = wholeUp(candidate.dt / longest);
   if (candidate.substeps <= kMostSubsteps) {
     candidate.cost = row.cost * candidate.substeps / candidate.dt;

@@ -14,7 +14,7 @@
 namespace cloth_sim {
 namespace {
 
-const char* const kTableHeader = "class,error,solver,dt,scale,substep,cost_s";
+const char* const kTableHeader = "class,error,solver,dt,scale,substep,longest_s,cost_s";
 const char* const kCacheHeader = "scene,error,solver,dt,parameters";
 
 using Fields = std::vector<std::string>;
@@ -82,7 +82,8 @@ AutoRow readRow(const Fields& fields) {
                                 toString(scaleOf(*row.method)));
   }
   row.substep = positive(fields[5]);
-  row.cost = positive(fields[6]);
+  row.longest = positive(fields[6]);
+  row.cost = positive(fields[7]);
   return row;
 }
 
@@ -141,7 +142,7 @@ void writeAutoTable(std::ostream& out, const AutoTable& table, const std::string
   for (const AutoRow& row : table) {
     out << toString(row.kind) << ',' << std::setprecision(6) << row.error << ',' << row.method->name
         << ',' << row.dt << ',' << toString(scaleOf(*row.method)) << ',' << std::setprecision(4)
-        << row.substep << ',' << row.cost << '\n';
+        << row.substep << ',' << row.longest << ',' << row.cost << '\n';
   }
 }
 

@@ -62,6 +62,7 @@ double numberOf(const Columns& row, const std::string& name) {
 /// What one method needs in one scene.
 struct Need {
   double substep = 0.0;  ///< over its unit
+  double longest = 0.0;  ///< [s]
   double cost = 0.0;     ///< of a substep of a particle [s]
 };
 
@@ -107,7 +108,7 @@ class TableMaker {
       const std::optional<Need> need = needOf(kind, method, dt, error);
       if (!need || need->substep <= longest) continue;
       longest = need->substep;
-      table.push_back({kind, error, &method, dt, need->substep, need->cost});
+      table.push_back({kind, error, &method, dt, need->substep, need->longest, need->cost});
     }
   }
 
@@ -123,6 +124,7 @@ class TableMaker {
         most = need;
       } else {
         most->substep = std::min(most->substep, need->substep);
+        most->longest = std::min(most->longest, need->longest);
         most->cost = std::max(most->cost, need->cost);
       }
     }
@@ -137,7 +139,7 @@ class TableMaker {
     if (!run) return std::nullopt;
     const double substep = dt / run->substeps;
     const ClothSpec& cloth = study.scene.cloth;
-    return Need{kMargin * substep / stepUnit(scaleOf(method), cloth),
+    return Need{kMargin * substep / stepUnit(scaleOf(method), cloth), kMargin * substep,
                 run->cost * substep / (static_cast<double>(cloth.columns) * cloth.rows)};
   }
 

@@ -41,6 +41,7 @@ struct AutoRow {
   const SolverInfo* method = nullptr;
   double dt = 0.0;       ///< longest step of the simulation [s]
   double substep = 0.0;  ///< longest substep, over stepUnit(scaleOf(method))
+  double longest = 0.0;  ///< and never longer than this [s]: contacts and slow motion do not scale
   double cost = 0.0;     ///< CPU time of one substep of one particle [s]
 };
 using AutoTable = std::vector<AutoRow>;
