@@ -70,29 +70,49 @@ class Tables:
         self.front_rows = [Run(row, status='ok') for row in read(folder, 'pareto.csv')]
         self.limits = read(folder, 'stability_limits.csv')
         self.resolution = read(folder, 'resolution.csv')
-        self.tears = read(folder, 'tearing.csv')
+        self.scenes = list(dict.fromkeys(run['scene'] for run in self.runs))
 
     def of(self, scene, solver=None):
         return [run for run in self.runs
                 if run['scene'] == scene and solver in (None, run['solver'])]
 
-    def run(self, scene, solver, rate):
-        """The run with so many substeps a second, the longest step and the default iterations."""
-        found = [run for run in self.of(scene, solver) if abs(run.rate / rate - 1.0) < 1e-3]
-        if not found:
-            raise KeyError(f'{scene}: no run of {solver} with {rate} substeps/s')
-        return max(found, key=lambda run: float(run['dt']))
+    def coarsest(self, scene, solver):
+        """The run of the fewest substeps that ended well."""
+        return min([run for run in self.of(scene, solver) if run.ok], key=lambda run: run.rate)
+
+    def least(self, scene, solver):
+        """The least error of a method."""
+        return min(run.error for run in self.of(scene, solver) if run.ok)
+
+    def confirmed(self, run, error):
+        """Whether the next run with more substeps keeps the error too: once may be an accident."""
+        finer = [other for other in self.of(run['scene'], run['solver'])
+                 if other.rate > run.rate * 1.001 and other['dt'] == run['dt']
+                 and other['iterations'] == run['iterations'] and other['status'] != 'skipped']
+        if not finer:
+            return False
+        following = min(finer, key=lambda other: other.rate)
+        return following.ok and following.error <= error
 
     def cheapest(self, scene, error, solver=None):
-        """The run of least cost with at most this error; None if there is none."""
-        good = [run for run in self.of(scene, solver) if run.ok and run.error <= error]
+        """The run of least cost that keeps this error, as does the next finer; None if there is
+        none."""
+        good = [run for run in self.of(scene, solver)
+                if run.ok and run.error <= error and self.confirmed(run, error)]
         return min(good, key=lambda run: run.cost) if good else None
+
+    def times(self, scene, error, solver):
+        """How many times as much as the cheapest a method costs, in words."""
+        run = self.cheapest(scene, error, solver)
+        if run is None:
+            return 'does not get there'
+        return f'costs {significant(run.cost / self.cheapest(scene, error).cost)} times as much'
 
     def cell(self, scene, error, solver=None):
         """The same for a table."""
         run = self.cheapest(scene, error, solver)
         if run is None:
-            return 'none | '
+            return 'none |'
         return f'{run}: {percent(run.error)} | {significant(run.cost)}'
 
     def front(self, scene):
@@ -146,10 +166,15 @@ class Tables:
         return min(run.error for run in self.of('seam_tear', solver)
                    if run.ok and abs(float(run['dt']) / dt - 1.0) < 1e-3)
 
-    def order(self, scene, solver, rate):
-        """Observed, between a run and one with half as many substeps."""
-        return math.log2(self.run(scene, solver, rate / 2).error
-                         / self.run(scene, solver, rate).error)
+    def order(self, scene, solver):
+        """Observed, between the finest run and the one with half as many substeps."""
+        runs = [run for run in self.of(scene, solver) if run.ok]
+        for fine in sorted(runs, key=lambda run: -run.rate):
+            half = [run for run in runs if abs(2.0 * run.rate / fine.rate - 1.0) < 1e-3
+                    and run['dt'] == fine['dt'] and run['iterations'] == fine['iterations']]
+            if half:
+                return math.log2(half[0].error / fine.error)
+        raise KeyError(f'{scene}: no two runs of {solver}')
 
     def count(self, status=None):
         return sum(status in (None, run['status']) for run in self.runs)
