@@ -88,7 +88,7 @@ Ladder quickLadder() {
   ladder.iterations = {1.0};
   ladder.repetitions = 2;
   ladder.repeatBelow = 0.05;
-  ladder.mostPerRun = 5.0;
+  ladder.mostPerRun = 30.0;  // never, but on a machine that is ten times too slow
   return ladder;
 }
 
