@@ -160,6 +160,9 @@ struct Omission {
   const char* override;
 };
 const Omission kOmissions[] = {
+    {"without hinges", [](const Scene& s) { return s.cloth.hinge; }, "cloth.bending=none"},
+    {"bend springs instead of hinges", [](const Scene& s) { return s.cloth.hinge; },
+     "cloth.bending=springs"},
     {"without bend springs", [](const Scene& s) { return s.cloth.springs.bend; },
      "cloth.bending=none"},
     {"without shear springs", [](const Scene& s) { return s.cloth.springs.shear; },
