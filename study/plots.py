@@ -232,7 +232,8 @@ def stability_chart(folder, limits, styles):
 # ---- resolution ----------------------------------------------------------------------------------
 
 QUANTITIES = {'sag': 'sag under its own weight', 'drape_radius': 'radius draped over a sphere',
-              'swing_period': 'period of swinging'}
+              'swing_period': 'period of swinging', 'hoop_sag': 'depth in a hoop',
+              'hoop_bias': 'deeper at 45° to the threads', 'hoop_skew': 'deeper along the diagonals'}
 
 
 def resolution_chart(folder, rows):
@@ -240,11 +241,12 @@ def resolution_chart(folder, rows):
     for k, quantity in enumerate(unique(row['quantity'] for row in rows)):
         of = [row for row in rows if row['quantity'] == quantity]
         finest = of[-1]
+        unit = '' if finest['unit'] == '1' else ' ' + finest['unit']
         axes.plot([int(row['particles']) for row in of],
                   [100.0 * float(row['difference_from_finest']) for row in of],
                   color=COLOURS[k], marker=MARKERS[k],
                   label=f'{QUANTITIES.get(quantity, quantity)}\n'
-                        f'(finest: {float(finest["value"]):.4g} {finest["unit"]})')
+                        f'(finest: {float(finest["value"]):.2g}{unit})')
     sizes = unique(int(row['particles']) for row in rows)
     axes.set_xscale('log', base=2)
     axes.set_xticks(sizes)

@@ -1,10 +1,13 @@
 #include "cloth_sim/scene/load.h"
 
 #include <cerrno>
+#include <cinttypes>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
+#include "cloth_sim/scene/auto_method.h"
 #include "keys.h"
 #include "readers.h"
 
@@ -70,6 +73,55 @@ Scene readScene(const SceneNode& root) {
   return scene;
 }
 
+/// Fowler, Noll and Vo's hash (FNV-1a).
+class Hash {
+ public:
+  void add(const std::string& text) {
+    for (const char c : text) add(static_cast<unsigned char>(c));
+    add(0U);  // so that "ab", "c" is not "a", "bc"
+  }
+
+  void add(const YamlValue& value) {
+    add(static_cast<unsigned>(value.kind));
+    add(value.key);
+    add(value.text);
+    add(static_cast<unsigned>(value.quoted));
+    for (const YamlValue& item : value.items) add(item);
+    add(0xffU);
+  }
+
+  std::string hex() const {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016" PRIx64, value_);
+    return text;
+  }
+
+ private:
+  void add(unsigned byte) { value_ = (value_ ^ byte) * 0x100000001b3U; }
+
+  std::uint64_t value_ = 0xcbf29ce484222325U;
+};
+
+std::string contentKey(const YamlValue& tree, double dt) {
+  Hash hash;
+  for (const YamlValue& item : tree.items) {
+    if (item.key != "solver") hash.add(item);
+  }
+  char step[32];
+  std::snprintf(step, sizeof step, "%.9g", dt);
+  hash.add(std::string(step));
+  return hash.hex();
+}
+
+void resolve(const SceneNode& root, Scene& scene) {
+  if (!scene.solver.choice) return;
+  try {
+    resolveAutoMethod(scene);
+  } catch (const std::exception& error) {
+    root.need("solver", "a map").refuse(error.what());
+  }
+}
+
 }  // namespace
 
 Scene loadScene(const std::string& path, const std::vector<std::string>& overrides) {
@@ -80,8 +132,11 @@ Scene parseScene(const std::string& yaml, const std::string& name,
                  const std::vector<std::string>& overrides) {
   YamlValue tree = parseYaml(yaml, name);
   for (const std::string& text : overrides) applyOverride(text, name, tree);
-  Scene scene = readScene(SceneNode(tree, "", name));
+  const SceneNode root(tree, "", name);
+  Scene scene = readScene(root);
   scene.name = sceneName(name);
+  scene.contentKey = contentKey(tree, scene.solver.dt);
+  resolve(root, scene);
   return scene;
 }
 

@@ -11,13 +11,18 @@ namespace {
 constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
 constexpr int kMaxPatchRadius = 1024;              // [particles]
 
-const SolverInfo& readMethod(const SceneNode& node, SolverSpec& solver) {
+const char* const kAuto = "auto";
+constexpr Range kError{0.0, 1.0, true, false};
+
+/// The method; nullptr if it is to be chosen.
+const SolverInfo* readMethod(const SceneNode& node, SolverSpec& solver) {
   const auto method = node.find("method");
-  if (!method) return findSolver(solver.method);
+  if (!method) return &findSolver(solver.method);
   std::vector<std::pair<std::string, const SolverInfo*>> known;
   for (const SolverInfo& info : solverRegistry()) known.emplace_back(info.name, &info);
-  const SolverInfo& info = *method->choice(known);
-  solver.method = info.name;
+  known.emplace_back(kAuto, nullptr);
+  const SolverInfo* info = method->choice(known);
+  if (info != nullptr) solver.method = info->name;
   return info;
 }
 
@@ -30,6 +35,17 @@ void readParameter(const SceneNode& node, const SolverParameter& parameter,
           ? static_cast<double>(value->integer(static_cast<std::int64_t>(parameter.minimum),
                                                static_cast<std::int64_t>(parameter.maximum)))
           : value->number({parameter.minimum, parameter.maximum, false, false});
+}
+
+void readParameters(const SceneNode& node, const SolverInfo& info, SolverParameters& parameters) {
+  for (const SolverParameter& parameter : info.parameters) {
+    readParameter(node, parameter, parameters);
+  }
+  try {
+    parameters = completeParameters(info, parameters);
+  } catch (const std::invalid_argument& error) {
+    node.refuse(error.what());
+  }
 }
 
 Shape readShape(const SceneNode& node) {
@@ -147,9 +163,11 @@ Seam readSeam(const SceneNode& node, const ClothSpec& cloth) {
 
 void readSolver(const SceneNode& node, SolverSpec& solver) {
   if (!node.isMap()) node.expected("a map with a method");
-  const SolverInfo& info = readMethod(node, solver);
+  const SolverInfo* info = readMethod(node, solver);
   keys::Keys allowed = keys::kSolver;
-  for (const SolverParameter& parameter : info.parameters) allowed.push_back(parameter.name);
+  if (info != nullptr) {
+    for (const SolverParameter& parameter : info->parameters) allowed.push_back(parameter.name);
+  }
   node.expectKeys(allowed);
   node.read("dt", solver.dt, kTimeStep);
   if (const auto guard = node.find("step_guard")) {
@@ -157,13 +175,12 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
                                              {"subdivide", StepGuard::kSubdivide},
                                              {"refuse", StepGuard::kRefuse}});
   }
-  for (const SolverParameter& parameter : info.parameters) {
-    readParameter(node, parameter, solver.parameters);
-  }
-  try {
-    solver.parameters = completeParameters(info, solver.parameters);
-  } catch (const std::invalid_argument& error) {
-    node.refuse(error.what());
+  const auto error = node.find("error");
+  if (info == nullptr) {
+    solver.choice = AutoChoice{node.need("error", kError.text()).number(kError), ""};
+  } else {
+    if (error) error->refuse("expected only beside method: auto (got " + info->name + ")");
+    readParameters(node, *info, solver.parameters);
   }
 }
 

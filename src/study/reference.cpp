@@ -130,11 +130,14 @@ Reference convergeReference(const StudyScene& study, const ConvergenceGoal& goal
   RunResult run = runScene(study, configure(method, dt, substeps, 0));
   Reference reference;
   reference.converged = false;
+  reference.cpuTime = run.cpuTime;
   for (int k = 0; k < goal.halvings && !reference.converged; ++k) {
+    if (k > 0 && reference.cpuTime + 2.0 * run.cpuTime > goal.mostCpuTime) break;
     dt *= 0.5;
     RunResult finer = runScene(study, configure(method, dt, substeps, 0));
     reference.ownError = difference(study, run, finer);
     reference.converged = reference.ownError <= goal.tolerance;
+    reference.cpuTime += finer.cpuTime;
     run = std::move(finer);
   }
   if (run.outcome != Outcome::kOk) throw std::runtime_error(study.name + ": " + run.why);

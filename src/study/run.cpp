@@ -37,6 +37,7 @@ class Watch {
     simulation_.step();
     result_.cpuTime += threadCpuTime() - start;
     checkFailure();
+    if (result_.cpuTime > study_.mostCpuTime) giveUp();
     noteTears();
     if (result_.outcome == Outcome::kOk) {
       result_.largestStretch = std::max(result_.largestStretch, simulation_.observeMaxStretch());
@@ -53,6 +54,12 @@ class Watch {
     } else if (std::any_of(x.begin(), x.end(), isFar)) {
       diverged("particles flew away");
     }
+  }
+
+  void giveUp() {
+    if (result_.outcome != Outcome::kOk) return;
+    result_.outcome = Outcome::kSkipped;
+    result_.why = "it takes too long";
   }
 
   void diverged(const std::string& why) {
@@ -131,6 +138,7 @@ Scene withConfiguration(Scene scene, const Configuration& configuration) {
   setIfKnown(method, "iterations", configuration.iterations, given);
   scene.solver.method = method.name;
   scene.solver.dt = configuration.dt;
+  scene.solver.guard = StepGuard::kAllow;  // a method is shown as it is
   scene.solver.parameters = completeParameters(method, given);
   return scene;
 }

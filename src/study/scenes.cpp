@@ -35,16 +35,17 @@ StudyScene loadStudyScene(const std::string& folder, const std::string& name) {
   return study;
 }
 
-StudyScene studyOf(Scene scene, double duration) {
+StudyScene studyOf(Scene scene, double duration, int multiple) {
   StudyScene study;
-  const double dt = scene.solver.dt;
-  const auto steps = std::max<long>(1, std::lround(duration / dt));
+  const double unit = multiple * scene.solver.dt;
+  const auto units = std::max<long>(1, std::lround(duration / unit));
   for (int k = 1; k <= kSamples; ++k) {
-    const long at = std::max<long>(1, std::lround(static_cast<double>(steps) * k / kSamples));
-    if (study.samples.empty() || at * dt > study.samples.back()) study.samples.push_back(at * dt);
+    const double at =
+        unit * std::max<long>(1, std::lround(static_cast<double>(units) * k / kSamples));
+    if (study.samples.empty() || at > study.samples.back()) study.samples.push_back(at);
   }
   study.name = scene.name;
-  study.duration = steps * dt;
+  study.duration = unit * units;
   study.tearing = scene.tearing.enabled;
   study.scene = std::move(scene);
   return study;

@@ -1,13 +1,16 @@
 #include "cloth_sim/study/study.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <mutex>
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/scene/names.h"
+#include "cloth_sim/study/jobs.h"
+#include "cloth_sim/study/resolution.h"
+#include "cloth_sim/study/stability.h"
 #include "cloth_sim/study/tables.h"
 
 namespace cloth_sim {
@@ -29,60 +32,97 @@ void writeTable(const std::string& file, const Write& write) {
   }
 }
 
+/// All of it as independent jobs; tables are written when all are done.
 class Study {
  public:
   Study(const StudyOptions& options, StudyProgress& progress)
-      : options_(options), progress_(progress) {}
+      : options_(options),
+        progress_(progress),
+        ladder_(options.quick ? quickLadder() : fullLadder()) {}
 
   void run() {
-    loadScenes();
-    countWork();
-    if (options_.workPrecision) compareMethods();
-    if (options_.stability) measureLimits();
-    if (options_.resolution) compareResolutions();
+    // The longest first, so that no thread waits long for the last.
+    if (options_.resolution) planResolutions();
+    if (options_.workPrecision) planComparisons();
+    if (options_.stability) planLimits();
+    runJobs(jobs_, options_.jobs);
+    if (options_.resolution) writeResolutions();
+    if (options_.workPrecision) writeComparisons();
+    if (options_.stability) writeLimits();
     progress_.update(total_, total_, "done");
   }
 
  private:
-  void loadScenes() {
-    const std::vector<std::string>& known = studySceneNames();
-    for (const std::string& name : options_.only) {
-      if (std::find(known.begin(), known.end(), name) == known.end()) {
-        throw SceneError(name + ": no scene of the study (known: " + joinNames(known) + ")");
-      }
-    }
-    for (const std::string& name : known) {
-      const auto& only = options_.only;
-      if (!only.empty() && std::find(only.begin(), only.end(), name) == only.end()) continue;
-      scenes_.push_back(loadStudyScene(options_.scenes, name));
-    }
+  /// One scene, and what its runs will be compared with.
+  struct Compared {
+    StudyScene study;
+    Reference reference;
+    std::vector<std::vector<WorkPrecisionRow>> climbs;
+  };
+
+  void add(int pieces, std::function<void()> job) {
+    total_ += pieces;
+    jobs_.push_back(std::move(job));
   }
 
-  Ladder ladder() const { return options_.quick ? quickLadder() : fullLadder(); }
-
-  std::vector<int> resolutions() const {
-    if (options_.quick) return {16, 32, 64};
-    return {16, 32, 64, 128};
+  void announce(const std::string& next) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    progress_.update(done_++, total_, next);
   }
 
-  void countWork() {
-    for (const StudyScene& study : scenes_) {
-      if (!options_.workPrecision) break;
-      ++total_;  // its reference
-      for (const SolverInfo& method : solverRegistry()) {
-        total_ += static_cast<int>(climb(method, study.scene.solver.dt, ladder()).size());
-      }
-    }
-    if (options_.stability) total_ += 2 * static_cast<int>(solverRegistry().size());
-    if (options_.resolution) total_ += 3 * static_cast<int>(resolutions().size());
-  }
-
-  void announce(const std::string& next) { progress_.update(done_++, total_, next); }
-  Announce announcer() {
-    return [this](const std::string& next) { announce(next); };
+  void remark(const std::string& text) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    progress_.remark(text);
   }
 
   std::string file(const std::string& name) const { return options_.out + "/" + name; }
+
+  // ---- cost against error
+
+  void planComparisons() {
+    for (const std::string& name : namesOfScenes()) {
+      scenes_.push_back({loadStudyScene(options_.scenes, name), {}, {}});
+    }
+    for (Compared& scene : scenes_) {
+      add(1, [this, &scene] { scene.reference = referenceOf(scene.study); });
+      planClimbs(scene);
+    }
+  }
+
+  void planClimbs(Compared& scene) {
+    std::vector<Climb> all;
+    for (const SolverInfo& method : solverRegistry()) {
+      for (Climb& climb : climbs(method, scene.study.scene.solver.dt, ladder_)) {
+        all.push_back(std::move(climb));
+      }
+    }
+    scene.climbs.resize(all.size());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const int pieces = static_cast<int>(all[k].size());
+      add(pieces, [this, &scene, k, climb = std::move(all[k])] {
+        scene.climbs[k] = measureClimb(scene.study, climb, ladder_,
+                                       [this](const std::string& next) { announce(next); });
+      });
+    }
+  }
+
+  std::vector<std::string> namesOfScenes() const {
+    const std::vector<std::string>& known = studySceneNames();
+    const auto isAmong = [](const std::vector<std::string>& names, const std::string& name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    for (const std::string& name : options_.only) {
+      if (!isAmong(known, name)) {
+        throw SceneError(name + ": no scene of the study (known: " + joinNames(known) + ")");
+      }
+    }
+    if (options_.only.empty()) return known;
+    std::vector<std::string> names;
+    for (const std::string& name : known) {
+      if (isAmong(options_.only, name)) names.push_back(name);
+    }
+    return names;
+  }
 
   /// The one in a file, if the scene is smooth and has one that is its own; else a converged run.
   Reference referenceOf(const StudyScene& study) {
@@ -91,20 +131,22 @@ class Study {
       try {
         return readReference(referenceFile(options_.scenes, study.name), study);
       } catch (const std::runtime_error& error) {
-        progress_.remark(std::string(error.what()) + "; a converged run serves instead");
+        remark(std::string(error.what()) + "; a converged run serves instead");
       }
     }
     return convergeReference(study, options_.quick ? kQuickGoal : kFullGoal);
   }
 
-  void compareMethods() {
+  void writeComparisons() {
     std::vector<WorkPrecisionRow> rows;
     std::vector<NamedReference> references;
-    for (const StudyScene& study : scenes_) {
-      const Reference reference = referenceOf(study);
-      references.push_back({study.name, reference.source, reference.ownError});
-      for (WorkPrecisionRow& row : measureWorkPrecision(study, reference, ladder(), announcer())) {
-        rows.push_back(std::move(row));
+    for (Compared& scene : scenes_) {
+      references.push_back({scene.study.name, scene.reference.source, scene.reference.ownError});
+      for (std::vector<WorkPrecisionRow>& climb : scene.climbs) {
+        for (WorkPrecisionRow& row : climb) {
+          judge(scene.reference, scene.study, row);
+          rows.push_back(std::move(row));
+        }
       }
     }
     writeTable(file("work_precision.csv"), [&](auto& out) { writeWorkPrecision(out, rows); });
@@ -118,35 +160,70 @@ class Study {
     int count = 0;
     writeTable(file("skipped.txt"), [&](auto& out) { count = writeSkipped(out, rows); });
     if (count > 0) {
-      progress_.remark(std::to_string(count) + " runs were not made, " + file("skipped.txt") +
-                       " says why");
+      remark(std::to_string(count) + " runs were not made, " + file("skipped.txt") + " says why");
     } else {
       std::remove(file("skipped.txt").c_str());
     }
   }
 
-  void measureLimits() {
-    std::vector<StabilityLimit> limits;
-    for (const VibratingSystem& system : {makeOscillator(), makeVibratingCloth()}) {
+  // ---- limits of stability
+
+  void planLimits() {
+    systems_ = {makeOscillator(), makeVibratingCloth()};
+    limits_.resize(systems_.size() * solverRegistry().size());
+    std::size_t k = 0;
+    for (const VibratingSystem& system : systems_) {
       for (const SolverInfo& method : solverRegistry()) {
-        announce("stability, " + system.name + ", " + method.name);
-        limits.push_back(measureStability(method, system));
+        add(1, [this, &system, &method, k] {
+          announce("stability, " + system.name + ", " + method.name);
+          limits_[k] = measureStability(method, system);
+        });
+        ++k;
       }
     }
-    writeTable(file("stability.csv"), [&](auto& out) { writeStability(out, limits); });
-    writeTable(file("stability_limits.csv"), [&](auto& out) { writeStabilityLimits(out, limits); });
   }
 
-  void compareResolutions() {
-    const std::vector<ResolutionRow> rows = measureResolution(resolutions(), announcer());
-    writeTable(file("resolution.csv"), [&](auto& out) { writeResolution(out, rows); });
+  void writeLimits() const {
+    writeTable(file("stability.csv"), [&](auto& out) { writeStability(out, limits_); });
+    writeTable(file("stability_limits.csv"),
+               [&](auto& out) { writeStabilityLimits(out, limits_); });
+  }
+
+  // ---- what depends on the resolution
+
+  void planResolutions() {
+    std::vector<ResolutionRun> runs = resolutionRuns(
+        options_.quick ? std::vector<int>{16, 32, 64} : std::vector<int>{16, 32, 64, 128, 256});
+    std::stable_sort(runs.begin(), runs.end(), [](const ResolutionRun& a, const ResolutionRun& b) {
+      return a.particles > b.particles;
+    });
+    resolutions_.resize(runs.size());
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      add(1, [this, k, run = runs[k]] {
+        announce("resolution, " + run.name + ", " + std::to_string(run.particles) + " particles");
+        resolutions_[k] = run.make();
+      });
+    }
+  }
+
+  void writeResolutions() const {
+    std::vector<ResolutionRow> rows;
+    for (const auto& of : resolutions_) rows.insert(rows.end(), of.begin(), of.end());
+    writeTable(file("resolution.csv"),
+               [&](auto& out) { writeResolution(out, compareWithFinest(std::move(rows))); });
   }
 
   const StudyOptions& options_;
   StudyProgress& progress_;
-  std::vector<StudyScene> scenes_;
+  Ladder ladder_;
+  Jobs jobs_;
+  std::mutex mutex_;  ///< of `progress_` and `done_`
   int done_ = 0;
   int total_ = 0;
+  std::vector<Compared> scenes_;  ///< not resized once jobs refer to them
+  std::vector<VibratingSystem> systems_;
+  std::vector<StabilityLimit> limits_;
+  std::vector<std::vector<ResolutionRow>> resolutions_;
 };
 
 }  // namespace

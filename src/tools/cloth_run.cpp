@@ -267,9 +267,20 @@ int report(const Options& options, const Simulation& simulation) {
   return kDone;
 }
 
+/// What `method: auto` has come to, on one line.
+void sayChoice(const SolverSpec& solver) {
+  if (!solver.choice) return;
+  std::cerr << "cloth_run: solver auto, error " << solver.choice->error << ": " << solver.method
+            << ", dt " << solver.dt;
+  for (const auto& [name, value] : solver.parameters) std::cerr << ", " << name << ' ' << value;
+  std::cerr << " (" << solver.choice->source << ')' << std::endl;
+}
+
 std::unique_ptr<Simulation> buildSimulation(const Options& options) {
   try {
-    return std::make_unique<Simulation>(loadScene(resolveScene(options.scene), options.overrides));
+    Scene scene = loadScene(resolveScene(options.scene), options.overrides);
+    sayChoice(scene.solver);
+    return std::make_unique<Simulation>(std::move(scene));
   } catch (const std::exception& error) {
     throw BadInput(error.what());
   }

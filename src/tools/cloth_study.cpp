@@ -19,6 +19,7 @@
 #include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/study/advise.h"
 #include "cloth_sim/study/exact.h"
+#include "cloth_sim/study/make_auto_table.h"
 #include "cloth_sim/study/study.h"
 
 namespace cloth_sim {
@@ -39,13 +40,17 @@ const char* const kResolution = "resolution";
 struct Options {
   bool quick = false;
   bool charts = true;
+  int jobs = 1;
   std::string out;
   std::vector<std::string> scenes;
   std::vector<std::string> parts{kWorkPrecision, kStability, kResolution};
   std::string references;  ///< "": do not make them
+  std::string autoTable;   ///< file to write; "": none
+  bool cache = false;      ///< the advice goes into the user's cache
   std::string advise;      ///< scene; "": none
   double error = 0.01;     ///< that the advice shall keep
   double duration = 1.0;   ///< of the scene that is looked at for that [s]
+  double budget = 120.0;   ///< CPU time for that [s]
 };
 
 /// A wrong command line, or a folder that cannot be used.
@@ -61,7 +66,12 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
       "stability, and what depends on the resolution. Writes CSV tables and charts.",
       "cloth_study");
   app.add_option("--out", options.out, "folder for tables and charts (made if it is not there)");
-  app.add_flag("--quick", options.quick, "shorter ladders of substeps: a minute or two, not hours");
+  app.add_flag("--quick", options.quick, "shorter ladders of substeps: two minutes");
+  app.add_option("--jobs", options.jobs,
+                 "runs at the same time, each in a thread of its own (timings are of threads, but\n"
+                 "give it no more than there are quiet cores)")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
   app.add_option("--scenes", options.scenes, "only these of the study's scenes, a,b,...")
       ->delimiter(',');
   app.add_option("--parts", options.parts,
@@ -72,9 +82,13 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--make-references", options.references,
                  "make the references of the smooth scenes anew, with SUNDIALS CVODE, into this\n"
                  "folder, and nothing else");
+  app.add_option(
+      "--make-auto-table", options.autoTable,
+      "write the table of 'solver: {method: auto}' from the tables in --out, and nothing\n"
+      "else");
   app.add_option("--advise", options.advise,
-                 "scene file, or name of one of the package's: says which method and how many\n"
-                 "substeps it needs");
+                 "scene file, or name of one of the package's: says which method, step and\n"
+                 "substeps it needs, and what it can do without");
   app.add_option("--error", options.error,
                  "error that the advice shall keep: of positions over the cloth's side, or\n"
                  "(where it comes apart) of the time of separation")
@@ -83,6 +97,14 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   app.add_option("--duration", options.duration, "of the scene, for the advice [s]")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e4));
+  app.add_flag(
+      "--cache", options.cache,
+      "advise on the solver only, and keep that for 'solver: {method: auto}' of this scene,\n"
+      "on this machine");
+  app.add_option("--budget", options.budget,
+                 "CPU time after which the advice tries nothing new [s]")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1e6));
   app.footer("Exit status: 0 done; 2 bad input; 1 something failed, and the last line says what.");
   try {
     app.parse(argc, argv);
@@ -121,7 +143,12 @@ class Progress final : public StudyProgress {
 
   /// Of something that nobody knows the length of.
   void mention(int done, const std::string& next) {
-    if (terminal_) std::fprintf(stderr, "\r%d  %.0f s  %s\033[K", done, wallTime(), next.c_str());
+    const double now = wallTime();
+    if (!terminal_ && now - shown_ < kLinePeriod) return;
+    shown_ = now;
+    std::fprintf(stderr, terminal_ ? "\r%d  %.0f s  %s\033[K" : "%d  %.0f s  %s\n", done, now,
+                 next.c_str());
+    std::fflush(stderr);
   }
   void clear() const {
     if (terminal_) std::fputs("\r\033[K", stderr);
@@ -196,34 +223,74 @@ int makeReferences(const std::string& folder) {
   return kDone;
 }
 
-StudyScene loadForAdvice(const Options& options) {
-  try {
-    return studyOf(loadScene(resolveScene(options.advise)), options.duration);
-  } catch (const std::invalid_argument& error) {
-    throw BadInput(options.advise + ": " + error.what());
-  }
+/// For `solver: {method: auto}` of the same scene.
+void keepAdvice(const Advice& advice) {
+  const std::string file = userCacheFile();
+  if (file.empty()) throw std::runtime_error("--cache: expected HOME or CLOTH_SIM_CACHE to be set");
+  const Scene& scene = advice.study.scene;
+  AutoCache(file).add(scene.contentKey, advice.bound,
+                      withConfiguration(scene, advice.best->configuration).solver);
+  std::cout << "kept in " << file << std::endl;
 }
 
 int adviseOn(const Options& options) {
-  StudyScene study = loadForAdvice(options);
+  const std::string scene = resolveScene(options.advise);
+  AdviceRequest request;
+  request.load = [scene](const auto& overrides) { return loadScene(scene, overrides); };
+  request.bound = options.error;
+  request.duration = options.duration;
+  request.budget = options.budget;
+  request.simplify = !options.cache;
   int done = 0;
   Progress progress;
   const Announce announce = [&](const std::string& next) { progress.mention(++done, next); };
-  const Advice advice = advise(study, options.error, announce);
+  const Advice advice = advise(request, announce);
   progress.clear();
-  writeAdvice(std::cout, study, advice);
+  writeAdvice(std::cout, advice, options.advise);
   if (advice.reference.ownError > options.error) {
     progress.remark("the run that all are compared with is itself no better than " +
                     std::to_string(advice.reference.ownError) +
                     ": this scene is not predictable to the error that was asked for");
   }
+  if (advice.best && options.cache) keepAdvice(advice);
   return advice.best ? kDone : kFailed;
+}
+
+std::ifstream openTable(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw BadInput(file + ": cannot be read");
+  return in;
+}
+
+int makeAutoTableFrom(const Options& options) {
+  std::vector<StudyScene> scenes;
+  for (const std::string& name : studySceneNames()) {
+    scenes.push_back(loadStudyScene(packageFolder() / "config" / "study", name));
+  }
+  std::ifstream runs = openTable(options.out + "/work_precision.csv");
+  std::ifstream references = openTable(options.out + "/references.csv");
+  const AutoTable table = makeAutoTable(scenes, readWorkPrecision(runs), readOwnErrors(references));
+  const std::string temporary = options.autoTable + ".tmp";
+  std::ofstream out(temporary);
+  writeAutoTable(
+      out, table,
+      "What solver: {method: auto} chooses from; include/cloth_sim/scene/auto_method.h\n"
+      "says what the columns are. Made by: cloth_study --out DIR --parts work_precision\n"
+      "and cloth_study --out DIR --make-auto-table config/auto_methods.csv");
+  out.close();
+  if (!out || std::rename(temporary.c_str(), options.autoTable.c_str()) != 0) {
+    std::remove(temporary.c_str());
+    throw std::runtime_error(options.autoTable + ": cannot be written");
+  }
+  std::cout << options.autoTable << std::endl;
+  return kDone;
 }
 
 int run(const Options& options) {
   const ThreadLimit oneThread(1);
   if (!options.references.empty()) return makeReferences(options.references);
   if (!options.advise.empty()) return adviseOn(options);
+  if (!options.autoTable.empty()) return makeAutoTableFrom(options);
   makeFolder(options.out);
   const std::set<std::string> parts(options.parts.begin(), options.parts.end());
   StudyOptions study;
@@ -231,6 +298,7 @@ int run(const Options& options) {
   study.scenes = packageFolder() / "config" / "study";
   study.out = options.out;
   study.only = options.scenes;
+  study.jobs = options.jobs;
   study.workPrecision = parts.count(kWorkPrecision) != 0;
   study.stability = parts.count(kStability) != 0;
   study.resolution = parts.count(kResolution) != 0;

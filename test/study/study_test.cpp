@@ -106,19 +106,33 @@ TEST(TrajectoryError, IsTheRootOfTheMeanSquareOverTheSide) {
   EXPECT_TRUE(std::isinf(trajectoryError(a, b, 2.0)));
 }
 
+/// Every method on one scene, judged.
+std::vector<WorkPrecisionRow> compareAll(const StudyScene& study, const Ladder& ladder) {
+  const Reference reference = convergeReference(study, {1e-3, 4});
+  std::vector<WorkPrecisionRow> rows;
+  for (const SolverInfo& method : solverRegistry()) {
+    for (const Climb& climb : climbs(method, study.scene.solver.dt, ladder)) {
+      for (WorkPrecisionRow& row : measureClimb(study, climb, ladder, [](const std::string&) {})) {
+        judge(reference, study, row);
+        rows.push_back(std::move(row));
+      }
+    }
+  }
+  return rows;
+}
+
 TEST(WorkPrecision, EveryMethodHasEveryRowWhateverItMayCost) {
   const StudyScene study = smallStudy();
-  const Reference reference = convergeReference(study, {1e-3, 4});
   Ladder ladder = quickLadder();
   ladder.substeps = {1, 2, 40};
+  ladder.substepsWithIterations = {1, 2};
   std::size_t expected = 0;
   for (const SolverInfo& method : solverRegistry()) {
-    expected += climb(method, study.scene.solver.dt, ladder).size();
+    for (const Climb& climb : climbs(method, study.scene.solver.dt, ladder)) {
+      expected += climb.size();
+    }
   }
-  const auto measure = [&] {
-    return measureWorkPrecision(study, reference, ladder, [](const std::string&) {});
-  };
-  const std::vector<WorkPrecisionRow> rows = measure();
+  const std::vector<WorkPrecisionRow> rows = compareAll(study, ladder);
   EXPECT_EQ(rows.size(), expected);
   for (const WorkPrecisionRow& row : rows) {
     EXPECT_NE(row.run.outcome, Outcome::kRefused) << row.run.why;
@@ -127,8 +141,8 @@ TEST(WorkPrecision, EveryMethodHasEveryRowWhateverItMayCost) {
     }
   }
   EXPECT_FALSE(paretoRows(rows).empty());
-  ladder.mostPerMethod = 0.0;  // only what nothing is known of yet is run
-  const std::vector<WorkPrecisionRow> skipped = measure();
+  ladder.mostPerRun = 0.0;  // only what nothing is known of yet is run
+  const std::vector<WorkPrecisionRow> skipped = compareAll(study, ladder);
   EXPECT_EQ(skipped.size(), expected);
   EXPECT_EQ(skipped[1].run.outcome, Outcome::kSkipped);
 }

@@ -680,7 +680,8 @@ TEST(Scene, BadSyntaxSaysWhere) {
 
 TEST(Scene, UnknownMethodNamesTheKnown) {
   std::string known;
-  for (const SolverInfo& info : solverRegistry()) known += (known.empty() ? "" : ", ") + info.name;
+  for (const SolverInfo& info : solverRegistry()) known += info.name + ", ";
+  known += "auto";
   EXPECT_EQ(complaint("cloth: {}\nsolver: {method: leapfrog, dt: 0.1}"),
             "s.yaml:2: solver.method: expected one of " + known + " (got 'leapfrog')");
 }

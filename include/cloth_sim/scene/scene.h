@@ -42,11 +42,18 @@ struct ClothSpec {
   SurgerySettings surgery;
 };
 
+/// How a method was chosen for a scene that left it open.
+struct AutoChoice {
+  double error = 0.0;  ///< that the scene asks for
+  std::string source;  ///< where the choice comes from, in words
+};
+
 struct SolverSpec {
   std::string method = "xpbd";
   double dt = 1.0 / 60.0;  ///< of one simulation step [s]
   StepGuard guard = StepGuard::kAllow;
-  SolverParameters parameters;  ///< complete
+  SolverParameters parameters;       ///< complete
+  std::optional<AutoChoice> choice;  ///< the scene says `auto`: all of the above is chosen
 };
 
 /// What must hold for a phase to end: all that are given, at the same time.
@@ -109,6 +116,9 @@ struct Scene {
   TearingSettings tearing;
   std::vector<PhaseSpec> phases;
   std::uint64_t seed = 1;
+  /// Of all that the file says except its method, and the length of a step: the same for the same
+  /// scene. "" if it comes from no file.
+  std::string contentKey;
 };
 
 }  // namespace cloth_sim

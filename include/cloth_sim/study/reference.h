@@ -16,6 +16,7 @@ struct Reference {
   Trajectory trajectory;  ///< empty for a scene about tearing
   TearRecord tearing;     ///< of a scene about tearing
   double ownError = 0.0;  ///< estimate, in the unit of the errors of the study
+  double cpuTime = 0.0;   ///< that it took to make [s]; 0: it was read
   bool converged = true;  ///< false: `ownError` is more than was asked for
 };
 
@@ -32,6 +33,8 @@ const SolverInfo& referenceMethod();
 struct ConvergenceGoal {
   double tolerance = 1e-3;
   int halvings = 4;
+  /// No halving is begun that would take more in all [s of CPU time]; one is made in any case.
+  double mostCpuTime = std::numeric_limits<double>::infinity();
 };
 
 /// A run of `referenceMethod`, whose steps and substeps are halved until two runs differ by no more

@@ -2,6 +2,7 @@
 /// \file What is compared: scenes, for how long, and when one looks at them.
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct StudyScene {
   std::vector<double> samples;
   /// It is about when the cloth falls apart, not about where it is.
   bool tearing = false;
+  /// Runs that take longer are broken off [s of CPU time].
+  double mostCpuTime = std::numeric_limits<double>::infinity();
 
   /// Side that errors are relative to: the longer one of the cloth [m].
   double side() const { return std::max(scene.cloth.width, scene.cloth.height); }
@@ -35,7 +38,8 @@ const std::vector<std::string>& studySceneNames();
 /// \throws SceneError
 StudyScene loadStudyScene(const std::string& folder, const std::string& name);
 
-/// Any scene, compared at four times up to `duration` [s] (rounded to the scene's steps).
-StudyScene studyOf(Scene scene, double duration);
+/// Any scene, compared at four times up to `duration` [s]; these are whole numbers of `multiple`
+/// steps of the scene.
+StudyScene studyOf(Scene scene, double duration, int multiple = 1);
 
 }  // namespace cloth_sim

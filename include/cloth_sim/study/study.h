@@ -16,6 +16,7 @@ struct StudyOptions {
   bool workPrecision = true;      ///< parts of the study
   bool stability = true;
   bool resolution = true;
+  int jobs = 1;  ///< threads; each run is in, and timed in, one of them
 };
 
 /// Tells how far it is. `done` of `total` pieces of work lie behind it.

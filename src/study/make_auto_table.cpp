@@ -1,0 +1,201 @@
+#include "cloth_sim/study/make_auto_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <istream>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "cloth_sim/study/run.h"
+
+namespace cloth_sim {
+namespace {
+
+const double kErrors[] = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1};  // ascending
+/// Substeps of the table are shorter by this than those that were just good enough: other scenes
+/// are not quite those that were measured.
+constexpr double kMargin = 0.7;
+/// A reference says nothing about errors below this many times its own.
+constexpr double kResolved = 3.0;
+
+using Columns = std::map<std::string, std::string>;
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream in(line);
+  for (std::string field; std::getline(in, field, ',');) fields.push_back(field);
+  return fields;
+}
+
+/// The rows of a CSV table; fields are not quoted, but for what comes last.
+std::vector<Columns> readTable(std::istream& in, const std::vector<std::string>& needed) {
+  std::string line;
+  std::getline(in, line);
+  const std::vector<std::string> names = split(line);
+  for (const std::string& name : needed) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      throw std::runtime_error("expected a column " + name);
+    }
+  }
+  std::vector<Columns> rows;
+  while (std::getline(in, line)) {
+    const std::vector<std::string> fields = split(line);
+    Columns row;
+    for (std::size_t k = 0; k < std::min(names.size(), fields.size()); ++k) {
+      row[names[k]] = fields[k];
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+double numberOf(const Columns& row, const std::string& name) {
+  try {
+    return std::stod(row.at(name));
+  } catch (const std::exception&) {
+    throw std::runtime_error(name + ": expected a number");
+  }
+}
+
+/// What one method needs in one scene.
+struct Need {
+  double substep = 0.0;  ///< over its unit
+  double longest = 0.0;  ///< [s]
+  double cost = 0.0;     ///< of a substep of a particle [s]
+};
+
+/// The runs of one method and step in one scene, by substeps.
+using Rungs = std::vector<MeasuredRun>;
+
+std::optional<MeasuredRun> firstThatKeeps(double error, const Rungs& rungs) {
+  std::optional<MeasuredRun> first;
+  int kept = 0;
+  for (auto rung = rungs.rbegin(); rung != rungs.rend(); ++rung) {
+    if (!rung->ok || rung->error > error) break;
+    first = *rung;
+    ++kept;
+  }
+  return kept > 1 ? first : std::nullopt;
+}
+
+class TableMaker {
+ public:
+  TableMaker(const std::vector<StudyScene>& scenes, const std::vector<MeasuredRun>& runs,
+             const std::map<std::string, double>& ownErrors)
+      : scenes_(scenes), runs_(runs), ownErrors_(ownErrors) {
+    for (const MeasuredRun& run : runs) steps_.insert(run.dt);
+  }
+
+  AutoTable make() const {
+    AutoTable table;
+    for (const SceneClass kind :
+         {SceneClass::kSmooth, SceneClass::kContact, SceneClass::kTearing}) {
+      for (const SolverInfo& method : solverRegistry()) {
+        // Not what does not converge, nor what is stable only where something else damps.
+        if (method.order == 0 || method.stabilityLimit == 0.0) continue;
+        for (const double dt : steps_) addRows(kind, method, dt, table);
+      }
+    }
+    return table;
+  }
+
+ private:
+  void addRows(SceneClass kind, const SolverInfo& method, double dt, AutoTable& table) const {
+    double longest = 0.0;
+    for (const double error : kErrors) {
+      const std::optional<Need> need = needOf(kind, method, dt, error);
+      if (!need || need->substep <= longest) continue;
+      longest = need->substep;
+      table.push_back({kind, error, &method, dt, need->substep, need->longest, need->cost});
+    }
+  }
+
+  /// Of all scenes of a class.
+  std::optional<Need> needOf(SceneClass kind, const SolverInfo& method, double dt,
+                             double error) const {
+    std::optional<Need> most;
+    for (const StudyScene& study : scenes_) {
+      if (classOf(study.scene) != kind) continue;
+      const std::optional<Need> need = needOf(study, method, dt, error);
+      if (!need) return std::nullopt;
+      if (!most) {
+        most = need;
+      } else {
+        most->substep = std::min(most->substep, need->substep);
+        most->longest = std::min(most->longest, need->longest);
+        most->cost = std::max(most->cost, need->cost);
+      }
+    }
+    return most;
+  }
+
+  std::optional<Need> needOf(const StudyScene& study, const SolverInfo& method, double dt,
+                             double error) const {
+    const auto own = ownErrors_.find(study.name);
+    if (own == ownErrors_.end() || error < kResolved * own->second) return std::nullopt;
+    const auto run = firstThatKeeps(error, rungsOf(study, method, dt));
+    if (!run) return std::nullopt;
+    const double substep = dt / run->substeps;
+    const ClothSpec& cloth = study.scene.cloth;
+    return Need{kMargin * substep / stepUnit(scaleOf(method), cloth), kMargin * substep,
+                run->cost * substep / (static_cast<double>(cloth.columns) * cloth.rows)};
+  }
+
+  Rungs rungsOf(const StudyScene& study, const SolverInfo& method, double dt) const {
+    const SolverParameter* iterations = findParameter(method, "iterations");
+    const double usual = iterations != nullptr ? iterations->defaultValue : 0.0;
+    Rungs rungs;
+    for (const MeasuredRun& run : runs_) {
+      if (run.scene == study.name && run.method == method.name && run.dt == dt &&
+          run.iterations == usual && !run.skipped) {
+        rungs.push_back(run);
+      }
+    }
+    std::sort(rungs.begin(), rungs.end(),
+              [](const MeasuredRun& a, const MeasuredRun& b) { return a.substeps < b.substeps; });
+    return rungs;
+  }
+
+  const std::vector<StudyScene>& scenes_;
+  const std::vector<MeasuredRun>& runs_;
+  const std::map<std::string, double>& ownErrors_;
+  std::set<double> steps_;  ///< [s]
+};
+
+}  // namespace
+
+std::vector<MeasuredRun> readWorkPrecision(std::istream& in) {
+  std::vector<MeasuredRun> runs;
+  for (const Columns& row : readTable(in, {"scene", "solver", "dt", "substeps", "iterations",
+                                           "cpu_s_per_sim_s", "error", "status"})) {
+    MeasuredRun run;
+    run.scene = row.at("scene");
+    run.method = row.at("solver");
+    run.dt = numberOf(row, "dt");
+    run.substeps = static_cast<int>(numberOf(row, "substeps"));
+    run.iterations = static_cast<int>(numberOf(row, "iterations"));
+    run.cost = numberOf(row, "cpu_s_per_sim_s");
+    run.error = numberOf(row, "error");
+    run.ok = row.at("status") == toString(Outcome::kOk);
+    run.skipped = row.at("status") == toString(Outcome::kSkipped);
+    runs.push_back(std::move(run));
+  }
+  return runs;
+}
+
+std::map<std::string, double> readOwnErrors(std::istream& in) {
+  std::map<std::string, double> errors;
+  for (const Columns& row : readTable(in, {"scene", "own_error"})) {
+    errors[row.at("scene")] = numberOf(row, "own_error");
+  }
+  return errors;
+}
+
+AutoTable makeAutoTable(const std::vector<StudyScene>& scenes, const std::vector<MeasuredRun>& runs,
+                        const std::map<std::string, double>& ownErrors) {
+  return TableMaker(scenes, runs, ownErrors).make();
+}
+
+}  // namespace cloth_sim
