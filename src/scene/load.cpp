@@ -77,6 +77,7 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   for (const std::string& text : overrides) applyOverride(text, name, tree);
   Scene scene = readScene(SceneNode(tree, "", name));
   scene.name = sceneName(name);
+  scene.text = emitYaml(tree);
   return scene;
 }
 

@@ -47,8 +47,17 @@ class Simulation {
   /// The largest stretch that `observeMaxStretch` has seen.
   double maxStretchSeen() const { return maxStretchSeen_; }
 
-  /// Failures since the last call, in order; they are also counted in `broken`.
+  /// All springs that failed since the start or the last reset, in order, as counted in `broken`.
+  const std::vector<FailureEvent>& failures() const { return failures_; }
+  /// Those since the last call.
   std::vector<FailureEvent> takeEvents();
+
+  /// Everything that the future of this simulation depends on, as bytes (see sim/saved_state.h).
+  std::string save() const;
+  /// Goes on from `bytes` as the simulation that was saved would, to the bit.
+  /// \throws StateError if they are damaged, of another version or of another scene; nothing has
+  ///         changed then.
+  void load(const std::string& bytes);
 
   /// The connected pieces of cloth, the largest first.
   std::vector<PieceSnapshot> describePieces() const;
@@ -92,6 +101,12 @@ class Simulation {
   Clamp* findClamp(const std::string& name);
   std::shared_ptr<const Topology> makeTopology() const;
 
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive);
+  template <class Archive>
+  void serializeContacts(Archive& archive);
+
   Scene scene_;
   Model model_;
   State state_;
@@ -106,7 +121,8 @@ class Simulation {
   PhaseScript script_;
   Tearing tearing_;
   BrokenCounts broken_;
-  std::vector<FailureEvent> events_;
+  std::vector<FailureEvent> failures_;
+  std::size_t told_ = 0;  ///< of failures_, by takeEvents
   std::shared_ptr<const Topology> topology_;
   SurgeryLimits limits_;
   Pieces pieces_;
@@ -114,6 +130,7 @@ class Simulation {
   std::uint64_t stepCount_ = 0;
   double maxStretchSeen_ = 1.0;
   std::string failure_;
+  std::uint64_t startHash_ = 0;  ///< stateHash before the first step
 };
 
 }  // namespace cloth_sim

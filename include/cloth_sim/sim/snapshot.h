@@ -43,6 +43,11 @@ struct BrokenCounts {
   std::array<int, kSpringKinds> byKind{0, 0, 0};
   int torn = 0;
   int cut = 0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(total, byKind, torn, cut);
+  }
 };
 
 /// One connected piece of cloth.
@@ -58,6 +63,11 @@ struct DroppedScraps {
   int count = 0;
   double mass = 0.0;      ///< [kg]
   double restArea = 0.0;  ///< [m^2]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(count, mass, restArea);
+  }
 };
 
 struct Snapshot {

@@ -75,16 +75,34 @@ class Tearing {
     double length = 0.0;  ///< [m]
     std::int32_t slot = kNone;
     std::vector<Vec2> places;  ///< corners of the line, material coordinates [m]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(start, length, slot, places);
+    }
   };
   /// Where a tear has run.
   struct Run {
     Vec2 at = Vec2::Zero();  ///< material coordinates [m]
     double time = 0.0;       ///< [s]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(at, time);
+    }
   };
   struct Overload {
     double excess = 0.0;  ///< stretch over limit
     std::int32_t slot = kNone;
   };
+
+  friend class cereal::access;
+  /// What commands, steps and edits change; the rest is as the scene has it.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(settings_.enabled, settings_.ratio);
+    archive(candidates_, tips_, runs_, idle_, worst_, plannedAt_, strides_);
+  }
 
   bool allowed(const Model& model, const Spring& spring) const;
   std::vector<Overload> findOverloads(const Model& model, const State& state);
