@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cloth_sim/ros/clock_publisher.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -20,7 +22,8 @@ constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which i
 }  // namespace
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
-                       const NodeParameters& parameters, SimulationThread& simulation)
+                       const NodeParameters& parameters, const std::string& scene,
+                       SimulationThread& simulation)
     : parameters_(parameters),
       simulation_(simulation),
       nodeName_(ros::this_node::getName()),
@@ -43,10 +46,15 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   brokenSprings_ = own.advertise<BrokenSprings>("broken_springs", 10, true);
   tearEvents_ = own.advertise<TearEvents>("tear_events", 1000);
   phase_ = own.advertise<std_msgs::String>("phase", 10, true);
+  commands_ = own.advertise<ClothCommand>("commands", 1000);
+  scene_ = own.advertise<std_msgs::String>("scene", 1, true);
   for (const ClampSnapshot& clamp : simulation.observe().snapshot->clamps) {
     wrenches_.push_back(
         own.advertise<geometry_msgs::WrenchStamped>("clamps/" + clamp.name + "/wrench", 10));
   }
+  std_msgs::String text;
+  text.data = scene;
+  scene_.publish(text);
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
   thread_ = std::thread([this] { run(); });
@@ -96,8 +104,9 @@ void Publishers::run() {
 
 void Publishers::tick() {
   const Observation observation = simulation_.observe();
-  header_.stamp = ros::Time::now();
+  header_.stamp = stampOf(observation);
   header_.frame_id = parameters_.worldFrame;
+  sendCommands();
   sendTopology(observation);
   sendEvents(observation);
   sendPhase(observation);
@@ -114,6 +123,20 @@ void Publishers::tick() {
   updater_.update();
 }
 
+/// With simulated time of our own, the time that the observation is of.
+ros::Time Publishers::stampOf(const Observation& observation) const {
+  if (parameters_.publishClock && ros::Time::isSimTime()) {
+    return clockTime(observation.snapshot->time);
+  }
+  return ros::Time::now();
+}
+
+void Publishers::sendCommands() {
+  for (const CommandRecord& record : simulation_.takeCommands()) {
+    commands_.publish(toCommandMessage(record, header_));
+  }
+}
+
 void Publishers::sendTopology(const Observation& observation) {
   const std::shared_ptr<const Topology>& topology = observation.snapshot->topology;
   if (topology == sentTopology_) return;
@@ -126,6 +149,7 @@ void Publishers::sendEvents(const Observation& observation) {
   if (failures.resets != resetsSeen_) {
     resetsSeen_ = failures.resets;
     failures_.clear();
+    failures_.add(failures.before);
     sentBroken_ = -1;
   }
   if (!failures.events.empty()) {
@@ -165,7 +189,10 @@ void Publishers::sendClamps(const Observation& observation) {
     message.wrench = clampFrameWrench(clamps[i]);
     wrenches_[i].publish(message);
   }
-  if (!transforms.empty()) broadcaster_.sendTransform(transforms);
+  // The same stamp again, while simulated time stands still, would be a warning to everybody.
+  if (transforms.empty() || header_.stamp == sentTransforms_) return;
+  sentTransforms_ = header_.stamp;
+  broadcaster_.sendTransform(transforms);
 }
 
 void Publishers::sendFrame(const Observation& observation) {
@@ -180,7 +207,7 @@ void Publishers::sendMarkers(const Observation& observation) {
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const Snapshot& snapshot = *diagnosed_.snapshot;
-  const double asked = parameters_.realTimeFactor;
+  const double asked = diagnosed_.realTimeFactorAsked;
   if (snapshot.failed) {
     status.summary(DiagnosticStatus::ERROR, "failed: " + snapshot.failure);
   } else if (diagnosed_.paused) {

@@ -90,7 +90,7 @@ void Simulation::advance(const StepLength& length) {
 }
 
 void Simulation::runScript() {
-  if (script_.status() == ScriptStatus::kIdle && stepCount_ == 0) {
+  if (script_.status() == ScriptStatus::kIdle && script_.history().empty()) {
     if (const PhaseSpec* first = script_.start(time())) beginPhase(*first);
     return;
   }

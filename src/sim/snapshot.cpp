@@ -54,6 +54,7 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
   shot->energies = energies(model_, state_, controls_.gravity);
   shot->meanSpeed = meanSpeed(state_);
   shot->maxStretch = observeMaxStretch();
+  shot->hash = stateHash(model_, state_);
   shot->failed = failed();
   shot->failure = failure_;
   return shot;

@@ -79,6 +79,8 @@ class Collider {
   Pose poseAt(double time) const;
   /// Moves it: the pose holds at `time`, from where `velocity` goes on.
   void place(const Pose& pose, const Vec3& velocity, double time);
+  /// It is where it would have been `by` earlier [s].
+  void shiftTime(double by) { referenceTime_ += by; }
 
   /// Signed distance from `point` to the surface less the margin (negative inside) [m] at `time`.
   double gap(const Vec3& point, double time) const;

@@ -21,8 +21,9 @@ namespace cloth_sim {
 /// is not computed.
 class Publishers {
  public:
+  /// \param scene  its text, for whoever records.
   Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
-             SimulationThread& simulation);
+             const std::string& scene, SimulationThread& simulation);
   ~Publishers();
   Publishers(const Publishers&) = delete;
   Publishers& operator=(const Publishers&) = delete;
@@ -44,6 +45,8 @@ class Publishers {
 
   void run();
   void tick();
+  ros::Time stampOf(const Observation& observation) const;
+  void sendCommands();
   void sendTopology(const Observation& observation);
   void sendEvents(const Observation& observation);
   void sendPhase(const Observation& observation);
@@ -64,6 +67,8 @@ class Publishers {
   ros::Publisher brokenSprings_;
   ros::Publisher tearEvents_;
   ros::Publisher phase_;
+  ros::Publisher commands_;
+  ros::Publisher scene_;
   std::vector<ros::Publisher> wrenches_;  ///< by clamp, in the scene's order
   tf2_ros::TransformBroadcaster broadcaster_;
   diagnostic_updater::Updater updater_;
@@ -77,6 +82,7 @@ class Publishers {
   std_msgs::Header header_;  ///< of everything sent in this tick
   std::shared_ptr<const Topology> sentTopology_;
   std::string sentPhase_;
+  ros::Time sentTransforms_;
   int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
   std::uint64_t resetsSeen_ = 0;
   Observation diagnosed_;

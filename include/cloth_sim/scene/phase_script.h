@@ -56,6 +56,9 @@ class PhaseScript {
   /// \return nullptr, and nothing changed, if there is no phase of that name.
   const PhaseSpec* jump(const std::string& name, double time);
 
+  /// Whatever has happened so far happened `by` later [s].
+  void shiftTime(double by);
+
   ScriptStatus status() const { return status_; }
   /// nullptr unless running.
   const PhaseSpec* current() const;

@@ -38,6 +38,9 @@ void serialize(Archive& archive, Quaterniond& q) {
 
 namespace cloth_sim {
 
+using StateWriter = cereal::PortableBinaryOutputArchive;
+using StateReader = cereal::PortableBinaryInputArchive;
+
 /// A list of what has no default: on reading, items are copies of `blank` first.
 template <class Archive, typename T>
 void serializeItems(Archive& archive, std::vector<T>& items, const T& blank) {

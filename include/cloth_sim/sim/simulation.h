@@ -98,6 +98,9 @@ class Simulation {
   CommandResult carryOut(const CutAlong& command);
   CommandResult carryOut(const RefineNear& command);
   CommandResult carryOut(const Reset& command);
+  CommandResult carryOut(const Restore& command);
+  /// Everything that is told by the time goes on as if it were `by` later [s].
+  void shiftTime(double by);
   Clamp* findClamp(const std::string& name);
   std::shared_ptr<const Topology> makeTopology() const;
 

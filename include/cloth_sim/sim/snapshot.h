@@ -90,6 +90,7 @@ struct Snapshot {
   Energies energies;
   double meanSpeed = 0.0;   ///< [m/s]
   double maxStretch = 1.0;  ///< length over rest length
+  std::uint64_t hash = 0;   ///< stateHash
   bool failed = false;
   std::string failure;  ///< why the simulation stopped; "" if it did not
 };

@@ -65,6 +65,9 @@ class Tearing {
   /// Tells of another operation: tears may go on where cuts end.
   void noteTips(const SurgeryResult& result);
 
+  /// Whatever has happened so far happened `by` later [s].
+  void shiftTime(double by);
+
   /// To be called after every edit of the model.
   void follow(const Model& model, const ModelChanges& changes);
 
