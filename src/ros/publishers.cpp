@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cloth_sim/ros/bag_writer.h"
 #include "cloth_sim/ros/clock_publisher.h"
 
 namespace cloth_sim {
@@ -52,9 +53,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
     wrenches_.push_back(
         own.advertise<geometry_msgs::WrenchStamped>("clamps/" + clamp.name + "/wrench", 10));
   }
-  std_msgs::String text;
-  text.data = scene;
-  scene_.publish(text);
+  sceneText_.data = scene;
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
   thread_ = std::thread([this] { run(); });
@@ -106,6 +105,7 @@ void Publishers::tick() {
   const Observation observation = simulation_.observe();
   header_.stamp = stampOf(observation);
   header_.frame_id = parameters_.worldFrame;
+  repeatLatched();
   sendCommands();
   sendTopology(observation);
   sendEvents(observation);
@@ -129,6 +129,17 @@ ros::Time Publishers::stampOf(const Observation& observation) const {
     return clockTime(observation.snapshot->time);
   }
   return ros::Time::now();
+}
+
+/// Who records in parts finds everything in each of them.
+void Publishers::repeatLatched() {
+  const Clock::time_point now = Clock::now();
+  if (repeated_ && duration<double>(now - *repeated_).count() < kRepeatPeriod) return;
+  repeated_ = now;
+  scene_.publish(sceneText_);
+  sentTopology_.reset();
+  sentPhase_.reset();
+  sentBroken_ = -1;
 }
 
 void Publishers::sendCommands() {
@@ -165,7 +176,7 @@ void Publishers::sendEvents(const Observation& observation) {
 
 void Publishers::sendPhase(const Observation& observation) {
   const std::string& phase = observation.snapshot->phase;
-  if (phase == sentPhase_) return;
+  if (sentPhase_ == phase) return;
   sentPhase_ = phase;
   std_msgs::String message;
   message.data = phase;

@@ -4,10 +4,12 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <std_msgs/String.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include "cloth_sim/ros/conversions.h"
@@ -46,6 +48,7 @@ class Publishers {
   void run();
   void tick();
   ros::Time stampOf(const Observation& observation) const;
+  void repeatLatched();
   void sendCommands();
   void sendTopology(const Observation& observation);
   void sendEvents(const Observation& observation);
@@ -81,7 +84,9 @@ class Publishers {
   FailureLog failures_;
   std_msgs::Header header_;  ///< of everything sent in this tick
   std::shared_ptr<const Topology> sentTopology_;
-  std::string sentPhase_;
+  std::optional<std::string> sentPhase_;
+  std_msgs::String sceneText_;
+  std::optional<Clock::time_point> repeated_;  ///< when everything latched was sent last
   ros::Time sentTransforms_;
   int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
   std::uint64_t resetsSeen_ = 0;
