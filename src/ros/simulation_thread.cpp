@@ -312,6 +312,7 @@ void SimulationThread::stepOnce() {
   const Clock::time_point start = Clock::now();
   if (jobs_.empty()) keepPace(start);
   simulation_.step();
+  unseen_ = true;
   tellTime();
   collectEvents();
   measure(Clock::now() - start);
@@ -385,6 +386,8 @@ void SimulationThread::keepPace(Clock::time_point now) {
 }
 
 void SimulationThread::waitForPace() {
+  const double wait = duration<double>(nextStep_ - Clock::now()).count();
+  if (unseen_ && wait * observationRate_ > 1.0) publish();
   std::unique_lock<std::mutex> lock(requestMutex_);
   requestsArrived_.wait_until(lock, nextStep_, [&] { return hasRequests() || paused_; });
 }
@@ -409,6 +412,7 @@ void SimulationThread::measure(Clock::duration busy) {
 void SimulationThread::publish() {
   std::shared_ptr<const Snapshot> snapshot = simulation_.snapshot();
   lastObservation_ = Clock::now();
+  unseen_ = false;
   const std::lock_guard<std::mutex> lock(outputMutex_);
   observation_.snapshot = std::move(snapshot);
   observation_.phases = simulation_.script().history();

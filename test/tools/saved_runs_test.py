@@ -2,6 +2,7 @@
 """cloth_run goes on from a saved state, and does again what a bag has. Needs no master."""
 import json
 import os
+import resource
 import subprocess
 import tempfile
 import unittest
@@ -80,6 +81,17 @@ class SavedRunsTest(unittest.TestCase):
         self.refused(self.scene, '--load-state', self.scene, says='no saved state')
         self.refused(self.scene, '--load-state', self.path('none'), says='cannot be read')
         self.refused(self.scene, '--save-state', self.path('no/where'), says='cannot be written')
+
+    def test_a_full_disk_leaves_nothing_behind(self):
+        """A limit on the size of files stands for the disk: write() fails in the middle."""
+        state = self.path('a.state')
+        result = subprocess.run(
+            [CLOTH_RUN, self.scene, '--duration', '0.1', '--save-state', state],
+            capture_output=True, text=True, timeout=120, restore_signals=False,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10000, 10000)))
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn('a.state: cannot be written', result.stderr.splitlines()[-1])
+        self.assertEqual(os.listdir(self.folder.name), ['scene.yaml'])
 
     # ---- bags ------------------------------------------------------------------------------------
 

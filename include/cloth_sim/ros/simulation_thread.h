@@ -152,6 +152,7 @@ class SimulationThread {
   double stepTime_ = 0.0;
   std::uint64_t resets_ = 0;
   bool failureShown_ = false;
+  bool unseen_ = false;  ///< a step has been made since the last observation
 
   std::atomic<double> observationRate_{30.0};
   std::atomic<double> realTimeFactorAsked_;
