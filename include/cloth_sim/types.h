@@ -7,6 +7,10 @@
 #include <cstdint>
 #include <vector>
 
+namespace cereal {
+class access;  // reads and writes private members; see sim/archive.h
+}
+
 namespace cloth_sim {
 
 using Vec2 = Eigen::Vector2d;
@@ -25,6 +29,11 @@ struct Pose {
 
   Vec3 toWorld(const Vec3& local) const { return position + orientation * local; }
   Vec3 toLocal(const Vec3& world) const { return orientation.conjugate() * (world - position); }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(position, orientation);
+  }
 };
 
 }  // namespace cloth_sim

@@ -60,17 +60,19 @@ packages_for() {
     case $ros_flavour/$group in
       debian/build)
         echo g++ make cmake catkin python3 \
-          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcli11-dev \
+          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcereal-dev libcli11-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
-          libdiagnostic-updater-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev
+          libdiagnostic-updater-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev \
+          libactionlib-dev libactionlib-msgs-dev libros-rosgraph-msgs-dev ros-actionlib-msgs
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
         echo rosbash python3-roslaunch python3-rosbag python3-rostopic python3-rosservice \
           python3-rosnode python3-rosparam python3-rosmsg python3-rospy \
           python3-std-msgs python3-geometry-msgs python3-visualization-msgs \
-          python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs
+          python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs \
+          python3-actionlib python3-actionlib-msgs
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
@@ -83,12 +85,13 @@ packages_for() {
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
-          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev \
+          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcereal-dev \
           ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
           ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
           ros-noetic-visualization-msgs ros-noetic-diagnostic-msgs \
           ros-noetic-diagnostic-updater ros-noetic-tf2 ros-noetic-tf2-ros \
-          ros-noetic-tf2-geometry-msgs
+          ros-noetic-tf2-geometry-msgs ros-noetic-actionlib ros-noetic-actionlib-msgs \
+          ros-noetic-rosgraph-msgs
         ;;
       noetic/run)
         echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+
+#include "cloth_sim/hash.h"
 
 namespace cloth_sim {
 namespace {
@@ -13,25 +14,6 @@ bool allFinite(const VertexData<Vec3>& data) {
   for (const Vec3& p : data) sum += std::abs(p.x()) + std::abs(p.y()) + std::abs(p.z());
   return std::isfinite(sum);
 }
-
-class Fnv1a {
- public:
-  void add(const void* data, std::size_t bytes) {
-    const auto* p = static_cast<const unsigned char*>(data);
-    for (std::size_t k = 0; k < bytes; ++k) {
-      hash_ ^= p[k];
-      hash_ *= 0x100000001b3ULL;
-    }
-  }
-  template <typename T>
-  void add(const std::vector<T>& values) {
-    add(values.data(), values.size() * sizeof(T));
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
-};
 
 }  // namespace
 
@@ -93,7 +75,7 @@ double maxStretch(const Model& model, const State& state) {
 }
 
 std::uint64_t stateHash(const Model& model, const State& state) {
-  Fnv1a hash;
+  Hash hash;
   hash.add(&state.t, sizeof state.t);
   hash.add(state.x.values());
   hash.add(state.v.values());

@@ -4,10 +4,12 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
+#include "cloth_sim/ros/clock_publisher.h"
 #include "cloth_sim/ros/conversions.h"
 
 namespace cloth_sim {
@@ -31,7 +33,8 @@ boost::shared_ptr<ros::M_string> latchedHeader() {
 }  // namespace
 
 struct BagWriter::Impl {
-  explicit Impl(const std::string& path) : file(path), active(path + ".active") {
+  Impl(const std::string& path, std::string text)
+      : file(path), active(path + ".active"), scene(std::move(text)) {
     bag.open(active, rosbag::bagmode::Write);
   }
 
@@ -44,6 +47,9 @@ struct BagWriter::Impl {
     bag.write(kNodeName + ("/" + topic), header.stamp, message, latchedHeader<Message>());
   }
 
+  void stamp(double time);
+  void repeat(double time);
+  void writeText(const std::string& topic, const std::string& text);
   void writeShape(const Snapshot& snapshot);
   void writePhase(const Snapshot& snapshot);
   void writeFailures(const Snapshot& snapshot, const std::vector<FailureEvent>& events);
@@ -51,6 +57,8 @@ struct BagWriter::Impl {
 
   std::string file;
   std::string active;
+  std::string scene;
+  std::optional<double> repeated;  ///< when everything latched was written last [s]
   rosbag::Bag bag;
   std_msgs::Header header;  ///< of everything written in this call
   std::shared_ptr<const Topology> topology;
@@ -61,9 +69,9 @@ struct BagWriter::Impl {
   ClothFrame frame;
 };
 
-BagWriter::BagWriter(const std::string& file) {
+BagWriter::BagWriter(const std::string& file, const std::string& scene) {
   try {
-    impl_ = std::make_unique<Impl>(file);
+    impl_ = std::make_unique<Impl>(file, scene);
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(file + ": cannot be written (" + error.what() + ")");
   }
@@ -74,13 +82,22 @@ BagWriter::~BagWriter() = default;
 void BagWriter::write(const Observation& observation, const std::vector<FailureEvent>& events) {
   const Snapshot& snapshot = *observation.snapshot;
   try {
-    impl_->header.frame_id = kWorldFrame;
-    impl_->header.stamp = std::max(ros::Time(snapshot.time), ros::TIME_MIN);
+    impl_->stamp(snapshot.time);
+    impl_->repeat(snapshot.time);
     impl_->writeShape(snapshot);
     impl_->writePhase(snapshot);
     impl_->writeFailures(snapshot, events);
     impl_->writeClamps(snapshot);
     impl_->write("state", toStateMessage(observation, impl_->header));
+  } catch (const rosbag::BagException& error) {
+    throw std::runtime_error(impl_->active + ": cannot be written (" + error.what() + ")");
+  }
+}
+
+void BagWriter::write(const CommandRecord& command) {
+  try {
+    impl_->stamp(command.time);
+    impl_->write("commands", toCommandMessage(command, impl_->header));
   } catch (const rosbag::BagException& error) {
     throw std::runtime_error(impl_->active + ": cannot be written (" + error.what() + ")");
   }
@@ -93,6 +110,27 @@ void BagWriter::close() {
   } catch (const std::exception& error) {
     throw std::runtime_error(impl_->file + ": cannot be written (" + error.what() + ")");
   }
+}
+
+void BagWriter::Impl::stamp(double time) {
+  header.frame_id = kWorldFrame;
+  header.stamp = clockTime(time);
+}
+
+/// Everything latched is written again when it is time, or when time has jumped.
+void BagWriter::Impl::repeat(double time) {
+  if (repeated && time >= *repeated && time < *repeated + kRepeatPeriod) return;
+  repeated = time;
+  topology.reset();
+  anyPhase = false;
+  broken = -1;
+  writeText("scene", scene);
+}
+
+void BagWriter::Impl::writeText(const std::string& topic, const std::string& text) {
+  std_msgs::String message;
+  message.data = text;
+  writeLatched(topic, message);
 }
 
 void BagWriter::Impl::writeShape(const Snapshot& snapshot) {
@@ -108,9 +146,7 @@ void BagWriter::Impl::writePhase(const Snapshot& snapshot) {
   if (anyPhase && snapshot.phase == phase) return;
   anyPhase = true;
   phase = snapshot.phase;
-  std_msgs::String message;
-  message.data = phase;
-  writeLatched("phase", message);
+  writeText("phase", phase);
 }
 
 void BagWriter::Impl::writeFailures(const Snapshot& snapshot,

@@ -2,6 +2,9 @@
 
 #include <limits>
 
+#include "cloth_sim/hash.h"
+#include "cloth_sim/sim/command_text.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -192,6 +195,7 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.gravity_energy = snapshot.energies.gravity;
   message.mean_speed = snapshot.meanSpeed;
   message.max_strain = snapshot.maxStretch - 1.0;
+  message.state_hash = hashText(snapshot.hash);
   message.paused = observation.paused;
   message.failed = snapshot.failed;
   message.failure = snapshot.failure;
@@ -200,6 +204,19 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   for (const ClampSnapshot& clamp : snapshot.clamps) {
     message.clamps.push_back(toClampStatus(clamp));
   }
+  return message;
+}
+
+ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Header& header) {
+  ClothCommand message;
+  message.header = header;
+  message.number = record.number;
+  message.step = record.step;
+  message.time = record.time;
+  message.kind = commandKind(record.command);
+  message.text = describeCommand(record.command);
+  const std::string data = packCommand(record.command);
+  message.data.assign(data.begin(), data.end());
   return message;
 }
 

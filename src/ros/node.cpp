@@ -9,6 +9,8 @@
 #include <csignal>
 #include <iostream>
 
+#include "cloth_sim/ros/actions.h"
+#include "cloth_sim/ros/clock_publisher.h"
 #include "cloth_sim/ros/inputs.h"
 #include "cloth_sim/ros/publishers.h"
 #include "cloth_sim/ros/scene_path.h"
@@ -21,6 +23,7 @@ namespace {
 constexpr int kBadInput = 2;
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not hold up the other services
 constexpr double kTfTimeout = 0.2;   ///< for a transform that is about to arrive [s]
+constexpr double kTfPoll = 0.005;    ///< [s]
 
 /// What ROS does on SIGINT, on SIGTERM too: `kill` ends the node as cleanly as Ctrl-C.
 void onTerminate(int /*signal*/) { ros::requestShutdown(); }
@@ -38,13 +41,23 @@ Scene loadNodeScene(const NodeParameters& parameters) {
   return scene;
 }
 
+/// Waits by the wall's clock: with simulated time, a paused simulation would make it wait for ever.
+void waitForTransform(const tf2_ros::Buffer& buffer, const std::string& world,
+                      const std_msgs::Header& header) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kTfTimeout);
+  while (!buffer.canTransform(world, header.frame_id, header.stamp) && ros::WallTime::now() < end) {
+    ros::WallDuration(kTfPoll).sleep();
+  }
+}
+
 /// Looks poses up in tf; those in the world frame already need none.
 WorldTransform worldTransform(const tf2_ros::Buffer& buffer, const std::string& world) {
   return [&buffer, world](const Pose& pose, const std_msgs::Header& header) -> Pose {
     if (header.frame_id.empty()) throw std::runtime_error("header.frame_id is empty");
     if (header.frame_id == world || header.frame_id == "/" + world) return pose;
+    waitForTransform(buffer, world, header);
     const geometry_msgs::TransformStamped found =
-        buffer.lookupTransform(world, header.frame_id, header.stamp, ros::Duration(kTfTimeout));
+        buffer.lookupTransform(world, header.frame_id, header.stamp);
     const geometry_msgs::Vector3& shift = found.transform.translation;
     const Pose frame{Vec3(shift.x, shift.y, shift.z),
                      fromQuaternion(found.transform.rotation).normalized()};
@@ -59,23 +72,34 @@ class Node {
        const Scene& scene)
       : listener_(buffer_),
         checker_(scene, worldTransform(buffer_, parameters.worldFrame)),
-        simulation_(scene, {parameters.realTimeFactor, parameters.paused, parameters.threads}),
-        publishers_(node, privateNode, parameters, simulation_),
+        clock_(node, parameters.publishClock),
+        simulation_(scene, runSettings(parameters)),
+        publishers_(node, privateNode, parameters, scene.text, simulation_),
         services_(privateNode,
-                  {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame},
+                  {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame,
+                   parameters.stateDirectory},
                   checker_, simulation_),
+        actions_(privateNode, checker_, simulation_),
         inputs_(privateNode, checker_, simulation_) {}
 
   /// Lets callbacks that wait for the simulation go.
   void stop() { simulation_.stop(); }
 
  private:
+  RunSettings runSettings(const NodeParameters& parameters) {
+    RunSettings settings{parameters.realTimeFactor, parameters.paused, parameters.threads};
+    settings.onTime = [this](double time) { clock_.tell(time); };
+    return settings;
+  }
+
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_;
   RequestChecker checker_;
+  ClockPublisher clock_;
   SimulationThread simulation_;
   Publishers publishers_;
   Services services_;
+  Actions actions_;
   Inputs inputs_;
 };
 

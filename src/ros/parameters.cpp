@@ -138,6 +138,8 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("real_time_factor", Range{0.0, kMaxFactor}, result.realTimeFactor);
   reader.read("threads", Range{0.0, kMaxThreads}, result.threads);
   reader.read("paused", result.paused);
+  reader.read("publish_clock", result.publishClock);
+  reader.read("state_directory", result.stateDirectory);
   reader.read("strain_range", Range{0.0, 100.0, false}, result.strainRange);
   reader.read("two_sided", result.twoSided);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]

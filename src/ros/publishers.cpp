@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "cloth_sim/ros/bag_writer.h"
+#include "cloth_sim/ros/clock_publisher.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -21,7 +24,8 @@ constexpr double kRecent = 2.0;        ///< simulated time for which a redone st
 }  // namespace
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
-                       const NodeParameters& parameters, SimulationThread& simulation)
+                       const NodeParameters& parameters, const std::string& scene,
+                       SimulationThread& simulation)
     : parameters_(parameters),
       simulation_(simulation),
       nodeName_(ros::this_node::getName()),
@@ -44,10 +48,13 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   brokenSprings_ = own.advertise<BrokenSprings>("broken_springs", 10, true);
   tearEvents_ = own.advertise<TearEvents>("tear_events", 1000);
   phase_ = own.advertise<std_msgs::String>("phase", 10, true);
+  commands_ = own.advertise<ClothCommand>("commands", 1000);
+  scene_ = own.advertise<std_msgs::String>("scene", 1, true);
   for (const ClampSnapshot& clamp : simulation.observe().snapshot->clamps) {
     wrenches_.push_back(
         own.advertise<geometry_msgs::WrenchStamped>("clamps/" + clamp.name + "/wrench", 10));
   }
+  sceneText_.data = scene;
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
   thread_ = std::thread([this] { run(); });
@@ -97,8 +104,10 @@ void Publishers::run() {
 
 void Publishers::tick() {
   const Observation observation = simulation_.observe();
-  header_.stamp = ros::Time::now();
+  header_.stamp = stampOf(observation);
   header_.frame_id = parameters_.worldFrame;
+  repeatLatched();
+  sendCommands();
   sendTopology(observation);
   sendEvents(observation);
   sendPhase(observation);
@@ -115,6 +124,31 @@ void Publishers::tick() {
   updater_.update();
 }
 
+/// With simulated time of our own, the time that the observation is of.
+ros::Time Publishers::stampOf(const Observation& observation) const {
+  if (parameters_.publishClock && ros::Time::isSimTime()) {
+    return clockTime(observation.snapshot->time);
+  }
+  return ros::Time::now();
+}
+
+/// Who records in parts finds everything in each of them.
+void Publishers::repeatLatched() {
+  const Clock::time_point now = Clock::now();
+  if (repeated_ && duration<double>(now - *repeated_).count() < kRepeatPeriod) return;
+  repeated_ = now;
+  scene_.publish(sceneText_);
+  sentTopology_.reset();
+  sentPhase_.reset();
+  sentBroken_ = -1;
+}
+
+void Publishers::sendCommands() {
+  for (const CommandRecord& record : simulation_.takeCommands()) {
+    commands_.publish(toCommandMessage(record, header_));
+  }
+}
+
 void Publishers::sendTopology(const Observation& observation) {
   const std::shared_ptr<const Topology>& topology = observation.snapshot->topology;
   if (topology == sentTopology_) return;
@@ -127,6 +161,7 @@ void Publishers::sendEvents(const Observation& observation) {
   if (failures.resets != resetsSeen_) {
     resetsSeen_ = failures.resets;
     failures_.clear();
+    failures_.add(failures.before);
     sentBroken_ = -1;
   }
   if (!failures.events.empty()) {
@@ -142,7 +177,7 @@ void Publishers::sendEvents(const Observation& observation) {
 
 void Publishers::sendPhase(const Observation& observation) {
   const std::string& phase = observation.snapshot->phase;
-  if (phase == sentPhase_) return;
+  if (sentPhase_ == phase) return;
   sentPhase_ = phase;
   std_msgs::String message;
   message.data = phase;
@@ -166,7 +201,10 @@ void Publishers::sendClamps(const Observation& observation) {
     message.wrench = clampFrameWrench(clamps[i]);
     wrenches_[i].publish(message);
   }
-  if (!transforms.empty()) broadcaster_.sendTransform(transforms);
+  // The same stamp again, while simulated time stands still, would be a warning to everybody.
+  if (transforms.empty() || header_.stamp == sentTransforms_) return;
+  sentTransforms_ = header_.stamp;
+  broadcaster_.sendTransform(transforms);
 }
 
 void Publishers::sendFrame(const Observation& observation) {
@@ -181,7 +219,7 @@ void Publishers::sendMarkers(const Observation& observation) {
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const Snapshot& snapshot = *diagnosed_.snapshot;
-  const double asked = parameters_.realTimeFactor;
+  const double asked = diagnosed_.realTimeFactorAsked;
   if (snapshot.failed) {
     status.summary(DiagnosticStatus::ERROR, "failed: " + snapshot.failure);
   } else if (diagnosed_.paused) {

@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's norm: float32 senders round
 constexpr std::size_t kMaxNameLength = 100;
+constexpr double kLeastFactor = 1e-3;  ///< of real time [-]
+constexpr double kMostFactor = 1e3;
 constexpr std::size_t kMaxPoints = 10000;  ///< of a stroke or path
 
 bool contains(const std::vector<std::string>& names, const std::string& name) {
@@ -140,6 +142,26 @@ Request RequestChecker::grasp(const std::string& clamp, bool grasp) const {
 Request RequestChecker::phase(const std::string& phase) const {
   if (!contains(phases_, phase)) return Refusal{unknownName("phase", phase, phases_)};
   return SetPhase{phase};
+}
+
+Request RequestChecker::reset(std::uint8_t scope) const {
+  switch (scope) {
+    case ResetScene::Request::BOTH:
+      return Reset{ResetScope::kBoth};
+    case ResetScene::Request::STATE:
+      return Reset{ResetScope::kState};
+    case ResetScene::Request::TIME:
+      return Reset{ResetScope::kTime};
+    default:
+      return Refusal{"scope must be 0 (both), 1 (state) or 2 (time) (got " + std::to_string(scope) +
+                     ")"};
+  }
+}
+
+std::string RequestChecker::realTimeFactor(double factor) const {
+  if (factor == 0.0 || (factor >= kLeastFactor && factor <= kMostFactor)) return "";
+  return "the real-time factor must be 0.001 ... 1000, or 0 for as fast as it can (got " +
+         std::to_string(factor) + ")";
 }
 
 std::string RequestChecker::steps(std::uint32_t count) const {

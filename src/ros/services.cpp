@@ -4,7 +4,9 @@
 
 #include <utility>
 
+#include "cloth_sim/hash.h"
 #include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/sim/saved_state.h"
 
 namespace cloth_sim {
 namespace {
@@ -12,18 +14,22 @@ namespace {
 constexpr std::chrono::milliseconds kTimeout{5000};  ///< for a command between two steps
 constexpr std::chrono::milliseconds kShutdownPoll{100};
 
-/// Puts "not available" in the reply unless the request is already refused.
+/// Where the simulation stands.
 template <typename Reply>
-void notAvailable(const std::string& refusal, const std::string& what, Reply& reply) {
-  reply.success = false;
-  reply.message = refusal.empty() ? what + " is not available in this version" : refusal;
+void fillPlace(const Snapshot& snapshot, Reply& reply) {
+  reply.step = snapshot.step;
+  reply.time = snapshot.time;
+  reply.state_hash = hashText(snapshot.hash);
 }
 
 }  // namespace
 
 Services::Services(ros::NodeHandle& privateNode, SceneFacts facts, const RequestChecker& checker,
                    SimulationThread& simulation)
-    : facts_(std::move(facts)), checker_(checker), simulation_(simulation) {
+    : facts_(std::move(facts)),
+      states_(facts_.stateDirectory),
+      checker_(checker),
+      simulation_(simulation) {
   advertise<SetClampPose>(privateNode, "set_clamp_pose", &Services::setClampPose);
   advertise<Grasp>(privateNode, "grasp", &Services::grasp);
   advertise<Cut>(privateNode, "cut", &Services::cut);
@@ -31,6 +37,7 @@ Services::Services(ros::NodeHandle& privateNode, SceneFacts facts, const Request
   advertise<StartPhase>(privateNode, "set_phase", &Services::setPhase);
   advertise<Pause>(privateNode, "pause", &Services::pause);
   advertise<Step>(privateNode, "step", &Services::step);
+  advertise<SetRealTimeFactor>(privateNode, "set_real_time_factor", &Services::setRealTimeFactor);
   advertise<ResetScene>(privateNode, "reset", &Services::reset);
   advertise<SaveState>(privateNode, "save_state", &Services::saveState);
   advertise<LoadState>(privateNode, "load_state", &Services::loadState);
@@ -108,16 +115,50 @@ void Services::step(const Step::Request& request, Step::Response& reply) {
   reply.time = done.time;
 }
 
-void Services::reset(const ResetScene::Request& /*request*/, ResetScene::Response& reply) {
-  carryOut(Request{Command{Reset{}}}, "back at the start of the scene", reply);
+void Services::setRealTimeFactor(const SetRealTimeFactor::Request& request,
+                                 SetRealTimeFactor::Response& reply) {
+  reply.message = checker_.realTimeFactor(request.factor);
+  reply.success = reply.message.empty();
+  if (!reply.success) return;
+  simulation_.setRealTimeFactor(request.factor);
+  reply.message = "simulated time passes at that pace";
+}
+
+void Services::reset(const ResetScene::Request& request, ResetScene::Response& reply) {
+  carryOut(checker_.reset(request.scope), "reset", reply);
 }
 
 void Services::saveState(const SaveState::Request& request, SaveState::Response& reply) {
-  notAvailable(checker_.stateName(request.name), "saving the state", reply);
+  reply.message = checker_.stateName(request.name);
+  if (!reply.message.empty()) return;
+  std::string bytes;
+  const auto look = [&](const Simulation& simulation) {
+    bytes = simulation.save();
+    reply.step = simulation.stepCount();
+    reply.time = simulation.time();
+    reply.state_hash = hashText(stateHash(simulation.model(), simulation.state()));
+  };
+  const CommandResult looked = simulation_.inspect(look, kTimeout);
+  reply.message = looked.message;
+  if (!looked.success) return;
+  try {
+    reply.message = "saved as " + states_.write(request.name, bytes);
+    reply.success = true;
+  } catch (const StateError& error) {
+    reply.message = error.what();
+  }
 }
 
 void Services::loadState(const LoadState::Request& request, LoadState::Response& reply) {
-  notAvailable(checker_.stateName(request.name), "loading a state", reply);
+  reply.message = checker_.stateName(request.name);
+  if (!reply.message.empty()) return;
+  try {
+    const Restore restore{states_.read(request.name)};
+    carryOut(Request{Command{restore}}, "goes on from there", reply);
+  } catch (const StateError& error) {
+    reply.message = error.what();
+  }
+  if (reply.success) fillPlace(*simulation_.observe().snapshot, reply);
 }
 
 void Services::getState(const GetState::Request& /*request*/, GetState::Response& reply) {

@@ -25,8 +25,12 @@ std::string failureMessage(const Simulation& simulation) {
 }  // namespace
 
 SimulationThread::SimulationThread(Scene scene, const RunSettings& settings)
-    : simulation_(std::move(scene)), settings_(settings), paused_(settings.paused) {
+    : simulation_(std::move(scene)),
+      settings_(settings),
+      realTimeFactorAsked_(settings.realTimeFactor),
+      paused_(settings.paused) {
   publish();
+  tellTime();
   startMeasuring();
   thread_ = std::thread([this] { run(threadCount(settings_.threads)); });
 }
@@ -64,11 +68,20 @@ void SimulationThread::post(Command command, Answer answer) {
 }
 
 CommandResult SimulationThread::execute(Command command, std::chrono::milliseconds timeout) {
+  return deliver(std::move(command), timeout);
+}
+
+CommandResult SimulationThread::inspect(Look look, std::chrono::milliseconds timeout) {
+  return deliver(std::move(look), timeout);
+}
+
+CommandResult SimulationThread::deliver(std::variant<Command, Look> request,
+                                        std::chrono::milliseconds timeout) {
   const auto promise = std::make_shared<std::promise<CommandResult>>();
   const auto withdrawn = std::make_shared<std::atomic<bool>>(false);
   std::future<CommandResult> future = promise->get_future();
   const Answer answer = [promise](const CommandResult& result) { promise->set_value(result); };
-  if (!enqueue({std::move(command), answer, withdrawn})) {
+  if (!enqueue({std::move(request), answer, withdrawn})) {
     return {false, "too many commands are waiting, or the node is shutting down"};
   }
   if (future.wait_for(timeout) == std::future_status::ready) return future.get();
@@ -81,6 +94,15 @@ void SimulationThread::setPaused(bool paused) {
   {
     const std::lock_guard<std::mutex> lock(requestMutex_);
     paused_ = paused;
+  }
+  requestsArrived_.notify_all();
+}
+
+void SimulationThread::setRealTimeFactor(double factor) {
+  {
+    const std::lock_guard<std::mutex> lock(requestMutex_);
+    realTimeFactorAsked_ = factor;
+    paceChanged_ = true;
   }
   requestsArrived_.notify_all();
 }
@@ -102,6 +124,27 @@ std::future<StepResult> SimulationThread::requestSteps(int steps) {
   return future;
 }
 
+std::uint64_t SimulationThread::requestRun(RunGoal goal, RunJob::Answer answer) {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard<std::mutex> lock(requestMutex_);
+    if (stopping_) return 0;
+    number = ++runs_;
+    newRuns_.push_back({number, RunJob(std::move(goal), std::move(answer))});
+    paused_ = false;
+  }
+  requestsArrived_.notify_all();
+  return number;
+}
+
+void SimulationThread::cancelRun(std::uint64_t number) {
+  {
+    const std::lock_guard<std::mutex> lock(requestMutex_);
+    cancelledRuns_.push_back(number);
+  }
+  requestsArrived_.notify_all();
+}
+
 Observation SimulationThread::observe() const {
   Observation result;
   {
@@ -110,13 +153,20 @@ Observation SimulationThread::observe() const {
   }
   const std::lock_guard<std::mutex> lock(requestMutex_);
   result.paused = paused_;
+  result.realTimeFactorAsked = realTimeFactorAsked_;
   result.droppedCommands = dropped_;
   return result;
 }
 
 FailureBatch SimulationThread::takeEvents() {
   const std::lock_guard<std::mutex> lock(outputMutex_);
-  return {failures_.resets, std::exchange(failures_.events, {})};
+  return {failures_.resets, std::exchange(failures_.before, {}),
+          std::exchange(failures_.events, {})};
+}
+
+std::vector<CommandRecord> SimulationThread::takeCommands() {
+  const std::lock_guard<std::mutex> lock(outputMutex_);
+  return std::exchange(commands_, {});
 }
 
 void SimulationThread::run(int threads) {
@@ -128,18 +178,18 @@ void SimulationThread::run(int threads) {
       const std::lock_guard<std::mutex> lock(requestMutex_);
       if (stopping_) break;
     }
-    if (mayStep()) {
-      stepOnce();
-      if (jobs_.empty()) waitForPace();
-    } else {
+    if (!mayStep()) {
       waitForWork();
+    } else if (isEarly()) {
+      waitForPace();
+    } else {
+      stepOnce();
     }
   }
   takeRequests();
   answerJobs({false, "the node is shutting down"});
 }
 
-/// Empties the mailbox, so that commands are carried out without holding its lock.
 void SimulationThread::takeRequests() {
   bool last = false;
   {
@@ -148,7 +198,14 @@ void SimulationThread::takeRequests() {
     for (StepJob& job : newJobs_) jobs_.push_back(std::move(job));
     newJobs_.clear();
     last = stopping_;
+    if (std::exchange(paceChanged_, false)) nextStep_ = Clock::now();
   }
+  takeMail(last);
+  takeRuns(last);
+}
+
+/// Commands are carried out without holding the lock of the mailbox.
+void SimulationThread::takeMail(bool last) {
   bool show = !taken_.empty() && !last;
   for (Envelope& envelope : taken_) {
     if (!last) {
@@ -162,22 +219,84 @@ void SimulationThread::takeRequests() {
   if (show) publish();
 }
 
+void SimulationThread::takeRuns(bool last) {
+  std::deque<NumberedRun> fresh;
+  std::vector<std::uint64_t> cancelled;
+  {
+    const std::lock_guard<std::mutex> lock(requestMutex_);
+    std::swap(fresh, newRuns_);
+    std::swap(cancelled, cancelledRuns_);
+  }
+  for (NumberedRun& next : fresh) {
+    endRun(RunResult::Outcome::kCancelled, "another run took its place");
+    run_ = std::move(next);
+    run_->job.begin(simulation_);
+    checkRun();
+  }
+  for (const std::uint64_t number : cancelled) {
+    if (!run_ || run_->number != number) continue;
+    setPaused(true);
+    endRun(RunResult::Outcome::kCancelled, "cancelled");
+  }
+  if (last) endRun(RunResult::Outcome::kFailed, "the node is shutting down");
+}
+
+void SimulationThread::endRun(RunResult::Outcome outcome, const std::string& message) {
+  if (!run_) return;
+  publish();
+  run_->job.finish(outcome, message, simulation_);
+  run_.reset();
+}
+
+/// The run is over, one way or the other: everybody waits for what comes next.
+void SimulationThread::checkRun() {
+  if (!run_ || !run_->job.isOver(simulation_)) return;
+  setPaused(true);
+  publish();
+  run_->job.answer(simulation_);
+  run_.reset();
+}
+
 void SimulationThread::carryOut(Envelope& envelope) {
   if (envelope.withdrawn && envelope.withdrawn->exchange(true)) return;
-  const CommandResult result = simulation_.apply(envelope.command);
-  if (result.success && std::holds_alternative<Reset>(envelope.command)) {
-    ++resets_;
-    failureShown_ = false;
-    simulation_.takeEvents();
-    {
-      const std::lock_guard<std::mutex> lock(outputMutex_);
-      failures_ = {resets_, {}};
-    }
-    startMeasuring();
+  CommandResult result{true, ""};
+  if (const auto* look = std::get_if<Look>(&envelope.request)) {
+    (*look)(simulation_);
+  } else {
+    result = carryOut(std::get<Command>(envelope.request));
   }
-  collectEvents();
   if (envelope.withdrawn) publish();  // who waits for the answer shall see its effect
   if (envelope.answer) envelope.answer(result);
+}
+
+CommandResult SimulationThread::carryOut(const Command& command) {
+  CommandRecord record{0, simulation_.stepCount(), simulation_.time(), command};
+  const CommandResult result = simulation_.apply(command);
+  if (!result.success) return result;
+  {
+    const std::lock_guard<std::mutex> lock(outputMutex_);
+    record.number = commandCount_++;
+    commands_.push_back(std::move(record));
+  }
+  if (beginsAnew(command)) beginAnew();
+  if (std::holds_alternative<Reset>(command) || beginsAnew(command)) {  // time has jumped
+    startMeasuring();
+    tellTime();
+  }
+  collectEvents();
+  return result;
+}
+
+/// After a reset or a restored state.
+void SimulationThread::beginAnew() {
+  endRun(RunResult::Outcome::kFailed, "the simulation was reset");
+  ++resets_;
+  failureShown_ = false;
+  const std::vector<FailureEvent> pending = simulation_.takeEvents();
+  const auto& all = simulation_.failures();
+  const auto told = all.end() - static_cast<std::ptrdiff_t>(pending.size());
+  const std::lock_guard<std::mutex> lock(outputMutex_);
+  failures_ = {resets_, {all.begin(), told}, pending};
 }
 
 bool SimulationThread::mayStep() const {
@@ -187,14 +306,24 @@ bool SimulationThread::mayStep() const {
   return !paused_;
 }
 
+bool SimulationThread::isEarly() const { return jobs_.empty() && Clock::now() < nextStep_; }
+
 void SimulationThread::stepOnce() {
   const Clock::time_point start = Clock::now();
+  if (jobs_.empty()) keepPace(start);
   simulation_.step();
+  unseen_ = true;
+  tellTime();
   collectEvents();
   measure(Clock::now() - start);
   const double sinceLast = duration<double>(Clock::now() - lastObservation_).count();
   if (sinceLast * observationRate_ >= 1.0) publish();
   countJobStep();
+  checkRun();
+}
+
+void SimulationThread::tellTime() {
+  if (settings_.onTime) settings_.onTime(simulation_.time());
 }
 
 /// Springs fail in steps, and by commands that cut.
@@ -239,18 +368,28 @@ void SimulationThread::waitForWork() {
 }
 
 bool SimulationThread::hasRequests() const {
-  return stopping_ || !mailbox_.empty() || !newJobs_.empty();
+  return stopping_ || paceChanged_ || !mailbox_.empty() || !newJobs_.empty() || !newRuns_.empty() ||
+         !cancelledRuns_.empty();
+}
+
+/// When the step after the one that begins now is due.
+void SimulationThread::keepPace(Clock::time_point now) {
+  const double factor = realTimeFactorAsked_;
+  if (factor <= 0.0) {
+    nextStep_ = now;
+    return;
+  }
+  const auto maxLag = duration_cast<Clock::duration>(duration<double>(kMaxLag));
+  nextStep_ = std::max(nextStep_, now - maxLag);
+  const double period = simulation_.scene().solver.dt / factor;
+  nextStep_ += duration_cast<Clock::duration>(duration<double>(period));
 }
 
 void SimulationThread::waitForPace() {
-  if (settings_.realTimeFactor <= 0.0) return;
-  const double period = simulation_.scene().solver.dt / settings_.realTimeFactor;
-  nextStep_ += duration_cast<Clock::duration>(duration<double>(period));
-  const auto maxLag = duration_cast<Clock::duration>(duration<double>(kMaxLag));
-  nextStep_ = std::max(nextStep_, Clock::now() - maxLag);
-  // Commands that arrive meanwhile wait for the next step at most; they need not wake it up.
+  const double wait = duration<double>(nextStep_ - Clock::now()).count();
+  if (unseen_ && wait * observationRate_ > 1.0) publish();
   std::unique_lock<std::mutex> lock(requestMutex_);
-  requestsArrived_.wait_until(lock, nextStep_, [&] { return stopping_ || paused_; });
+  requestsArrived_.wait_until(lock, nextStep_, [&] { return hasRequests() || paused_; });
 }
 
 void SimulationThread::startMeasuring() {
@@ -273,6 +412,7 @@ void SimulationThread::measure(Clock::duration busy) {
 void SimulationThread::publish() {
   std::shared_ptr<const Snapshot> snapshot = simulation_.snapshot();
   lastObservation_ = Clock::now();
+  unseen_ = false;
   const std::lock_guard<std::mutex> lock(outputMutex_);
   observation_.snapshot = std::move(snapshot);
   observation_.phases = simulation_.script().history();

@@ -58,11 +58,6 @@ Scene readScene(const SceneNode& root) {
   } else {
     scene.solver.parameters = completeParameters(findSolver(scene.solver.method), {});
   }
-  try {
-    checkFeatures(findSolver(scene.solver.method), scene.cloth.hinge);
-  } catch (const std::invalid_argument& error) {
-    root.need("cloth", "a map").need("bending", "a word").refuse(error.what());
-  }
   readSurroundings(root, scene);
   if (const auto obstacles = root.find("obstacles")) {
     readObstacles(*obstacles, scene.cloth.fabric.friction, scene.obstacles);
@@ -122,6 +117,34 @@ void resolve(const SceneNode& root, Scene& scene) {
   }
 }
 
+/// What the method cannot follow is refused where the scene asks for it.
+void checkFeatures(const SceneNode& root, const Scene& scene) {
+  try {
+    checkFeatures(findSolver(scene.solver.method), scene.cloth.hinge);
+  } catch (const std::invalid_argument& error) {
+    root.need("cloth", "a map").need("bending", "a word").refuse(error.what());
+  }
+}
+
+/// The scene as it runs here: a choice of the method is written down, as it may be another one
+/// elsewhere.
+std::string textOf(const Scene& scene, YamlValue tree) {
+  if (!scene.solver.choice) return emitYaml(tree);
+  const auto set = [&](const std::string& key, const std::string& value) {
+    applyOverride("solver." + key + "=" + value, scene.name, tree);
+  };
+  char number[32];
+  const auto setNumber = [&](const std::string& key, double value) {
+    std::snprintf(number, sizeof number, "%.17g", value);
+    set(key, number);
+  };
+  set("error", "null");
+  set("method", scene.solver.method);
+  setNumber("dt", scene.solver.dt);
+  for (const auto& [name, value] : scene.solver.parameters) setNumber(name, value);
+  return emitYaml(tree);
+}
+
 }  // namespace
 
 Scene loadScene(const std::string& path, const std::vector<std::string>& overrides) {
@@ -137,6 +160,8 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   scene.name = sceneName(name);
   scene.contentKey = contentKey(tree, scene.solver.dt);
   resolve(root, scene);
+  checkFeatures(root, scene);
+  scene.text = textOf(scene, tree);
   return scene;
 }
 

@@ -49,6 +49,15 @@ const PhaseSpec* PhaseScript::jump(const std::string& name, double time) {
   return nullptr;
 }
 
+void PhaseScript::shiftTime(double by) {
+  phaseStart_ += by;
+  if (slowSince_) *slowSince_ += by;
+  for (PhaseRecord& record : history_) {
+    record.start += by;
+    if (record.end) *record.end += by;
+  }
+}
+
 const PhaseSpec* PhaseScript::current() const {
   return status_ == ScriptStatus::kRunning ? &phases_[index_] : nullptr;
 }

@@ -141,6 +141,31 @@ void assign(YamlValue& target, YamlValue value) {
   target = std::move(value);
 }
 
+void emit(const YamlValue& value, YAML::Emitter& out) {
+  switch (value.kind) {
+    case YamlValue::Kind::kNull:
+      out << YAML::Null;
+      break;
+    case YamlValue::Kind::kScalar:
+      if (value.quoted) out << YAML::DoubleQuoted;
+      out << value.text;
+      break;
+    case YamlValue::Kind::kList:
+      out << YAML::BeginSeq;
+      for (const YamlValue& item : value.items) emit(item, out);
+      out << YAML::EndSeq;
+      break;
+    case YamlValue::Kind::kMap:
+      out << YAML::BeginMap;
+      for (const YamlValue& item : value.items) {
+        out << YAML::Key << item.key << YAML::Value;
+        emit(item, out);
+      }
+      out << YAML::EndMap;
+      break;
+  }
+}
+
 void removeItem(YamlValue& parent, const YamlValue* item) {
   parent.items.erase(parent.items.begin() + (item - parent.items.data()));
 }
@@ -169,6 +194,12 @@ YamlValue parseYaml(const std::string& text, const std::string& file) {
     const std::string line = error.mark.line < 0 ? "" : ":" + std::to_string(error.mark.line + 1);
     throw SceneError(file + line + ": not valid YAML: " + oneLine(error.msg));
   }
+}
+
+std::string emitYaml(const YamlValue& root) {
+  YAML::Emitter out;
+  emit(root, out);
+  return std::string(out.c_str()) + '\n';
 }
 
 void applyOverride(const std::string& text, const std::string& file, YamlValue& root) {

@@ -30,6 +30,9 @@ struct YamlValue {
 /// \throws SceneError for bad syntax, a key that stands twice in a map, or absurd nesting.
 YamlValue parseYaml(const std::string& text, const std::string& file);
 
+/// The document as YAML, without comments: parsed again, it has the same values.
+std::string emitYaml(const YamlValue& root);
+
 /// Sets one value of a document: "dotted.key=value", the value in YAML. List items go by number or
 /// by their `name`. Keys that are not there are added; the value null removes the key.
 /// \throws SceneError

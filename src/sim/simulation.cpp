@@ -64,6 +64,7 @@ Simulation::Simulation(Scene scene)
   controls_.gravity = scene_.gravity;
   controls_.drag = scene_.drag;
   controls_.wind = scene_.wind;
+  startHash_ = stateHash(model_, state_);
 }
 
 void Simulation::step() {
@@ -84,7 +85,7 @@ void Simulation::advance(const StepLength& length) {
 }
 
 void Simulation::runScript() {
-  if (script_.status() == ScriptStatus::kIdle && stepCount_ == 0) {
+  if (script_.status() == ScriptStatus::kIdle && script_.history().empty()) {
     if (const PhaseSpec* first = script_.start(time())) beginPhase(*first);
     return;
   }
@@ -209,7 +210,7 @@ void Simulation::tear(double dt) {
 }
 
 void Simulation::count(const FailureEvent& event) {
-  events_.push_back(event);
+  failures_.push_back(event);
   ++broken_.total;
   ++broken_.byKind[static_cast<std::size_t>(event.kind)];
   ++(event.cause == FailureCause::kTear ? broken_.torn : broken_.cut);
@@ -224,9 +225,9 @@ double Simulation::observeMaxStretch() {
 }
 
 std::vector<FailureEvent> Simulation::takeEvents() {
-  std::vector<FailureEvent> events;
-  events.swap(events_);
-  return events;
+  const auto first = failures_.begin() + static_cast<std::ptrdiff_t>(told_);
+  told_ = failures_.size();
+  return {first, failures_.end()};
 }
 
 }  // namespace cloth_sim

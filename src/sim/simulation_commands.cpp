@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/surgery/refine.h"
 
@@ -135,9 +136,36 @@ CommandResult Simulation::carryOut(const RefineNear& command) {
   }
 }
 
-CommandResult Simulation::carryOut(const Reset&) {
+CommandResult Simulation::carryOut(const Reset& command) {
+  const double now = time();
+  const std::uint64_t steps = stepCount_;
+  if (command.scope == ResetScope::kTime) {
+    shiftTime(-now);
+    stepCount_ = 0;
+    return done();
+  }
   *this = Simulation(scene_);
+  if (command.scope == ResetScope::kState) {
+    shiftTime(now);
+    stepCount_ = steps;
+  }
   return done();
+}
+
+CommandResult Simulation::carryOut(const Restore& command) {
+  try {
+    load(command.bytes);
+    return done();
+  } catch (const StateError& error) {
+    return refuse(error.what());
+  }
+}
+
+void Simulation::shiftTime(double by) {
+  state_.t += by;
+  for (Collider& collider : colliders_.all()) collider.shiftTime(by);
+  script_.shiftTime(by);
+  tearing_.shiftTime(by);
 }
 
 }  // namespace cloth_sim

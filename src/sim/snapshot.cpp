@@ -56,6 +56,7 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
   shot->maxStretch = observeMaxStretch();
   shot->substeps = report_.substeps;
   shot->guard = watch_.record();
+  shot->hash = stateHash(model_, state_);
   shot->failed = failed();
   shot->failure = failure_;
   return shot;

@@ -1,11 +1,10 @@
 #include "cloth_sim/sim/summary.h"
 
-#include <cinttypes>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/hash.h"
 #include "cloth_sim/mesh/quality.h"
 
 namespace cloth_sim {
@@ -14,12 +13,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-std::string hex(std::uint64_t value) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016" PRIx64, value);
-  return text;
-}
 
 Json phasesJson(const PhaseScript& script) {
   Json phases = Json::array();
@@ -110,7 +103,7 @@ std::string summaryJson(const Simulation& simulation, const InitialFigures& init
   json["energy_j"] = {{"kinetic", number(energy.kinetic)},
                       {"elastic", number(energy.elastic)},
                       {"gravity", number(energy.gravity)}};
-  json["state_hash"] = hex(stateHash(model, state));
+  json["state_hash"] = hashText(stateHash(model, state));
   json["finite"] = isFinite(state);
   json["seed"] = scene.seed;
   return json.dump(2);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "cloth_sim/contact/collider.h"
+#include "cloth_sim/sim/archive.h"
 
 namespace cloth_sim {
 namespace {
@@ -23,12 +25,32 @@ PackedSolver::PackedSolver(const Model& model, int substeps)
 
 void PackedSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
   particles_.follow(changes.mesh);
-  schedule_.follow(model, changes.springs, particles_.slotOf);
+  followModel(model, changes.springs);
+}
+
+void PackedSolver::followModel(const Model& model, const SpringChanges& changes) {
+  schedule_.follow(model, changes, particles_.slotOf);
   force_.resize(particles_.slots);
   before_.resize(particles_.slots);
   substeps_ = substepsFor(model, configured_);
   layoutChanged_ = true;
   bendingChanged_ = true;
+}
+
+void PackedSolver::save(StateWriter& archive) const {
+  archive(particles_);
+  saveMemory(archive);
+}
+
+/// The schedule follows from the undamaged model and the springs there are now.
+void PackedSolver::load(StateReader& archive, const Model& model) {
+  archive(particles_);
+  particles_.resize();
+  SpringChanges all;
+  all.modified.resize(model.springs.slots().size());
+  std::iota(all.modified.begin(), all.modified.end(), 0);
+  followModel(model, all);
+  loadMemory(archive);
 }
 
 const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "bend_matrix.h"
+#include "cloth_sim/sim/archive.h"
 #include "cloth_sim/solver/packed_solver.h"
 #include "methods.h"
 #include "packed_ops.h"
@@ -35,6 +36,8 @@ class Projective final : public PackedSolver {
         tolerance_(parameters.at("tolerance")) {}
 
  private:
+  using Matrix = Eigen::SparseMatrix<double>;
+
   void loadBending(const Model& model) override { bending_.build(model, particles_); }
 
   void prepare(const Controls& controls, double h) override {
@@ -49,7 +52,7 @@ class Projective final : public PackedSolver {
     for (std::size_t p = 0; p < weight_.size(); ++p) {
       weight_[p] = h * h * schedule_.stiffness[p] + h * schedule_.damping[p];
     }
-    if (scaled || factorised_ == 0) factorise();
+    if (scaled || factorised() == 0) factorise();
   }
 
   void substep(const Substep& now) override {
@@ -175,14 +178,14 @@ class Projective final : public PackedSolver {
 
   /// preconditioned = (old factorisation)^-1 rest; the diagonal for particles that came later.
   void precondition() {
-    const auto n = static_cast<Eigen::Index>(factorised_);
+    const Eigen::Index n = matrix_.rows();
     preconditioned_.resize(diagonal_.size());
     forAxes(
         [&](const auto& from, auto& to) {
           right_ = Eigen::Map<const Eigen::VectorXd>(from.data(), n);
           solution_ = factor_.solve(right_);
           Eigen::Map<Eigen::VectorXd>(to.data(), n) = solution_;
-          for (std::size_t k = factorised_; k < to.size(); ++k) {
+          for (std::size_t k = factorised(); k < to.size(); ++k) {
             to[k] = diagonal_[k] > 0.0 ? from[k] / diagonal_[k] : 0.0;
           }
         },
@@ -219,12 +222,42 @@ class Projective final : public PackedSolver {
       const bool held = diagonal_[row] <= 0.0 || diagonal_[static_cast<std::size_t>(column)] <= 0.0;
       if (!held) entries.emplace_back(row, column, bendWeight() * value);
     });
-    Eigen::SparseMatrix<double> matrix(n, n);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    factor_.compute(matrix);
-    factorised_ = diagonal_.size();
+    matrix_.resize(n, n);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    factor_.compute(matrix_);
     linear_ = 0;
   }
+
+  /// The old factorisation, as the matrix that it is of.
+  void saveMemory(StateWriter& archive) const override {
+    archive(step_, drag_, static_cast<std::int64_t>(matrix_.rows()));
+    std::vector<std::int32_t> row, column;
+    std::vector<double> value;
+    for (Eigen::Index k = 0; k < matrix_.outerSize(); ++k) {
+      for (Matrix::InnerIterator entry(matrix_, k); entry; ++entry) {
+        row.push_back(static_cast<std::int32_t>(entry.row()));
+        column.push_back(static_cast<std::int32_t>(entry.col()));
+        value.push_back(entry.value());
+      }
+    }
+    archive(row, column, value);
+  }
+
+  void loadMemory(StateReader& archive) override {
+    std::int64_t n = 0;
+    std::vector<std::int32_t> row, column;
+    std::vector<double> value;
+    archive(step_, drag_, n, row, column, value);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t k = 0; k < value.size(); ++k)
+      entries.emplace_back(row[k], column[k], value[k]);
+    matrix_.resize(n, n);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    if (n > 0) factor_.compute(matrix_);
+  }
+
+  /// Particles that factor_ knows.
+  std::size_t factorised() const { return static_cast<std::size_t>(matrix_.rows()); }
 
   BendMatrix bending_;
   int iterations_;
@@ -233,10 +266,10 @@ class Projective final : public PackedSolver {
   double drag_ = 0.0;
   std::vector<double> diagonal_;  ///< mass (1 + drag h) by particle; 0: prescribed [kg]
   std::vector<double> weight_;    ///< h^2 k + h c by position of the schedule [kg]
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
-  std::size_t factorised_ = 0;  ///< particles that factor_ knows
-  int linear_ = 0;              ///< iterations of the last solve
-  PackedVectors velocity_;      ///< at the start of the substep [m/s]
+  Matrix matrix_;                 ///< that factor_ is of
+  Eigen::SimplicialLDLT<Matrix> factor_;
+  int linear_ = 0;          ///< iterations of the last solve
+  PackedVectors velocity_;  ///< at the start of the substep [m/s]
   PackedVectors wind_, residual_, change_, rest_, preconditioned_, search_, product_, moved_;
   Eigen::VectorXd right_, solution_;
 };

@@ -208,6 +208,13 @@ void Tearing::forget(const TriangleMesh& mesh, double time) {
   }
 }
 
+void Tearing::shiftTime(double by) {
+  plannedAt_ += by;
+  for (auto& [tip, ready] : tips_) ready += by;
+  for (Run& run : runs_) run.time += by;
+  for (Stride& stride : strides_) stride.start += by;
+}
+
 void Tearing::opened(const SurgeryResult& result) {
   if (result.changes.mesh.empty()) {
     for (const Stride& stride : strides_) idle_.insert(stride.slot);

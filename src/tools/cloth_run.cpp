@@ -8,22 +8,30 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include "cloth_sim/ros/bag_writer.h"
+#include "cloth_sim/ros/recording.h"
 #include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
 
 namespace cloth_sim {
 namespace {
 
-enum ExitCode { kDone = 0, kOutputLost = 1, kBadInput = 2, kFailed = 3, kSignalBase = 128 };
+enum ExitCode {
+  kDone = 0,
+  kOutputLost = 1,
+  kBadInput = 2,
+  kFailed = 3,
+  kDiffers = 4,
+  kSignalBase = 128
+};
 
 constexpr double kDefaultDuration = 10.0;  ///< of what has no end of its own [s]
 constexpr double kBarPeriod = 0.1;         ///< of redrawing the bar, wall time [s]
@@ -37,6 +45,9 @@ struct Options {
   std::string bag;                 ///< "": none
   double bagRate = 30.0;           ///< of simulated time [Hz]
   std::string summary;             ///< "": none; "-": standard output
+  std::string loadState;           ///< "": none
+  std::string saveState;           ///< "": none
+  std::string replay;              ///< "": none
   int threads = 0;                 ///< 0: one per processor
 };
 
@@ -54,28 +65,40 @@ void onSignal(int signal) { caughtSignal = signal; }
 std::optional<int> parse(int argc, char** argv, Options& options) {
   CLI::App app("Runs a cloth_sim scene headless, without a ROS master, as fast as it can.",
                "cloth_run");
-  app.add_option("SCENE", options.scene,
-                 "scene file, or the name of one of the package's config/scenes")
-      ->required();
-  app.add_option("--set", options.overrides,
-                 "override of the scene, dotted.key=value (may be given again)")
-      ->allow_extra_args(false);
-  app.add_option("--duration", options.duration,
-                 "simulated time to run [s] (default: until the phases end; 10 without phases)")
-      ->check(CLI::Range(0.0, 1e6));
+  auto* scene = app.add_option("SCENE", options.scene,
+                               "scene file, or the name of one of the package's config/scenes");
+  auto* overrides = app.add_option("--set", options.overrides,
+                                   "override of the scene, dotted.key=value (may be given again)")
+                        ->allow_extra_args(false);
+  auto* duration =
+      app.add_option("--duration", options.duration,
+                     "simulated time to run [s] (default: until the phases end; 10 without phases)")
+          ->check(CLI::Range(0.0, 1e6));
   app.add_option("--bag", options.bag, "rosbag to write");
   app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
       ->capture_default_str()
       ->check(CLI::Range(0.1, 1000.0));
   app.add_option("--summary", options.summary, "JSON summary to write; - for standard output");
+  auto* load =
+      app.add_option("--load-state", options.loadState, "saved state of this scene to go on from");
+  app.add_option("--save-state", options.saveState, "file for the state at the end");
+  app.add_option("--replay", options.replay,
+                 "bag of the node or of cloth_run: its scene, with its commands, once more; exit\n"
+                 "status 4 unless it leads to the recorded states, to the bit")
+      ->excludes(scene)
+      ->excludes(overrides)
+      ->excludes(duration)
+      ->excludes(load);
   app.add_option("--threads", options.threads, "0: one per processor")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
   app.footer(
       "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
+      "4 a replay came to other states than the recorded ones;\n"
       "1 the disk did not take the output; 128 + signal number if it was interrupted.");
   try {
     app.parse(argc, argv);
+    if (options.scene.empty() && options.replay.empty()) throw CLI::RequiredError("SCENE");
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
@@ -153,7 +176,8 @@ class Progress {
 /// Writes frames at their rate, and whenever the phase changes.
 class Recorder {
  public:
-  Recorder(const std::string& file, double rate) : writer_(file), period_(1.0 / rate) {}
+  Recorder(const std::string& file, double rate, const std::string& scene)
+      : writer_(file, scene), period_(1.0 / rate) {}
 
   void update(Simulation& simulation, double wallTime) {
     const std::vector<FailureEvent> events = simulation.takeEvents();
@@ -165,6 +189,8 @@ class Recorder {
     while (next_ <= simulation.time() + half) next_ += period_;
     write(simulation, wallTime);
   }
+
+  void note(const CommandRecord& command) { writer_.write(command); }
 
   void finish(Simulation& simulation, double wallTime) {
     if (written_ != simulation.stepCount() || !events_.empty()) write(simulation, wallTime);
@@ -195,13 +221,16 @@ class Recorder {
 /// When a run is over.
 class EndOfRun {
  public:
-  explicit EndOfRun(std::optional<double> duration) : duration_(duration) {}
+  /// \param start  simulated time at which the run begins [s].
+  EndOfRun(std::optional<double> duration, double start) {
+    if (duration) end_ = start + *duration;
+  }
 
   bool reached(const Simulation& simulation) {
     const PhaseScript& script = simulation.script();
     if (caughtSignal != 0 || simulation.failed()) return true;
     if (script.status() == ScriptStatus::kFailed) return true;
-    if (duration_) return passed(simulation, *duration_);
+    if (end_) return passed(simulation, *end_);
     if (script.status() == ScriptStatus::kDone) return true;
     if (script.status() == ScriptStatus::kIdle && !simulation.scene().phases.empty()) return false;
     return isEndless(script) && passed(simulation, phaseStart(script) + kDefaultDuration);
@@ -220,7 +249,7 @@ class EndOfRun {
     return script.history().empty() ? 0.0 : script.history().back().start;
   }
 
-  std::optional<double> duration_;
+  std::optional<double> end_;  ///< [s]
 };
 
 /// An output must not fail only after a long run.
@@ -231,19 +260,11 @@ void checkWritable(const std::string& file) {
   }
 }
 
-/// Complete or not at all: under another name first.
 void writeSummary(const std::string& file, const std::string& text) {
   if (file == "-") {
     std::cout << text << std::endl;
-    return;
-  }
-  const std::string temporary = file + ".tmp" + std::to_string(getpid());
-  std::ofstream out(temporary);
-  out << text << '\n';
-  out.close();
-  if (!out || std::rename(temporary.c_str(), file.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw std::runtime_error(file + ": cannot be written");
+  } else {
+    writeFileWhole(file, text + '\n');
   }
 }
 
@@ -276,9 +297,11 @@ void sayChoice(const SolverSpec& solver) {
   std::cerr << " (" << solver.choice->source << ')' << std::endl;
 }
 
-std::unique_ptr<Simulation> buildSimulation(const Options& options) {
+std::unique_ptr<Simulation> buildSimulation(const Options& options,
+                                            const std::optional<Recording>& recording) {
   try {
-    Scene scene = loadScene(resolveScene(options.scene), options.overrides);
+    Scene scene = recording ? parseScene(recording->scene, options.replay)
+                            : loadScene(resolveScene(options.scene), options.overrides);
     sayChoice(scene.solver);
     return std::make_unique<Simulation>(std::move(scene));
   } catch (const std::exception& error) {
@@ -286,41 +309,99 @@ std::unique_ptr<Simulation> buildSimulation(const Options& options) {
   }
 }
 
-std::unique_ptr<Recorder> openBag(const Options& options) {
+/// What leads from the start of the scene to where the run begins, or through all of it.
+std::vector<CommandRecord> commandsOf(const Options& options,
+                                      const std::optional<Recording>& recording) {
+  if (recording) return recording->commands;
+  if (options.loadState.empty()) return {};
+  try {
+    return {{0, 0, 0.0, Restore{readRegularFile(options.loadState)}}};
+  } catch (const StateError& error) {
+    throw BadInput(error.what());
+  }
+}
+
+std::unique_ptr<Recorder> openBag(const Options& options, const Simulation& simulation) {
   if (options.bag.empty()) return nullptr;
   try {
-    return std::make_unique<Recorder>(options.bag, options.bagRate);
+    return std::make_unique<Recorder>(options.bag, options.bagRate, simulation.scene().text);
   } catch (const std::exception& error) {
     throw BadInput(error.what());
   }
 }
 
+std::optional<Recording> openRecording(const std::string& bag) {
+  if (bag.empty()) return std::nullopt;
+  try {
+    return readRecording(bag);
+  } catch (const std::runtime_error& error) {
+    throw BadInput(error.what());
+  }
+}
+
+/// One line about whether the run came to the same states.
+int report(const Options& options, const Recording& recording, const Replay& outcome) {
+  const std::string share = std::to_string(outcome.same) + " of " +
+                            std::to_string(recording.states.size()) +
+                            " recorded states came up again";
+  if (caughtSignal != 0) {
+    std::cerr << "cloth_run: interrupted; " << share << std::endl;
+    return kSignalBase + caughtSignal;
+  }
+  if (!outcome.difference.empty()) {
+    std::cerr << "cloth_run: " << options.replay << ": " << outcome.difference << "; " << share
+              << std::endl;
+    return kDiffers;
+  }
+  std::cerr << "cloth_run: " << options.replay << ": " << share << ", the last with the hash "
+            << recording.states.back().hash << std::endl;
+  return kDone;
+}
+
 int run(const Options& options) {
   const int processors = static_cast<int>(std::thread::hardware_concurrency());
   const ThreadLimit limit(options.threads > 0 ? options.threads : std::max(1, processors));
-  const std::unique_ptr<Simulation> simulation = buildSimulation(options);
-  if (!options.summary.empty() && options.summary != "-") checkWritable(options.summary);
-  const std::unique_ptr<Recorder> recorder = openBag(options);
+  const std::optional<Recording> recording = openRecording(options.replay);
+  const std::unique_ptr<Simulation> simulation = buildSimulation(options, recording);
   const InitialFigures initial = initialFigures(*simulation);
+  const std::vector<CommandRecord> commands = commandsOf(options, recording);
+  if (!recording && !commands.empty()) {
+    const CommandResult loaded = simulation->apply(commands.front().command);
+    if (!loaded.success) throw BadInput(options.loadState + ": " + loaded.message);
+  }
+  for (const std::string& file : {options.summary, options.saveState}) {
+    if (!file.empty() && file != "-") checkWritable(file);
+  }
+  const std::unique_ptr<Recorder> recorder = openBag(options, *simulation);
+  if (recorder) {
+    for (const CommandRecord& command : commands) recorder->note(command);
+  }
 
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
   Progress progress(options.duration);
-  EndOfRun end(options.duration);
+  EndOfRun end(options.duration, simulation->time());
   if (recorder) recorder->update(*simulation, 0.0);
-  while (!end.reached(*simulation)) {
-    simulation->step();
+  const auto afterStep = [&] {
     if (!options.summary.empty()) simulation->observeMaxStretch();
     if (recorder) recorder->update(*simulation, progress.wallTime());
     progress.update(*simulation);
+    return caughtSignal == 0;
+  };
+  std::optional<Replay> outcome;
+  if (recording) outcome = replay(*recording, *simulation, afterStep);
+  while (!recording && !end.reached(*simulation)) {
+    simulation->step();
+    afterStep();
   }
   const double wallTime = progress.wallTime();
   progress.finish(*simulation);
   if (recorder) recorder->finish(*simulation, wallTime);
+  if (!options.saveState.empty()) writeFileWhole(options.saveState, simulation->save());
   if (!options.summary.empty()) {
     writeSummary(options.summary, summaryJson(*simulation, initial, wallTime, caughtSignal != 0));
   }
-  return report(options, *simulation);
+  return outcome ? report(options, *recording, *outcome) : report(options, *simulation);
 }
 
 }  // namespace

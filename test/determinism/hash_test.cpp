@@ -4,68 +4,21 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cmath>
 #include <set>
 #include <thread>
 
-#include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/parallel.h"
-#include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/solver/packed_particles.h"
 #include "cloth_sim/solver/parallel_for.h"
 #include "cloth_sim/solver/spring_schedule.h"
+#include "determinism/busy_scene.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {
 namespace {
 
-/// A cloth that falls on a sphere over a table, is notched, grasped and torn, refined where it
-/// tears.
-Scene busyScene(const std::string& method, int n = 64) {
-  const bool limited = std::isfinite(findSolver(method).stabilityLimit);
-  const std::string substeps = limited ? "50" : "2";
-  const std::string last = std::to_string(n - 3);
-  const std::string half = std::to_string(n / 2);
-  const std::string bending = findSolver(method).followsFabric ? "hinge" : "springs";
-  return parseScene(R"(
-seed: 3
-cloth:
-  size: [1, 1]
-  particles: [)" + std::to_string(n) +
-                        ", " + std::to_string(n) + R"(]
-  pose: {position: [0, 0, 0.21]}
-  random_offset: 0.01
-  velocity: [0, 0, -1]
-  fabric: {preset: interlock, damping: 1.0e-5}
-  bending: )" + bending +
-                        R"(
-solver: {method: )" + method +
-                        R"(, dt: 0.0166666666666666667, substeps: )" + substeps +
-                        R"(}
-drag: 1.0
-wind: {velocity: [1, 0, 0]}
-obstacles:
-  table: {type: board, size: [1.6, 1.6, 0.05], position: [0, 0, -0.025]}
-  sphere: {type: sphere, radius: 0.1, position: [0, 0, 0.1]}
-clamps:
-  left: {patch: {particle: [2, )" +
-                        half + R"(], radius: 3}, closing_speed: 3.0}
-  right: {patch: {particle: [)" +
-                        last + ", " + half + R"(], radius: 3}, closing_speed: 3.0}
-tearing: {ratio: 1.2, seam: {path: [[0.5, 0], [0.5, 1]]}}
-phases:
-  - {name: fall, notch: [[0.5, 0], [0.5, 0.2]], timeout: 0.08}
-  - {name: close, clamps: {all: {grasp: true}}, timeout: 0.08}
-  - name: pull
-    clamps: {left: {move_by: [-1, 0, 0.2], speed: 2.0}, right: {move_by: [1, 0, 0.2], speed: 2.0}}
-    timeout: 10.0
-)",
-                    "busy.yaml");
-}
-
-std::uint64_t hashOf(const Simulation& simulation) {
-  return stateHash(simulation.model(), simulation.state());
-}
+using testing_support::busyScene;
+using testing_support::hashOf;
 
 constexpr int kSteps = 24;
 

@@ -20,7 +20,7 @@ from polling import Listener, connected, wait_until  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
                 set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
-                save_state=srv.SaveState, load_state=srv.LoadState, get_state=srv.GetState)
+                get_state=srv.GetState)
 NAN = float('nan')
 
 
@@ -148,6 +148,30 @@ class ApiTest(unittest.TestCase):
         self.accepted('reset')
         state = self.state()
         self.assertEqual((state.step, state.time, state.broken.total), (0, 0.0, 0))
+
+    def test_reset_of_the_state_alone_lets_time_go_on(self):
+        start = self.state()
+        self.accepted('set_phase', 'notch')
+        self.accepted('step', 10)
+        self.accepted('reset', srv.ResetSceneRequest.STATE)
+        state = self.state()
+        self.assertEqual((state.step, state.broken.total), (10, 0))
+        self.assertAlmostEqual(state.time, 10.0 / 60.0)
+        self.assertEqual(state.mean_speed, start.mean_speed)
+        self.assertEqual(self.accepted('step', 1).step, 11)
+        self.assertEqual(self.state().phase, 'wait')
+
+    def test_reset_of_time_alone_leaves_the_state(self):
+        self.accepted('set_phase', 'notch')
+        self.accepted('step', 10)
+        before = self.state()
+        self.accepted('reset', srv.ResetSceneRequest.TIME)
+        state = self.state()
+        self.assertEqual((state.step, state.time), (0, 0.0))
+        self.assertEqual(state.broken, before.broken)
+        self.assertEqual(state.kinetic_energy, before.kinetic_energy)
+        self.assertEqual(state.phase, 'notch')
+        self.refused('reset', 3, says='scope')
 
     def test_set_clamp_pose(self):
         self.accepted('set_clamp_pose', 'right', pose(0.3, 0.1, 0.7))
@@ -280,12 +304,6 @@ class ApiTest(unittest.TestCase):
         self.refused('refine', stroke(frame='nowhere').header, point, 0.1, 0, 0.0, says='nowhere')
         # 512 faces, each halved 6 times: 32768, with about half as many particles.
         self.refused('refine', header, point, 1.0, 6, 0.0, says='max_particles = 5000')
-
-    def test_save_and_load_say_that_they_are_not_there(self):
-        for name in ('save_state', 'load_state'):
-            self.refused(name, 'before', says='not available')
-            self.assertNotIn('not available', self.refused(name, '../before'))
-            self.refused(name, '')
 
     # ---- topics in -------------------------------------------------------------------------------
 

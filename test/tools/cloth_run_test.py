@@ -151,7 +151,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         with rosbag.Bag(bag) as opened:
             topics = opened.get_type_and_topic_info().topics
             self.assertEqual(set(topics), {
-                '/cloth/topology', '/cloth/frame', '/cloth/state', '/cloth/tear_events',
+                '/cloth/scene', '/cloth/topology', '/cloth/frame', '/cloth/state', '/cloth/tear_events',
                 '/cloth/broken_springs', '/cloth/phase', '/cloth/clamps/left/wrench', '/tf'})
             messages = [(topic, message, stamp.to_sec())
                         for topic, message, stamp in opened.read_messages()]

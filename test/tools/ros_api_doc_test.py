@@ -47,9 +47,15 @@ class RosApiDocTest(unittest.TestCase):
         self.assertEqual(set(documented('Topics that the node takes')),
                          names | {'clamps/<name>/' + name for name in clamps})
 
+    def test_actions(self):
+        code = set(re.findall(r'privateNode, "(run_\w+)"', read('src', 'ros', 'actions.cpp')))
+        text = read('docs', 'ros_api.md').split('| action | type | what |')[1].split('\n\n')[0]
+        self.assertEqual(set(re.findall(r'^\| `~(\w+)`', text, re.M)), code)
+        self.assertEqual(len(code), 2)
+
     def test_services(self):
         code = re.findall(r'advertise<(\w+)>\(privateNode, "(\w+)"', read('src', 'ros', 'services.cpp'))
-        rows = documented('Services')
+        rows = {name: row for name, row in documented('Services').items() if 'Action`' not in row}
         self.assertEqual(set(rows), {name for _, name in code})
         for kind, name in code:
             self.assertIn('`cloth_sim/%s`' % kind, rows[name])

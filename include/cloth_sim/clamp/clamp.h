@@ -17,6 +17,11 @@ struct ClampPatch {
   int column = 0;
   int row = 0;
   int radius = 3;  ///< [particles], >= 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(column, row, radius);
+  }
 };
 
 /// What a scene says of a clamp. In the clamp's frame the plates are parallel to x and y, and
@@ -34,6 +39,12 @@ struct ClampSpec {
   double maxLinearAcceleration = 10.0;
   /// Particles to grasp, wherever they are; absent: whatever is between the plates.
   std::optional<ClampPatch> patch;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(name, pose, plateSize, gapOpen, gapClosed, closingSpeed);
+    archive(maxLinearSpeed, maxAngularSpeed, maxLinearAcceleration, patch);
+  }
 };
 
 /// Lever by which a clamp's linear acceleration limit becomes an angular one: the size of a hand
@@ -44,6 +55,11 @@ constexpr double kClampArm = 0.1;
 struct Wrench {
   Vec3 force = Vec3::Zero();   ///< [N]
   Vec3 torque = Vec3::Zero();  ///< [N m]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(force, torque);
+  }
 };
 
 enum class ClampState { kOpen, kClosing, kClosed };
@@ -129,7 +145,19 @@ class Clamp {
     VertexId vertex = kNone;
     Vec3 local = Vec3::Zero();  ///< place in the clamp's frame [m]
     double squeeze = 0.0;       ///< rate of local z [m/s]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(vertex, local, squeeze);
+    }
   };
+
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(spec_, pose_, target_, linearVelocity_, angularVelocity_, speedLimit_);
+    archive(gap_, state_, grips_, held_, wrench_);
+  }
 
   void movePose(double dt);
   void moveGap(double dt);

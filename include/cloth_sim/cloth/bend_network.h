@@ -16,6 +16,11 @@ struct BendElement {
   std::array<double, kMostVertices> weight;    ///< [1/m^2]; they sum to zero
   double stiffness = 0.0;                      ///< rigidity times area [N m^3]; 0: no element
   int count = 0;                               ///< of vertices: 3 to 6, or 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(vertex, weight, stiffness, count);
+  }
 };
 
 /// The bending energy of a plate without Poisson effect, 1/2 B (|x_uu|^2 + 2 |x_uv|^2 + |x_vv|^2)
@@ -46,6 +51,12 @@ class BendNetwork {
   double energy(const std::vector<Vec3>& x) const;
 
  private:
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(rigidity_, elements_);
+  }
+
   static constexpr std::size_t kPerFace = 3;
   void deriveOn(const TriangleMesh& mesh, FaceId f);
 

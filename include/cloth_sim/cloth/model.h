@@ -21,6 +21,12 @@ struct Model {
   std::optional<Grid> grid;  ///< how the mesh came to be, if it was a grid
 
   std::int32_t particleCount() const { return mesh.vertexCount(); }
+
+  /// What edits change; the rest is as the scene has it.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(mesh, springs, bending, mass, arealDensity);
+  }
 };
 
 /// One edit of a model, for everything that keeps data about it.

@@ -43,10 +43,21 @@ class RawShares {
     std::array<double, 3> length{0.0, 0.0, 0.0};  ///< of the edge that each was part of at first
     std::array<double, 3> corner{0.0, 0.0, 0.0};
     bool remade = false;  ///< the face is not one of the original mesh any more
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(face, edge, length, corner, remade);
+    }
   };
 
   static Shares fresh(const TriangleMesh& mesh, FaceId f);
   void followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
+
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(shares_);
+  }
 
   std::vector<Shares> shares_;  ///< by face
 };

@@ -34,6 +34,11 @@ struct Spring {
   double damping = 0.0;     ///< dashpot along the spring [N s/m]
 
   bool exists() const { return a != kNone; }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(a, b, kind, direction, support, restLength, stiffness, damping);
+  }
 };
 
 /// Which springs a scene asks for.
@@ -117,6 +122,13 @@ class SpringNetwork {
   std::int32_t insert(const Spring& spring);
   void erase(std::int32_t slot);
   void replace(std::int32_t slot, const Spring& spring);
+
+  friend class cereal::access;
+  /// What edits change; the rest is as the scene has it.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(rawShares_, slots_, standing_, count_, cleared_);
+  }
 
   SpringSelection selection_;
   Calibration calibration_;

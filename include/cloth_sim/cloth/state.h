@@ -15,6 +15,11 @@ struct State {
     x.follow(changes);
     v.follow(changes);
   }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(x, v, t);
+  }
 };
 
 /// Whether every coordinate and velocity is a finite number.
@@ -37,7 +42,7 @@ double stretch(const Spring& spring, const State& state);
 /// Largest `stretch` of all structural and shear springs (1 for a cloth at rest).
 double maxStretch(const Model& model, const State& state);
 
-/// 64-bit FNV-1a over time, positions, velocities and faces: equal hashes mean equal bits.
+/// Over time, positions, velocities and faces: equal hashes mean equal bits (see hash.h).
 std::uint64_t stateHash(const Model& model, const State& state);
 
 }  // namespace cloth_sim

@@ -12,19 +12,37 @@ namespace cloth_sim {
 struct MotionBounds;
 
 /// Everything below a plane through the collider's position; its z axis is the outward normal.
-struct PlaneShape {};
+struct PlaneShape {
+  template <class Archive>
+  void serialize(Archive& /*archive*/) {}
+};
 /// A solid ball around the collider's position.
 struct SphereShape {
   double radius = 0.1;  ///< [m], > 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(radius);
+  }
 };
 /// A solid board (table top): a box around the collider's position.
 struct BoxShape {
   Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(size);
+  }
 };
 /// The outside of a box around the collider's position is solid: particles stay within. Meant to be
 /// much larger than the margin.
 struct BoundsShape {
   Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(size);
+  }
 };
 using Shape = std::variant<PlaneShape, SphereShape, BoxShape, BoundsShape>;
 
@@ -39,6 +57,11 @@ struct Obstacle {
   /// Rate at which touching particles lose their tangential speed relative to the obstacle, besides
   /// friction [1/s], >= 0.
   double tangentialDecay = 0.0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(name, shape, pose, velocity, friction, tangentialDecay);
+  }
 };
 
 /// An obstacle at work: knows where it is at any time of the current step.
@@ -56,6 +79,8 @@ class Collider {
   Pose poseAt(double time) const;
   /// Moves it: the pose holds at `time`, from where `velocity` goes on.
   void place(const Pose& pose, const Vec3& velocity, double time);
+  /// It is where it would have been `by` earlier [s].
+  void shiftTime(double by) { referenceTime_ += by; }
 
   /// Signed distance from `point` to the surface less the margin (negative inside) [m] at `time`.
   double gap(const Vec3& point, double time) const;
@@ -73,6 +98,11 @@ class Collider {
 
  private:
   friend class ColliderSet;
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(obstacle_, margin_, referenceTime_);
+  }
 
   void collectWithin(const MotionBounds& bounds, const State& state, double dt, double reach,
                      std::vector<VertexId>& out) const;

@@ -57,6 +57,12 @@ class TriangleMesh {
  private:
   friend class MeshEditor;
 
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(material_, faces_, incident_, rim_, generation_, revision_);
+  }
+
   std::vector<Vec2> material_;
   std::vector<Face> faces_;
   std::vector<std::vector<FaceId>> incident_;

@@ -59,6 +59,12 @@ class VertexData {
   }
 
  private:
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(values_, revision_);
+  }
+
   T blend(const VertexEdit& edit) const {
     if (edit.from[1] == kNone) return (*this)[edit.from[0]];
     T sum = (*this)[edit.from[0]] * edit.weight[0];

@@ -9,16 +9,22 @@
 
 namespace cloth_sim {
 
-/// Writes what the node "/cloth" would publish: /cloth/topology (latched, whenever a frame has a
-/// new revision), /cloth/frame, /cloth/state, /cloth/tear_events, /cloth/broken_springs,
-/// /cloth/phase, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
+/// How often what is latched is sent again, so that every part of a split bag can be understood by
+/// itself [s].
+constexpr double kRepeatPeriod = 5.0;
+
+/// Writes what the node "/cloth" would publish: /cloth/scene, /cloth/topology (latched, whenever a
+/// frame has a new revision, and again every kRepeatPeriod), /cloth/frame, /cloth/state,
+/// /cloth/commands, /cloth/tear_events, /cloth/broken_springs, /cloth/phase,
+/// /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
 /// 1 ns, since a stamp of 0 means "none" in ROS.
 ///
 /// The bag grows as "<file>.active" and takes its name when it is complete.
 class BagWriter {
  public:
   /// \throws std::runtime_error if the file cannot be written.
-  explicit BagWriter(const std::string& file);
+  /// \param scene  its text.
+  BagWriter(const std::string& file, const std::string& scene);
   /// Leaves the ".active" file if `close` was not called.
   ~BagWriter();
   BagWriter(const BagWriter&) = delete;
@@ -27,6 +33,8 @@ class BagWriter {
   /// \param events  springs that failed since the last call, in order.
   /// \throws std::runtime_error if the disk does not take it.
   void write(const Observation& observation, const std::vector<FailureEvent>& events);
+  /// \throws std::runtime_error if the disk does not take it.
+  void write(const CommandRecord& command);
 
   /// Completes the bag and gives it its name.
   /// \throws std::runtime_error

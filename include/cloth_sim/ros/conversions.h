@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cloth_sim/BrokenSprings.h"
+#include "cloth_sim/ClothCommand.h"
 #include "cloth_sim/ClothFrame.h"
 #include "cloth_sim/ClothState.h"
 #include "cloth_sim/ClothTopology.h"
@@ -36,6 +37,7 @@ ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header
 /// Fills `message`, whose buffer is reused.
 void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFrame& message);
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header);
+ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Header& header);
 PhaseInfo toPhaseInfo(const PhaseRecord& record);
 TearEvents toEventsMessage(const std::vector<FailureEvent>& events, const std_msgs::Header& header);
 geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,

@@ -26,8 +26,10 @@ struct NodeParameters {
   double realTimeFactor = 1.0;       ///< simulated over wall time, >= 0; 0: as fast as it can
   int threads = 0;                   ///< of the simulation, >= 0; 0: one per processor
   bool paused = false;               ///< at the start
-  double strainRange = 0.2;          ///< strain of the last colour of the markers, > 0 [-]
-  bool twoSided = true;              ///< markers show the back of the cloth in its own colour
+  bool publishClock = false;         ///< simulated time on /clock
+  std::string stateDirectory = "~/.ros/cloth_sim";  ///< of ~save_state and ~load_state
+  double strainRange = 0.2;  ///< strain of the last colour of the markers, > 0 [-]
+  bool twoSided = true;      ///< markers show the back of the cloth in its own colour
 };
 
 /// Reads and checks the private parameters. Unknown ones are warned about.

@@ -4,10 +4,12 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <std_msgs/String.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include "cloth_sim/ros/conversions.h"
@@ -21,8 +23,9 @@ namespace cloth_sim {
 /// is not computed.
 class Publishers {
  public:
+  /// \param scene  its text, for whoever records.
   Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
-             SimulationThread& simulation);
+             const std::string& scene, SimulationThread& simulation);
   ~Publishers();
   Publishers(const Publishers&) = delete;
   Publishers& operator=(const Publishers&) = delete;
@@ -44,6 +47,9 @@ class Publishers {
 
   void run();
   void tick();
+  ros::Time stampOf(const Observation& observation) const;
+  void repeatLatched();
+  void sendCommands();
   void sendTopology(const Observation& observation);
   void sendEvents(const Observation& observation);
   void sendPhase(const Observation& observation);
@@ -64,6 +70,8 @@ class Publishers {
   ros::Publisher brokenSprings_;
   ros::Publisher tearEvents_;
   ros::Publisher phase_;
+  ros::Publisher commands_;
+  ros::Publisher scene_;
   std::vector<ros::Publisher> wrenches_;  ///< by clamp, in the scene's order
   tf2_ros::TransformBroadcaster broadcaster_;
   diagnostic_updater::Updater updater_;
@@ -76,7 +84,10 @@ class Publishers {
   FailureLog failures_;
   std_msgs::Header header_;  ///< of everything sent in this tick
   std::shared_ptr<const Topology> sentTopology_;
-  std::string sentPhase_;
+  std::optional<std::string> sentPhase_;
+  std_msgs::String sceneText_;
+  std::optional<Clock::time_point> repeated_;  ///< when everything latched was sent last
+  ros::Time sentTransforms_;
   int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
   std::uint64_t resetsSeen_ = 0;
   Observation diagnosed_;

@@ -11,6 +11,7 @@
 
 #include "cloth_sim/CutStroke.h"
 #include "cloth_sim/Refine.h"
+#include "cloth_sim/ResetScene.h"
 #include "cloth_sim/scene/scene.h"
 #include "cloth_sim/sim/command.h"
 
@@ -34,6 +35,9 @@ class RequestChecker {
   Request clampPose(const std::string& clamp, const geometry_msgs::PoseStamped& pose) const;
   Request grasp(const std::string& clamp, bool grasp) const;
   Request phase(const std::string& phase) const;
+  Request reset(std::uint8_t scope) const;
+  /// Empty if `factor` can be a real-time factor.
+  std::string realTimeFactor(double factor) const;
   /// Empty if the number of steps can be asked for.
   std::string steps(std::uint32_t count) const;
   Request stroke(const CutStroke& message) const;

@@ -15,10 +15,12 @@
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/SaveState.h"
 #include "cloth_sim/SetClampPose.h"
+#include "cloth_sim/SetRealTimeFactor.h"
 #include "cloth_sim/StartPhase.h"
 #include "cloth_sim/Step.h"
 #include "cloth_sim/ros/requests.h"
 #include "cloth_sim/ros/simulation_thread.h"
+#include "cloth_sim/ros/state_directory.h"
 
 namespace cloth_sim {
 
@@ -28,6 +30,7 @@ struct SceneFacts {
   std::string solver;
   double dt = 0.0;  ///< [s]
   std::string worldFrame;
+  std::string stateDirectory;
 };
 
 /// Every service replies `true` to ROS; whether the request was carried out is in the reply.
@@ -51,12 +54,15 @@ class Services {
   void setPhase(const StartPhase::Request& request, StartPhase::Response& reply);
   void pause(const Pause::Request& request, Pause::Response& reply);
   void step(const Step::Request& request, Step::Response& reply);
+  void setRealTimeFactor(const SetRealTimeFactor::Request& request,
+                         SetRealTimeFactor::Response& reply);
   void reset(const ResetScene::Request& request, ResetScene::Response& reply);
   void saveState(const SaveState::Request& request, SaveState::Response& reply);
   void loadState(const LoadState::Request& request, LoadState::Response& reply);
   void getState(const GetState::Request& request, GetState::Response& reply);
 
   SceneFacts facts_;
+  StateDirectory states_;
   const RequestChecker& checker_;
   SimulationThread& simulation_;
   std::vector<ros::ServiceServer> servers_;

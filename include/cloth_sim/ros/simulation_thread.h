@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "cloth_sim/ros/observation.h"
+#include "cloth_sim/ros/run_job.h"
 #include "cloth_sim/sim/simulation.h"
 
 namespace cloth_sim {
@@ -21,6 +22,9 @@ struct RunSettings {
   double realTimeFactor = 1.0;  ///< simulated over wall time, >= 0; 0: as fast as it can
   bool paused = false;          ///< at the start
   int threads = 0;              ///< of the core's loops; 0: as many as the machine has
+  /// Told the simulated time [s] after every step and whenever it jumps, in order, from the thread
+  /// that made it so; must not block.
+  std::function<void(double)> onTime = nullptr;
 };
 
 /// The answer to a request for steps.
@@ -39,6 +43,7 @@ class SimulationThread {
   static constexpr int kMaxSteps = 1000000;         ///< of one request
 
   using Answer = std::function<void(const CommandResult&)>;
+  using Look = std::function<void(const Simulation&)>;
 
   /// \throws what the constructor of `Simulation` throws.
   SimulationThread(Scene scene, const RunSettings& settings);
@@ -58,10 +63,22 @@ class SimulationThread {
   /// up within `timeout` is withdrawn.
   CommandResult execute(Command command, std::chrono::milliseconds timeout);
 
+  /// Has `look` called between two steps, from the simulation thread, and waits for it.
+  CommandResult inspect(Look look, std::chrono::milliseconds timeout);
+
   void setPaused(bool paused);
+
+  /// From the next step on. \param factor  simulated over wall time, >= 0; 0: as fast as it can.
+  void setRealTimeFactor(double factor);
 
   /// Pauses, and makes `steps` steps as fast as it can.
   std::future<StepResult> requestSteps(int steps);
+
+  /// Goes on, if it is paused, until `goal` is met, and pauses then. The run before it, if there is
+  /// one, is cancelled. \return its number; 0, and no answer comes, if the thread has stopped.
+  std::uint64_t requestRun(RunGoal goal, RunJob::Answer answer);
+  /// Cancels the run of that number, unless it is over, and pauses.
+  void cancelRun(std::uint64_t number);
 
   /// How often observations are wanted, in wall time [Hz]. They are also made after commands,
   /// after requested steps, and when the simulation has failed.
@@ -73,11 +90,14 @@ class SimulationThread {
   /// Springs that failed since the last call and the last reset. One caller only.
   FailureBatch takeEvents();
 
+  /// Commands that were carried out since the last call. One caller only.
+  std::vector<CommandRecord> takeCommands();
+
  private:
   using Clock = std::chrono::steady_clock;
 
   struct Envelope {
-    Command command;
+    std::variant<Command, Look> request;
     Answer answer;
     std::shared_ptr<std::atomic<bool>> withdrawn;  ///< null: cannot be
   };
@@ -85,17 +105,31 @@ class SimulationThread {
     int left = 0;
     std::promise<StepResult> promise;
   };
+  struct NumberedRun {
+    std::uint64_t number = 0;
+    RunJob job;
+  };
 
   bool enqueue(Envelope envelope);
+  CommandResult deliver(std::variant<Command, Look> request, std::chrono::milliseconds timeout);
   void run(int threads);
   void takeRequests();
+  void takeMail(bool last);
+  void takeRuns(bool last);
+  void endRun(RunResult::Outcome outcome, const std::string& message);
   void carryOut(Envelope& envelope);
+  CommandResult carryOut(const Command& command);
+  void beginAnew();
   bool mayStep() const;
+  bool isEarly() const;
   void stepOnce();
+  void checkRun();
+  void tellTime();
   void collectEvents();
   void countJobStep();
   void answerJobs(const CommandResult& result);
   void waitForWork();
+  void keepPace(Clock::time_point now);
   void waitForPace();
   void measure(Clock::duration busy);
   void startMeasuring();
@@ -106,6 +140,7 @@ class SimulationThread {
   Simulation simulation_;
   RunSettings settings_;
   std::deque<StepJob> jobs_;
+  std::optional<NumberedRun> run_;
   std::deque<Envelope> taken_;
   Clock::time_point nextStep_;
   Clock::time_point lastObservation_;
@@ -117,20 +152,28 @@ class SimulationThread {
   double stepTime_ = 0.0;
   std::uint64_t resets_ = 0;
   bool failureShown_ = false;
+  bool unseen_ = false;  ///< a step has been made since the last observation
 
   std::atomic<double> observationRate_{30.0};
+  std::atomic<double> realTimeFactorAsked_;
 
   mutable std::mutex requestMutex_;
   std::condition_variable requestsArrived_;
   std::deque<Envelope> mailbox_;
   std::deque<StepJob> newJobs_;
+  std::deque<NumberedRun> newRuns_;
+  std::vector<std::uint64_t> cancelledRuns_;
+  std::uint64_t runs_ = 0;  ///< asked for
   bool paused_ = false;
   bool stopping_ = false;
+  bool paceChanged_ = false;
   std::uint64_t dropped_ = 0;
 
   mutable std::mutex outputMutex_;
   Observation observation_;
   FailureBatch failures_;
+  std::vector<CommandRecord> commands_;
+  std::uint64_t commandCount_ = 0;
 
   std::thread thread_;  // last: starts when everything above is there
 };

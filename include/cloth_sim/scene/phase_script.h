@@ -27,6 +27,11 @@ struct PhaseRecord {
   double start = 0.0;         ///< [s]
   std::optional<double> end;  ///< [s]; absent while it runs
   bool timedOut = false;      ///< it had conditions, and they did not come to hold in time
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(name, start, end, timedOut);
+  }
 };
 
 enum class ScriptStatus { kIdle, kRunning, kDone, kFailed };
@@ -51,6 +56,9 @@ class PhaseScript {
   /// \return nullptr, and nothing changed, if there is no phase of that name.
   const PhaseSpec* jump(const std::string& name, double time);
 
+  /// Whatever has happened so far happened `by` later [s].
+  void shiftTime(double by);
+
   ScriptStatus status() const { return status_; }
   /// nullptr unless running.
   const PhaseSpec* current() const;
@@ -58,6 +66,13 @@ class PhaseScript {
   std::vector<std::string> names() const;
 
  private:
+  friend class cereal::access;
+  /// Where the script is; the phases are as the scene has them.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(index_, status_, history_, phaseStart_, slowSince_, touched_);
+  }
+
   const PhaseSpec* begin(std::size_t index, double time);
   const PhaseSpec* beginNext(double time);
   void finish(double time, bool timedOut);

@@ -106,6 +106,7 @@ struct PhaseSpec {
 
 struct Scene {
   std::string name;  ///< file name without path and ending
+  std::string text;  ///< the scene file with the overrides in it, as YAML; "" if it is of no file
   ClothSpec cloth;
   SolverSpec solver;
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);

@@ -49,8 +49,17 @@ class Simulation {
   /// The largest stretch that `observeMaxStretch` has seen.
   double maxStretchSeen() const { return maxStretchSeen_; }
 
-  /// Failures since the last call, in order; they are also counted in `broken`.
+  /// All springs that failed since the start or the last reset, in order, as counted in `broken`.
+  const std::vector<FailureEvent>& failures() const { return failures_; }
+  /// Those since the last call.
   std::vector<FailureEvent> takeEvents();
+
+  /// Everything that the future of this simulation depends on, as bytes (see sim/saved_state.h).
+  std::string save() const;
+  /// Goes on from `bytes` as the simulation that was saved would, to the bit.
+  /// \throws StateError if they are damaged, of another version or of another scene; nothing has
+  ///         changed then.
+  void load(const std::string& bytes);
 
   /// The connected pieces of cloth, the largest first.
   std::vector<PieceSnapshot> describePieces() const;
@@ -92,8 +101,17 @@ class Simulation {
   CommandResult carryOut(const CutAlong& command);
   CommandResult carryOut(const RefineNear& command);
   CommandResult carryOut(const Reset& command);
+  CommandResult carryOut(const Restore& command);
+  /// Everything that is told by the time goes on as if it were `by` later [s].
+  void shiftTime(double by);
   Clamp* findClamp(const std::string& name);
   std::shared_ptr<const Topology> makeTopology() const;
+
+  friend class cereal::access;
+  template <class Archive>
+  void serialize(Archive& archive);
+  template <class Archive>
+  void serializeContacts(Archive& archive);
 
   Scene scene_;
   Model model_;
@@ -110,7 +128,8 @@ class Simulation {
   PhaseScript script_;
   Tearing tearing_;
   BrokenCounts broken_;
-  std::vector<FailureEvent> events_;
+  std::vector<FailureEvent> failures_;
+  std::size_t told_ = 0;  ///< of failures_, by takeEvents
   std::shared_ptr<const Topology> topology_;
   SurgeryLimits limits_;
   Pieces pieces_;
@@ -118,6 +137,7 @@ class Simulation {
   std::uint64_t stepCount_ = 0;
   double maxStretchSeen_ = 1.0;
   std::string failure_;
+  std::uint64_t startHash_ = 0;  ///< stateHash before the first step
 };
 
 }  // namespace cloth_sim

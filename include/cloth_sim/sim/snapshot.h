@@ -44,6 +44,11 @@ struct BrokenCounts {
   std::array<int, kSpringKinds> byKind{0, 0, 0};
   int torn = 0;
   int cut = 0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(total, byKind, torn, cut);
+  }
 };
 
 /// One connected piece of cloth.
@@ -59,6 +64,11 @@ struct DroppedScraps {
   int count = 0;
   double mass = 0.0;      ///< [kg]
   double restArea = 0.0;  ///< [m^2]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(count, mass, restArea);
+  }
 };
 
 struct Snapshot {
@@ -83,6 +93,7 @@ struct Snapshot {
   double maxStretch = 1.0;  ///< length over rest length
   int substeps = 0;         ///< of the last step
   GuardRecord guard;        ///< what was done about steps that were too long
+  std::uint64_t hash = 0;   ///< stateHash
   bool failed = false;
   std::string failure;  ///< why the simulation stopped; "" if it did not
 };

@@ -40,6 +40,12 @@ struct PackedParticles {
 
   std::int32_t count() const { return static_cast<std::int32_t>(slotOf.size()); }
 
+  /// Which slots there are. Values come with `load` and `loadMasses`, after `resize`.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(slotOf, slots);
+  }
+
   /// Chooses slots and sizes every array.
   void layOut(const Model& model);
   /// Adds slots for the vertices that an edit made.
@@ -49,8 +55,7 @@ struct PackedParticles {
   /// Sets masses; the particles in `kinematic` get zero.
   void loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic);
   ParticleView view();
-
- private:
+  /// Makes room for every slot.
   void resize();
 };
 

@@ -15,6 +15,8 @@ class PackedSolver : public Solver {
                          Contacts& contacts, const StepLength& length) final;
   int substeps() const final { return substeps_; }
   void onModelChanged(const Model& model, const ModelChanges& changes) final;
+  void save(StateWriter& archive) const final;
+  void load(StateReader& archive, const Model& model) final;
 
  protected:
   PackedSolver(const Model& model, int substeps);
@@ -39,6 +41,10 @@ class PackedSolver : public Solver {
   /// How many substeps a step takes from here on, given how many it was configured with; asked
   /// after every edit of the model.
   virtual int substepsFor(const Model& /*model*/, int configured) { return configured; }
+
+  /// See Solver::save and load: for methods that keep more than the places of particles.
+  virtual void saveMemory(StateWriter& /*archive*/) const {}
+  virtual void loadMemory(StateReader& /*archive*/) {}
 
   /// Copies positions to `particles_.start`.
   void markStart();
@@ -71,6 +77,7 @@ class PackedSolver : public Solver {
   bool layoutChanged_ = true;
 
  private:
+  void followModel(const Model& model, const SpringChanges& changes);
   template <typename Visit>
   void forFreeCandidates(const Contacts& contacts, const Visit& visit) const;
   void loadKinematics(const Model& model, const Controls& controls);

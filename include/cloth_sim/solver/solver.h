@@ -8,7 +8,15 @@
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
 
+namespace cereal {
+class PortableBinaryOutputArchive;
+class PortableBinaryInputArchive;
+}  // namespace cereal
+
 namespace cloth_sim {
+
+using StateWriter = cereal::PortableBinaryOutputArchive;  ///< see sim/archive.h
+using StateReader = cereal::PortableBinaryInputArchive;
 
 /// A particle whose motion is prescribed during a step (by a clamp or a pin): it moves on a
 /// straight line from where the state has it to `position`.
@@ -16,6 +24,11 @@ struct KinematicTarget {
   VertexId vertex = kNone;
   Vec3 position = Vec3::Zero();  ///< at the end of the step [m]
   Vec3 velocity = Vec3::Zero();  ///< at the end of the step [m/s]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(vertex, position, velocity);
+  }
 };
 
 /// Air that moves past the cloth and presses on each face by its relative velocity r and unit
@@ -24,6 +37,11 @@ struct Wind {
   Vec3 velocity = Vec3::Zero();  ///< of the air [m/s]
   double density = 1.2;          ///< of the air [kg/m^3]
   double dragCoefficient = 1.0;  ///< of a face normal to the flow [-]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(velocity, density, dragCoefficient);
+  }
 };
 
 /// Everything that acts on the cloth in a step except its own springs and contacts.
@@ -32,6 +50,11 @@ struct Controls {
   double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
   std::optional<Wind> wind;                ///< absent: no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(gravity, drag, wind, kinematic);
+  }
 };
 
 /// How far a solver goes, and how finely.
@@ -69,6 +92,14 @@ class Solver {
 
   /// To be called after every edit of the model, before the next step.
   virtual void onModelChanged(const Model& model, const ModelChanges& changes) = 0;
+
+  /// Writes what earlier steps and edits left behind, that the next step depends on to the bit, and
+  /// that does not follow from the model and the state.
+  virtual void save(StateWriter& archive) const = 0;
+  /// Reads it, in a solver that was made for the undamaged model with the same parameters; it then
+  /// goes on as the one that was saved would.
+  /// \param model  as it was when the solver was saved.
+  virtual void load(StateReader& archive, const Model& model) = 0;
 };
 
 }  // namespace cloth_sim

@@ -19,6 +19,11 @@ struct FailureEvent {
   Vec3 position = Vec3::Zero();  ///< of its middle in the world [m]
   Vec2 material = Vec2::Zero();  ///< of its middle in material coordinates [m]
   bool overloaded = false;  ///< passed its own limit; false: went because the surface opened there
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(time, a, b, kind, cause, stretch, position, material, overloaded);
+  }
 };
 
 FailureEvent describeFailure(const Model& model, const State& state, const Spring& spring,

@@ -15,12 +15,22 @@ struct Refinement {
   double radius = 0.0;   ///< around the stroke or point [m], > 0
   int generations = 3;   ///< bisections between a face of the original mesh and its parts, 0 ... 12
   double minEdge = 0.0;  ///< no edge shorter than this is made [m], >= 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(radius, generations, minEdge);
+  }
 };
 
 /// To refine the mesh around a polyline in the world, or around a single point.
 struct RefineNear {
   std::vector<Vec3> path;  ///< at least one point [m]
   Refinement refinement;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(path, refinement);
+  }
 };
 
 struct SurgerySettings {

@@ -12,6 +12,11 @@ namespace cloth_sim {
 struct Blade {
   Vec3 heel = Vec3::Zero();  ///< what lies nearest to it is the first layer
   Vec3 tip = Vec3::Zero();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(heel, tip);
+  }
 };
 
 /// A blade that moves from pose to pose, both its ends on straight lines at even speed. What it
@@ -20,6 +25,11 @@ struct Stroke {
   std::vector<Blade> poses;     ///< at least two
   bool firstLayerOnly = false;  ///< of cloth lying in layers, cut only what is nearest to the heel
   double halfWidth = 0.0;       ///< springs this near to the cut are cleared, if the scene asks [m]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(poses, firstLayerOnly, halfWidth);
+  }
 };
 
 /// A blade drawn along `path` that reaches `reach` metres to both sides of it along `direction`

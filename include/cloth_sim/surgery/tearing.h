@@ -65,6 +65,9 @@ class Tearing {
   /// Tells of another operation: tears may go on where cuts end.
   void noteTips(const SurgeryResult& result);
 
+  /// Whatever has happened so far happened `by` later [s].
+  void shiftTime(double by);
+
   /// To be called after every edit of the model.
   void follow(const Model& model, const ModelChanges& changes);
 
@@ -75,16 +78,34 @@ class Tearing {
     double length = 0.0;  ///< [m]
     std::int32_t slot = kNone;
     std::vector<Vec2> places;  ///< corners of the line, material coordinates [m]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(start, length, slot, places);
+    }
   };
   /// Where a tear has run.
   struct Run {
     Vec2 at = Vec2::Zero();  ///< material coordinates [m]
     double time = 0.0;       ///< [s]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(at, time);
+    }
   };
   struct Overload {
     double excess = 0.0;  ///< stretch over limit
     std::int32_t slot = kNone;
   };
+
+  friend class cereal::access;
+  /// What commands, steps and edits change; the rest is as the scene has it.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(settings_.enabled, settings_.ratio);
+    archive(candidates_, tips_, runs_, idle_, worst_, plannedAt_, strides_);
+  }
 
   bool allowed(const Model& model, const Spring& spring) const;
   std::vector<Overload> findOverloads(const Model& model, const State& state);

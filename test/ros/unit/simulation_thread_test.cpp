@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "cloth_sim/scene/load.h"
 
 namespace cloth_sim {
@@ -23,7 +25,7 @@ phases: [{name: first}, {name: second}]
 
 Scene smallScene() { return parseScene(kScene, "test"); }
 
-RunSettings paused() { return {0.0, true, 1}; }
+RunSettings paused() { return {0.0, true, 1, nullptr}; }
 
 template <typename Condition>
 bool eventually(Condition condition) {
@@ -59,7 +61,7 @@ TEST(SimulationThread, StepsOfTwoClientsAreAllMade) {
 }
 
 TEST(SimulationThread, AskingForStepsPauses) {
-  SimulationThread simulation(smallScene(), {0.0, false, 1});
+  SimulationThread simulation(smallScene(), {0.0, false, 1, nullptr});
   simulation.requestSteps(1).get();
   EXPECT_TRUE(simulation.observe().paused);
   const std::uint64_t step = simulation.observe().snapshot->step;
@@ -119,7 +121,7 @@ TEST(SimulationThread, ResultDoesNotDependOnHowItIsDriven) {
 }
 
 TEST(SimulationThread, FloodOfCommandsIsBoundedAndAnswered) {
-  SimulationThread simulation(smallScene(), {1.0, false, 1});
+  SimulationThread simulation(smallScene(), {1.0, false, 1, nullptr});
   constexpr int kCommands = 5000;
   std::atomic<int> answers{0};
   for (int i = 0; i < kCommands; ++i) {
@@ -129,12 +131,125 @@ TEST(SimulationThread, FloodOfCommandsIsBoundedAndAnswered) {
 }
 
 TEST(SimulationThread, KeepsThePaceItIsGiven) {
-  SimulationThread simulation(smallScene(), {1.0, false, 1});
+  SimulationThread simulation(smallScene(), {1.0, false, 1, nullptr});
   const auto start = steady_clock::now();
   ASSERT_TRUE(eventually([&] { return simulation.observe().snapshot->time >= 0.5; }));
   const double wall = std::chrono::duration<double>(steady_clock::now() - start).count();
   EXPECT_GT(wall,
             0.4);  // it may be late on a busy machine, never early by more than an observation
+}
+
+/// Starts a run and waits for its end.
+RunResult runTo(SimulationThread& simulation, const RunGoal& goal) {
+  std::promise<RunResult> promise;
+  std::future<RunResult> future = promise.get_future();
+  simulation.requestRun(goal, [&](const RunResult& result) { promise.set_value(result); });
+  return future.get();
+}
+
+TEST(SimulationThread, RunsForAWhileAndPauses) {
+  SimulationThread simulation(smallScene(), paused());
+  const RunResult result = runTo(simulation, RunFor{0.5});
+  EXPECT_EQ(result.outcome, RunResult::Outcome::kReached);
+  EXPECT_EQ(result.step, 30u);
+  EXPECT_TRUE(simulation.observe().paused);
+  EXPECT_EQ(simulation.observe().snapshot->hash, result.hash);
+  EXPECT_EQ(runTo(simulation, RunFor{0.1}).step, 36u);
+}
+
+TEST(SimulationThread, RunsToAPhase) {
+  SimulationThread simulation(smallScene(), paused());
+  EXPECT_EQ(runTo(simulation, RunToPhase{"first"}).step, 1u);
+  EXPECT_EQ(runTo(simulation, RunToPhase{"first"}).step, 1u) << "it is there already";
+}
+
+TEST(SimulationThread, ARunThatIsResetOrReplacedOrCancelledIsAnswered) {
+  SimulationThread simulation(smallScene(), paused());
+  std::vector<std::string> messages;
+  std::mutex mutex;
+  const auto note = [&](const RunResult& result) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    messages.push_back(result.message);
+  };
+  const auto count = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return messages.size();
+  };
+  simulation.requestRun(RunFor{1e6}, note);
+  simulation.requestRun(RunFor{1e6}, note);
+  ASSERT_TRUE(eventually([&] { return count() == 1; }));
+  EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
+  EXPECT_EQ(count(), 2u);
+  const std::uint64_t number = simulation.requestRun(RunFor{1e6}, note);
+  simulation.cancelRun(number);
+  ASSERT_TRUE(eventually([&] { return count() == 3; }));
+  EXPECT_TRUE(simulation.observe().paused);
+  simulation.requestRun(RunFor{1e6}, note);
+  simulation.stop();
+  EXPECT_EQ(count(), 4u);
+  EXPECT_THAT(messages[0], testing::HasSubstr("another run"));
+  EXPECT_THAT(messages[1], testing::HasSubstr("reset"));
+  EXPECT_THAT(messages[2], testing::HasSubstr("cancelled"));
+  EXPECT_THAT(messages[3], testing::HasSubstr("shutting"));
+  EXPECT_EQ(simulation.requestRun(RunFor{1.0}, note), 0u) << "there is nobody to run it";
+}
+
+TEST(SimulationThread, RecordsWhatWasCarriedOutAndNothingElse) {
+  SimulationThread simulation(smallScene(), paused());
+  EXPECT_TRUE(simulation.execute(SetPhase{"second"}, kTimeout).success);
+  EXPECT_FALSE(simulation.execute(SetPhase{"third"}, kTimeout).success);
+  simulation.requestSteps(3).get();
+  EXPECT_TRUE(simulation.execute(SetGrasp{"left", true}, kTimeout).success);
+  const std::vector<CommandRecord> records = simulation.takeCommands();
+  ASSERT_EQ(records.size(), 2u);
+  EXPECT_EQ(records[0].number, 0u);
+  EXPECT_EQ(records[0].step, 0u);
+  EXPECT_EQ(std::get<SetPhase>(records[0].command).phase, "second");
+  EXPECT_EQ(records[1].number, 1u);
+  EXPECT_EQ(records[1].step, 3u);
+  EXPECT_TRUE(simulation.takeCommands().empty());
+}
+
+TEST(SimulationThread, ARestoredRunKnowsWhatHadFailedBefore) {
+  SimulationThread simulation(smallScene(), paused());
+  const Stroke middle =
+      strokeAlong({Vec3(-1.0, 0.02, 0.0), Vec3(1.0, 0.02, 0.0)}, Vec3::UnitZ(), 1.0);
+  EXPECT_TRUE(simulation.execute(CutAlong{middle}, kTimeout).success);
+  std::string bytes;
+  EXPECT_TRUE(simulation.inspect([&](const Simulation& s) { bytes = s.save(); }, kTimeout).success);
+  const std::size_t cut = simulation.takeEvents().events.size();
+  ASSERT_GT(cut, 0u);
+  EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
+  EXPECT_TRUE(simulation.execute(Restore{bytes}, kTimeout).success);
+  const FailureBatch batch = simulation.takeEvents();
+  EXPECT_EQ(batch.resets, 2u);
+  EXPECT_EQ(batch.before.size(), cut);
+  EXPECT_TRUE(batch.events.empty());
+  EXPECT_FALSE(simulation.execute(Restore{"rubbish"}, kTimeout).success);
+  EXPECT_EQ(simulation.observe().snapshot->pieces.size(), 2u);
+}
+
+TEST(SimulationThread, TellsTheTimeInOrder) {
+  std::vector<double> times;
+  RunSettings settings = paused();
+  settings.onTime = [&](double time) { times.push_back(time); };
+  {
+    SimulationThread simulation(smallScene(), settings);
+    simulation.requestSteps(3).get();
+    simulation.execute(Reset{ResetScope::kTime}, kTimeout);
+  }
+  ASSERT_EQ(times.size(), 5u);
+  EXPECT_EQ(times.front(), 0.0);
+  EXPECT_TRUE(std::is_sorted(times.begin(), times.begin() + 4));
+  EXPECT_EQ(times.back(), 0.0);
+}
+
+TEST(SimulationThread, APaceChangesAtOnce) {
+  SimulationThread simulation(smallScene(), {0.001, false, 1, nullptr});  // a step takes 17 s
+  ASSERT_TRUE(eventually([&] { return simulation.observe().snapshot->step == 1; }));
+  simulation.setRealTimeFactor(0.0);
+  EXPECT_TRUE(eventually([&] { return simulation.observe().snapshot->step > 10; }));
+  EXPECT_EQ(simulation.observe().realTimeFactorAsked, 0.0);
 }
 
 TEST(SimulationThread, StoppingAnswersWhoWaits) {

@@ -1,0 +1,58 @@
+#include "cloth_sim/ros/state_directory.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "cloth_sim/scene/names.h"
+#include "cloth_sim/sim/saved_state.h"
+
+namespace cloth_sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kEnding = ".state";
+
+std::string withHome(const std::string& folder) {
+  const char* home = std::getenv("HOME");
+  const bool isInHome = folder == "~" || folder.compare(0, 2, "~/") == 0;
+  return isInHome && home != nullptr ? home + folder.substr(1) : folder;
+}
+
+}  // namespace
+
+StateDirectory::StateDirectory(const std::string& folder)
+    : folder_(fs::absolute(withHome(folder)).lexically_normal().string()) {}
+
+std::string StateDirectory::path(const std::string& name) const {
+  return (fs::path(folder_) / (name + kEnding)).string();
+}
+
+std::string StateDirectory::write(const std::string& name, const std::string& bytes) const {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) throw StateError(folder_ + ": cannot be made (" + error.message() + ")");
+  writeFileWhole(path(name), bytes);
+  return path(name);
+}
+
+std::string StateDirectory::read(const std::string& name) const {
+  std::error_code ignored;
+  if (!fs::exists(fs::symlink_status(path(name), ignored))) {
+    throw StateError(unknownName("saved state", name, names()));
+  }
+  return readRegularFile(path(name));
+}
+
+std::vector<std::string> StateDirectory::names() const {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, ignored)) {
+    if (entry.path().extension() == kEnding) names.push_back(entry.path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace cloth_sim

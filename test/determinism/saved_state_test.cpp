@@ -1,0 +1,248 @@
+/// \file A run that was saved and loaded goes on as the one that was not interrupted: to the bit,
+/// by every method, with clamps, contact, tears and cuts. What is not a state of this scene is
+/// refused.
+
+#include "cloth_sim/sim/saved_state.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "determinism/busy_scene.h"
+
+namespace cloth_sim {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing_support::busyScene;
+using testing_support::hashOf;
+
+constexpr int kParticles = 24;  ///< along each side
+
+std::vector<std::string> methodNames() {
+  std::vector<std::string> names;
+  for (const SolverInfo& info : solverRegistry()) names.push_back(info.name);
+  return names;
+}
+
+void run(Simulation& simulation, int steps) {
+  for (int k = 0; k < steps; ++k) simulation.step();
+}
+
+/// Commands that change whatever commands can change.
+void disturb(Simulation& simulation) {
+  EXPECT_TRUE(simulation.apply(SetGravity{Vec3(0.1, 0.0, -9.0)}).success);
+  EXPECT_TRUE(simulation.apply(SetTearing{true, {1.15, 1.3, 1.4}}).success);
+  const Pose aside{Vec3(0.05, 0.0, 0.1)};
+  EXPECT_TRUE(simulation.apply(MoveObstacle{"sphere", aside, Vec3(0.0, 0.5, 0.0)}).success);
+  const Stroke across = strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, Vec3(0.0, 0.0, -1.0), 1.0);
+  EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}).success);
+  EXPECT_TRUE(simulation.apply(CutAlong{across}).success);
+  const Pose away{Vec3(-0.7, 0.0, 0.4)};
+  EXPECT_TRUE(simulation.apply(SetClampTarget{"left", away}).success);
+}
+
+/// Both do the same from here on, step for step; at the end everything about them is the same.
+void expectSameFuture(Simulation& straight, Simulation& loaded, int steps) {
+  for (int k = 0; k < steps; ++k) {
+    ASSERT_EQ(hashOf(straight), hashOf(loaded)) << "after " << k << " steps";
+    straight.step();
+    loaded.step();
+  }
+  EXPECT_EQ(straight.save(), loaded.save());
+  EXPECT_EQ(straight.failure(), loaded.failure());
+}
+
+class SavedState : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Registry, SavedState, testing::ValuesIn(methodNames()),
+                         [](const auto& test) { return test.param; });
+
+TEST_P(SavedState, GoesOnAsIfNothingHadHappened) {
+  Simulation straight(busyScene(GetParam(), kParticles));
+  // At the start; in contact, before anything is held; held and cut; while it tears.
+  for (const int steps : {0, 4, 8, 12}) {
+    run(straight, steps);
+    if (steps == 8) disturb(straight);
+    Simulation loaded(busyScene(GetParam(), kParticles));
+    run(loaded, 3);  // what it did before does not matter
+    loaded.load(straight.save());
+    expectSameFuture(straight, loaded, 8);
+  }
+  EXPECT_GT(straight.broken().cut, 0) << "the scene was to be cut";
+  EXPECT_TRUE(straight.failed() || straight.broken().torn > 0) << "the scene was to tear";
+}
+
+TEST_P(SavedState, SavingChangesNothing) {
+  Simulation saved(busyScene(GetParam(), kParticles));
+  Simulation alone(busyScene(GetParam(), kParticles));
+  for (int k = 0; k < 20; ++k) {
+    saved.step();
+    const std::string bytes = saved.save();
+    ASSERT_EQ(bytes, saved.save());
+    alone.step();
+    ASSERT_EQ(hashOf(saved), hashOf(alone)) << "step " << k;
+  }
+}
+
+TEST_P(SavedState, ManySavesInARow) {
+  Simulation straight(busyScene(GetParam(), kParticles));
+  Simulation relay(busyScene(GetParam(), kParticles));
+  for (int k = 0; k < 24; ++k) {
+    if (k == 7) {
+      disturb(straight);
+      disturb(relay);
+    }
+    straight.step();
+    relay.step();
+    Simulation next(busyScene(GetParam(), kParticles));
+    next.load(relay.save());
+    relay = std::move(next);
+    ASSERT_EQ(hashOf(straight), hashOf(relay)) << "step " << k;
+  }
+  EXPECT_EQ(straight.save(), relay.save());
+}
+
+/// What a simulation shows besides its state.
+TEST(SavedStateFigures, AreTheSame) {
+  Simulation straight(busyScene("xpbd", kParticles));
+  run(straight, 14);
+  disturb(straight);
+  run(straight, 20);
+  Simulation loaded(busyScene("xpbd", kParticles));
+  loaded.load(straight.save());
+  const auto before = straight.snapshot();
+  const auto after = loaded.snapshot();
+  EXPECT_EQ(after->phase, before->phase);
+  EXPECT_EQ(after->pieces.size(), before->pieces.size());
+  EXPECT_EQ(after->broken.total, before->broken.total);
+  EXPECT_EQ(after->topology->tornEdges, before->topology->tornEdges);
+  EXPECT_EQ(after->clamps[0].held, before->clamps[0].held);
+  EXPECT_EQ(after->clamps[0].wrench.force, before->clamps[0].wrench.force);
+  EXPECT_EQ(after->obstacles[1].pose.position, before->obstacles[1].pose.position);
+  ASSERT_GT(straight.failures().size(), 0U);
+  EXPECT_EQ(loaded.failures().size(), straight.failures().size());
+  EXPECT_EQ(loaded.takeEvents().size(), straight.takeEvents().size()) << "pending events";
+  EXPECT_EQ(describeDefect(loaded.model().mesh), "");
+}
+
+/// \return what a simulation says to bytes that it must refuse without a change.
+std::string refusal(const std::string& bytes) {
+  Simulation simulation(busyScene("xpbd", kParticles));
+  run(simulation, 2);
+  const std::string before = simulation.save();
+  std::string message;
+  try {
+    simulation.load(bytes);
+  } catch (const StateError& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(simulation.save() == before, !message.empty()) << "a refusal is what changes nothing";
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+  return message;
+}
+
+TEST(SavedStateRefused, IfDamagedOrCutShortAnywhere) {
+  Simulation simulation(busyScene("xpbd", kParticles));
+  run(simulation, 5);
+  const std::string good = simulation.save();
+  EXPECT_EQ(refusal(good), "");
+  for (const std::size_t at :
+       {std::size_t{20}, std::size_t{60}, good.size() / 2, good.size() - 1}) {
+    std::string bad = good;
+    bad[at] = static_cast<char>(bad[at] ^ 0x10);
+    EXPECT_NE(refusal(bad), "") << "byte " << at;
+  }
+  for (const std::size_t length :
+       {std::size_t{0}, std::size_t{7}, std::size_t{20}, good.size() / 2, good.size() - 1}) {
+    EXPECT_NE(refusal(good.substr(0, length)), "") << "length " << length;
+  }
+  EXPECT_THAT(refusal(good + "x"), HasSubstr("damaged"));
+  EXPECT_THAT(refusal("a text"), HasSubstr("no saved state"));
+}
+
+TEST(SavedStateRefused, IfOfAnotherVersion) {
+  Simulation simulation(busyScene("xpbd", kParticles));
+  std::string bytes = simulation.save();
+  const std::size_t version = std::string("cloth_sim state\n").size() + 1;  // after the byte order
+  ++bytes[version];
+  EXPECT_THAT(refusal(bytes), HasSubstr("version 2 (expected 1)"));
+}
+
+TEST(SavedStateRefused, IfOfAnotherScene) {
+  Scene other = busyScene("xpbd", kParticles);
+  EXPECT_EQ(refusal(Simulation(other).save()), "");
+  other.seed = 4;  // another start, though the text is the same
+  EXPECT_THAT(refusal(Simulation(other).save()), HasSubstr("another scene"));
+  EXPECT_THAT(refusal(Simulation(busyScene("verlet", kParticles)).save()),
+              HasSubstr("another scene"));
+  EXPECT_THAT(refusal(Simulation(busyScene("xpbd", 16)).save()), HasSubstr("another scene"));
+}
+
+/// An empty folder of its own.
+class SavedStateFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::temp_directory_path() / ("cloth_sim_" + test + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename());
+    }
+    return names;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(SavedStateFile, IsWrittenWholeAndReplaced) {
+  const std::string big(3000000, 'x');
+  writeFileWhole(path("a"), "first");
+  writeFileWhole(path("a"), big);
+  EXPECT_EQ(readRegularFile(path("a")), big);
+  EXPECT_THAT(names(), testing::ElementsAre("a"));
+}
+
+TEST_F(SavedStateFile, FollowsNoLink) {
+  writeFileWhole(path("target"), "kept");
+  fs::create_symlink(path("target"), path("link"));
+  EXPECT_THROW(readRegularFile(path("link")), StateError);
+  writeFileWhole(path("link"), "new");
+  EXPECT_EQ(readRegularFile(path("target")), "kept");
+  EXPECT_EQ(readRegularFile(path("link")), "new");
+  EXPECT_FALSE(fs::is_symlink(path("link")));
+}
+
+TEST_F(SavedStateFile, ThatCannotBeWrittenLeavesNothingBehind) {
+  fs::create_directory(path("folder"));
+  writeFileWhole(path("folder/inside"), "kept");
+  EXPECT_THROW(writeFileWhole(path("folder"), "x"), StateError);  // it cannot replace a folder
+  EXPECT_THAT(names(), testing::ElementsAre("folder"));
+  EXPECT_THROW(writeFileWhole(path("nowhere/a"), "x"), StateError);
+  EXPECT_THROW(readRegularFile(path("folder")), StateError);
+  EXPECT_THROW(readRegularFile(path("nothing")), StateError);
+}
+
+/// A disk that takes only a part: RLIMIT_FSIZE would end the process, a small file system needs
+/// root; a file in /proc refuses every write.
+TEST_F(SavedStateFile, OnAReadOnlyFileSystemIsRefused) {
+  try {
+    writeFileWhole("/proc/cloth_sim", "x");
+    FAIL() << "was written";
+  } catch (const StateError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/proc/cloth_sim: cannot be written"));
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim

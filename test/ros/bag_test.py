@@ -1,0 +1,176 @@
+#!/usr/bin/python3
+"""A recorded run: every command is in the bag, in parts too, cloth_run comes to the same hashes, and
+what is on the topics can be drawn without the simulation."""
+import glob
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from xmlrpc.client import ServerProxy
+
+import rosbag
+import rospy
+import rostest
+from geometry_msgs.msg import Point, Vector3
+from std_msgs.msg import Bool
+from visualization_msgs.msg import Marker, MarkerArray
+
+from cloth_sim import msg, srv
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from polling import Listener, connected, wait_until  # noqa: E402
+
+SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
+                set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
+                save_state=srv.SaveState, load_state=srv.LoadState, get_state=srv.GetState,
+                set_real_time_factor=srv.SetRealTimeFactor)
+CLOTH_RUN = subprocess.check_output(
+    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+
+
+class Recording:
+    """rosbag record, connected to every topic before it is used."""
+
+    TOPICS = ('scene', 'commands', 'topology', 'frame', 'state', 'tear_events', 'broken_springs',
+              'phase')
+
+    def __init__(self, path, *arguments):
+        topics = ['/cloth/' + name for name in self.TOPICS]
+        self.process = subprocess.Popen(['rosbag', 'record', '--buffsize=1024', '-O', path,
+                                         *arguments, *topics, '__name:=recorder'],
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        wait_until(lambda: self.listens_to() >= set(topics), 'rosbag record')
+
+    @staticmethod
+    def listens_to():
+        """Topics over which the node has a connection to the recorder."""
+        node = ServerProxy(rospy.get_master().lookupNode('/cloth')[2])
+        connections = node.getBusInfo(rospy.get_name())[2]
+        return {topic for _, other, _, _, topic, *_ in connections if other == '/recorder'}
+
+    def stop(self):
+        self.process.send_signal(signal.SIGINT)
+        return self.process.communicate(timeout=30)[0]
+
+
+def replay(bag):
+    return subprocess.run([CLOTH_RUN, '--replay', bag], capture_output=True, text=True, timeout=120)
+
+
+class BagTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.call = {}
+        for name, kind in SERVICES.items():
+            rospy.wait_for_service('/cloth/' + name, 30.0)
+            cls.call[name] = rospy.ServiceProxy('/cloth/' + name, kind, persistent=True)
+
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def accepted(self, name, *arguments):
+        reply = self.call[name](*arguments)
+        self.assertTrue(reply.success, '%s: %s' % (name, reply.message))
+        return reply
+
+    def state(self):
+        return self.call['get_state']().state
+
+    def stroke(self):
+        message = msg.CutStroke()
+        message.header.frame_id = 'world'
+        message.points = [Point(-0.1, 0.013, 0.5), Point(0.1, 0.017, 0.5)]
+        message.direction = Vector3(0, 0, -1)
+        return message
+
+    def test_a_commanded_run_is_done_again_to_the_bit(self):
+        """One test: numbers of commands run from the start of the node on."""
+        bag = os.path.join(self.folder.name, 'run.bag')
+        recording = Recording(bag)
+        states = Listener('/cloth/state', msg.ClothState)
+        self.accepted('set_real_time_factor', 0.0)
+        self.accepted('grasp', 'left', True)
+        self.accepted('pause', False)  # commands come whenever they come
+        wait_until(lambda: self.state().step > 20, 'steps')
+        self.accepted('set_phase', 'notch')
+        self.accepted('cut', self.stroke())
+        grasp = connected('/cloth/clamps/right/grasp', Bool)
+        grasp.publish(True)
+        wait_until(lambda: any(c.state != msg.ClampStatus.OPEN for c in self.state().clamps
+                               if c.name == 'right'), 'the clamp')
+        refused = self.call['set_phase']('nothing')
+        self.assertFalse(refused.success)
+        self.accepted('refine', self.stroke().header, self.stroke().points, 0.05, 2, 0.0)
+        self.accepted('reset', srv.ResetSceneRequest.STATE)
+        self.accepted('step', 20)
+        self.accepted('save_state', 'bag_test')
+        self.accepted('step', 5)
+        self.accepted('load_state', 'bag_test')
+        self.accepted('reset', srv.ResetSceneRequest.TIME)
+        self.accepted('cut', self.stroke())
+        self.accepted('step', 30)
+        end = self.state()
+        # It is sent once a second while nothing changes: who has the second has the first.
+        wait_until(lambda: sum(s.state_hash == end.state_hash for s in states.messages) > 1,
+                   'the last state')
+        recording.stop()
+
+        with rosbag.Bag(bag) as opened:
+            commands = [m for _, m, _ in opened.read_messages(['/cloth/commands'])]
+            last = [m for _, m, _ in opened.read_messages(['/cloth/state'])][-1]
+        self.assertEqual([command.kind for command in commands],
+                         ['set_grasp', 'set_phase', 'cut_along', 'set_grasp', 'refine_near',
+                          'reset', 'restore', 'reset', 'cut_along'])
+        self.assertEqual([command.number for command in commands], list(range(9)))
+        self.assertEqual(commands[1].text, 'notch')
+        self.assertEqual(last.state_hash, end.state_hash)
+        result = replay(bag)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn(end.state_hash, result.stderr.splitlines()[-1])
+
+        lost = os.path.join(self.folder.name, 'lost.bag')
+        with rosbag.Bag(bag) as source, rosbag.Bag(lost, 'w') as target:
+            for topic, message, stamp in source.read_messages():
+                if not (topic == '/cloth/commands' and message.number == 2):
+                    target.write(topic, message, stamp)
+        result = replay(lost)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn('command 2 is missing', result.stderr)
+
+    def test_parts_of_a_split_bag_are_whole(self):
+        recording = Recording(os.path.join(self.folder.name, 'part'), '--split', '--duration=7')
+        wait_until(lambda: len(glob.glob(os.path.join(self.folder.name, 'part_*'))) >= 3,
+                   'three parts', deadline=60.0)
+        recording.stop()
+        parts = sorted(glob.glob(os.path.join(self.folder.name, 'part_*.bag')))
+        for part in parts[:2]:  # the last one may be as short as it likes
+            with rosbag.Bag(part) as opened:
+                counts = opened.get_type_and_topic_info().topics
+                for topic in ('scene', 'topology', 'phase', 'broken_springs', 'frame', 'state'):
+                    self.assertIn('/cloth/' + topic, counts, part)
+
+    def test_what_is_on_the_topics_can_be_drawn(self):
+        with Listener('/view/markers', MarkerArray) as view, \
+                Listener('/cloth/markers', MarkerArray) as own:
+            self.accepted('reset')
+            self.accepted('step', 3)
+            self.accepted('cut', self.stroke())
+
+            def drawn(array):
+                return {m.ns: m for m in array.markers if m.action == Marker.ADD}
+            wait_until(lambda: view.messages and 'torn_edges' in drawn(view.messages[-1]) and
+                       own.messages and 'torn_edges' in drawn(own.messages[-1]), 'markers')
+            seen, meant = drawn(view.messages[-1]), drawn(own.messages[-1])
+            self.assertEqual(set(seen), set(meant))
+            for name in ('cloth', 'torn_edges', 'clamps', 'obstacles'):
+                self.assertEqual(len(seen[name].points), len(meant[name].points), name)
+            for a, b in zip(seen['cloth'].points[::50], meant['cloth'].points[::50]):
+                self.assertLess(abs(a.x - b.x) + abs(a.y - b.y) + abs(a.z - b.z), 1e-5)
+
+
+if __name__ == '__main__':
+    rospy.init_node('bag_test')
+    rostest.rosrun('cloth_sim', 'bag', BagTest)
