@@ -64,7 +64,8 @@ packages_for() {
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
-          libdiagnostic-updater-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev
+          libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
+          python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
         echo rosbash python3-roslaunch python3-rosbag python3-rostopic python3-rosservice \
@@ -78,8 +79,8 @@ packages_for() {
         ;;
       debian/bench) echo libbenchmark-dev ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
-      debian/rviz) echo rviz ;;
-      debian/photo) echo rviz xvfb xauth imagemagick ;;
+      debian/rviz) echo rviz librviz-dev qtbase5-dev ;;  # and what its plugin is built with
+      debian/photo) echo xvfb xauth imagemagick xdotool ;;  # a screen, and a mouse on it
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
@@ -87,7 +88,8 @@ packages_for() {
           ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
           ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
           ros-noetic-visualization-msgs ros-noetic-diagnostic-msgs \
-          ros-noetic-diagnostic-updater ros-noetic-tf2 ros-noetic-tf2-ros \
+          ros-noetic-diagnostic-updater ros-noetic-dynamic-reconfigure \
+          ros-noetic-interactive-markers ros-noetic-tf2 ros-noetic-tf2-ros \
           ros-noetic-tf2-geometry-msgs
         ;;
       noetic/run)
@@ -99,8 +101,8 @@ packages_for() {
         ;;
       noetic/bench) echo libbenchmark-dev ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;
-      noetic/rviz) echo ros-noetic-rviz ;;
-      noetic/photo) echo ros-noetic-rviz xvfb xauth imagemagick ;;
+      noetic/rviz) echo ros-noetic-rviz qtbase5-dev ;;
+      noetic/photo) echo xvfb xauth imagemagick xdotool ;;
       *) die "no package list called '$group' for $ros_flavour" ;;
     esac
   done

@@ -9,7 +9,9 @@
 #include <csignal>
 #include <iostream>
 
+#include "cloth_sim/ros/handles.h"
 #include "cloth_sim/ros/inputs.h"
+#include "cloth_sim/ros/live_parameters.h"
 #include "cloth_sim/ros/publishers.h"
 #include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/ros/services.h"
@@ -64,7 +66,13 @@ class Node {
         services_(privateNode,
                   {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame},
                   checker_, simulation_),
-        inputs_(privateNode, checker_, simulation_) {}
+        inputs_(privateNode, checker_, simulation_),
+        liveParameters_(privateNode, scene, simulation_) {
+    if (parameters.handles) {
+      handles_ =
+          std::make_unique<Handles>(privateNode, parameters.worldFrame, checker_, simulation_);
+    }
+  }
 
   /// Lets callbacks that wait for the simulation go.
   void stop() { simulation_.stop(); }
@@ -77,6 +85,8 @@ class Node {
   Publishers publishers_;
   Services services_;
   Inputs inputs_;
+  LiveParameters liveParameters_;
+  std::unique_ptr<Handles> handles_;  ///< if asked for
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "cloth_sim/ros/live_parameters.h"
 #include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
@@ -139,8 +140,10 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("threads", Range{0.0, kMaxThreads}, result.threads);
   reader.read("paused", result.paused);
   reader.read("strain_range", Range{0.0, 100.0, false}, result.strainRange);
+  reader.read("handles", result.handles);
   reader.read("two_sided", result.twoSided);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
+  for (const std::string& name : liveParameterNames()) reader.allow(name);
   reader.warnAboutOthers();
   return result;
 }

@@ -14,11 +14,11 @@
 namespace cloth_sim {
 namespace {
 
-constexpr int kStep = 3;             ///< between points of a stroke, at least [px]
-constexpr std::size_t kMost = 4096;  ///< points of a stroke
-constexpr float kLineAt = 1.0f;      ///< from the camera, where the stroke is drawn [m]
-constexpr double kLineWidth = 3.0;   ///< [px]
-constexpr float kNearest = 0.02f;    ///< from the camera, where the blade begins [m]
+constexpr int kPointSpacing = 3;           ///< between points of a stroke, at least [px]
+constexpr std::size_t kMostPoints = 4096;  ///< points of a stroke
+constexpr float kLineAt = 1.0f;            ///< from the camera, where the stroke is drawn [m]
+constexpr double kLineWidth = 3.0;         ///< [px]
+constexpr float kNearest = 0.02f;          ///< from the camera, where the blade begins [m]
 
 geometry_msgs::Point toPoint(const Ogre::Vector3& value) {
   geometry_msgs::Point point;
@@ -49,7 +49,7 @@ void CutTool::onInitialize() {
   QObject::connect(topic_, &rviz::Property::changed, this, [this] { advertise(); });
   advertise();
   line_ = std::make_unique<rviz::BillboardLine>(scene_manager_);
-  line_->setMaxPointsPerLine(kMost);
+  line_->setMaxPointsPerLine(kMostPoints);
   line_->setColor(0.90f, 0.05f, 0.25f, 0.99f);  // not opaque: drawn after what is
   line_->getMaterial()->setDepthCheckEnabled(false);
 }
@@ -68,7 +68,7 @@ void CutTool::begin(const Pointer& at) {
 }
 
 void CutTool::move(const Pointer& to) {
-  if (std::abs(to.x - lastX_) + std::abs(to.y - lastY_) >= kStep) add(to);
+  if (std::abs(to.x - lastX_) + std::abs(to.y - lastY_) >= kPointSpacing) add(to);
 }
 
 void CutTool::end(const Pointer& at) {
@@ -84,7 +84,7 @@ void CutTool::cancel() {
 }
 
 void CutTool::add(const Pointer& point) {
-  if (stroke_.points.size() >= kMost) return;
+  if (stroke_.points.size() >= kMostPoints) return;
   lastX_ = point.x;
   lastY_ = point.y;
   stroke_.heels.push_back(toPoint(point.ray.getPoint(kNearest)));

@@ -19,21 +19,21 @@
 namespace cloth_sim {
 namespace {
 
-constexpr int kWidth = 104;      ///< of the legend [px]
-constexpr int kHeight = 216;     ///< [px]
-constexpr int kMargin = 12;      ///< from the corner of the view [px]
-constexpr int kBarTop = 34;      ///< [px]
-constexpr int kBarLeft = 14;     ///< [px]
-constexpr int kBarWidth = 22;    ///< [px]
-constexpr int kBarHeight = 168;  ///< [px]
-constexpr int kTicks = 4;        ///< parts between numbers
+constexpr int kLegendWidth = 104;   ///< of the legend [px]
+constexpr int kLegendHeight = 216;  ///< [px]
+constexpr int kLegendMargin = 12;   ///< from the corner of the view [px]
+constexpr int kBarTop = 34;         ///< [px]
+constexpr int kBarLeft = 14;        ///< [px]
+constexpr int kBarWidth = 22;       ///< [px]
+constexpr int kBarHeight = 168;     ///< [px]
+constexpr int kTicks = 4;           ///< parts between numbers
 
 QColor toQt(const std_msgs::ColorRGBA& colour) {
   return QColor::fromRgbF(colour.r, colour.g, colour.b);
 }
 
 QImage paintLegend(double range) {
-  QImage image(kWidth, kHeight, QImage::Format_ARGB32);
+  QImage image(kLegendWidth, kLegendHeight, QImage::Format_ARGB32);
   image.fill(Qt::transparent);
   QPainter painter(&image);
   painter.setRenderHint(QPainter::Antialiasing);
@@ -48,18 +48,18 @@ QImage paintLegend(double range) {
   QFont font("DejaVu Sans");
   font.setPixelSize(13);
   painter.setFont(font);
-  painter.drawText(QRect(0, 6, kWidth, 20), Qt::AlignHCenter | Qt::AlignVCenter, "strain");
+  painter.drawText(QRect(0, 6, kLegendWidth, 20), Qt::AlignHCenter | Qt::AlignVCenter, "strain");
   for (int tick = 0; tick <= kTicks; ++tick) {
     const double fraction = static_cast<double>(tick) / kTicks;
     const int y = kBarTop + static_cast<int>((1.0 - fraction) * kBarHeight);
     painter.drawLine(kBarLeft + kBarWidth, y, kBarLeft + kBarWidth + 4, y);
-    painter.drawText(QRect(kBarLeft + kBarWidth + 8, y - 9, kWidth, 18),
+    painter.drawText(QRect(kBarLeft + kBarWidth + 8, y - 9, kLegendWidth, 18),
                      Qt::AlignLeft | Qt::AlignVCenter, QString::number(fraction * range, 'g', 3));
   }
   return image;
 }
 
-std::string uniqueName() {
+std::string legendName() {
   static int count = 0;
   return "cloth_sim/strain_legend/" + std::to_string(count++);
 }
@@ -67,10 +67,10 @@ std::string uniqueName() {
 }  // namespace
 
 StrainLegend::StrainLegend() {
-  const std::string name = uniqueName();
+  const std::string name = legendName();
   texture_ = Ogre::TextureManager::getSingleton().createManual(
       name + "/texture", Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME, Ogre::TEX_TYPE_2D,
-      kWidth, kHeight, 0, Ogre::PF_A8R8G8B8, Ogre::TU_DEFAULT);
+      kLegendWidth, kLegendHeight, 0, Ogre::PF_A8R8G8B8, Ogre::TU_DEFAULT);
   material_ = Ogre::MaterialManager::getSingleton().create(
       name + "/material", Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
   Ogre::Pass& pass = *material_->getTechnique(0)->getPass(0);
@@ -86,8 +86,8 @@ StrainLegend::StrainLegend() {
       overlays.createOverlayElement("Panel", name + "/panel"));
   panel_->setMetricsMode(Ogre::GMM_PIXELS);
   panel_->setVerticalAlignment(Ogre::GVA_BOTTOM);
-  panel_->setDimensions(kWidth, kHeight);
-  panel_->setPosition(kMargin, -(kHeight + kMargin));
+  panel_->setDimensions(kLegendWidth, kLegendHeight);
+  panel_->setPosition(kLegendMargin, -(kLegendHeight + kLegendMargin));
   panel_->setMaterialName(material_->getName(),
                           Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
   overlay_->add2D(panel_);
@@ -109,7 +109,7 @@ void StrainLegend::show(bool visible) { visible ? overlay_->show() : overlay_->h
 
 void StrainLegend::setRange(double range) {
   const QImage image = paintLegend(range);
-  const Ogre::PixelBox pixels(kWidth, kHeight, 1, Ogre::PF_A8R8G8B8,
+  const Ogre::PixelBox pixels(kLegendWidth, kLegendHeight, 1, Ogre::PF_A8R8G8B8,
                               const_cast<uchar*>(image.constBits()));
   texture_->getBuffer()->blitFromMemory(pixels);
 }

@@ -10,9 +10,9 @@
 namespace cloth_sim {
 namespace {
 
-/// How far towards the viewer things are moved in depth, so that what the cloth lies on does not show
-/// through where the mesh is coarse, and lines are before faces. Half a millimetre at 2 m [depth
-/// steps].
+/// How far towards the viewer things are moved in depth, so that what the cloth lies on does not
+/// show through where the mesh is coarse, and lines are before faces. Half a millimetre at 2 m
+/// [depth steps].
 constexpr float kFaceBias = 16.0f;
 constexpr float kWireBias = 32.0f;
 

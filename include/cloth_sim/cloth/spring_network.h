@@ -92,6 +92,13 @@ class SpringNetwork {
   /// \param slots  ascending.
   SpringChanges clear(const std::vector<std::int32_t>& slots);
 
+  /// Multiplies the stiffness of every spring, there now or made later, by `scale` against that of
+  /// the fabric or the raw constants. Dashpots of a fabric keep their retardation time, raw ones
+  /// their constant.
+  /// \param scale  > 0; not on top of an earlier one.
+  SpringChanges setScale(double scale);
+  double scale() const { return scale_; }
+
  private:
   /// Membrane constants that the springs of a square grid need [N/m], and what bends need.
   struct Calibration {
@@ -119,6 +126,7 @@ class SpringNetwork {
   void replace(std::int32_t slot, const Spring& spring);
 
   SpringSelection selection_;
+  double scale_ = 1.0;  ///< of every stiffness
   Calibration calibration_;
   std::optional<RawSprings> raw_;
   RawShares rawShares_;

@@ -27,6 +27,7 @@ struct NodeParameters {
   int threads = 0;                   ///< of the simulation, >= 0; 0: one per processor
   bool paused = false;               ///< at the start
   double strainRange = 0.2;          ///< strain of the last colour of the markers, > 0 [-]
+  bool handles = false;              ///< interactive markers on clamps and obstacles
   bool twoSided = true;              ///< markers show the back of the cloth in its own colour
 };
 

@@ -2,9 +2,12 @@
 /// \file What can be asked of a running simulation, as values that can be queued, logged and
 /// replayed.
 
+#include <optional>
 #include <string>
 #include <variant>
 
+#include "cloth_sim/clamp/drag.h"
+#include "cloth_sim/solver/solver.h"
 #include "cloth_sim/surgery/settings.h"
 #include "cloth_sim/surgery/stroke.h"
 #include "cloth_sim/surgery/tearing.h"
@@ -35,6 +38,19 @@ struct SetTearing {
   bool enabled = false;
   TearRatios ratio{};
 };
+struct SetWind {
+  std::optional<Wind> wind;  ///< absent: none
+};
+/// Makes the cloth stiffer or softer than the scene says, in all its springs alike.
+struct SetStiffness {
+  double scale = 1.0;  ///< times the scene's stiffness, 1e-3 ... 1e3 [-]
+};
+/// Pulls a particle along with a ray; the first one of a pull picks the particle. To be sent again
+/// and again while the pull lasts: see `Drag::kPatience`.
+struct PullParticle {
+  bool held = true;  ///< false: let go (the ray does not matter)
+  Ray ray;
+};
 /// Cuts along a stroke. Answers success and that nothing was cut if it misses.
 struct CutAlong {
   Stroke stroke;
@@ -42,8 +58,9 @@ struct CutAlong {
 /// Back to the start of the scene.
 struct Reset {};
 
-using Command = std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle,
-                             SetTearing, CutAlong, RefineNear, Reset>;
+using Command =
+    std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle, SetTearing, SetWind,
+                 SetStiffness, PullParticle, CutAlong, RefineNear, Reset>;
 
 /// Whether a command was carried out, and if not, why, in one sentence.
 struct CommandResult {
