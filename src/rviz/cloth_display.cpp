@@ -51,6 +51,7 @@ ClothDisplay::ClothDisplay() {
       "The frames of a cloth; the topic \"topology\" beside it is taken too.", this);
   connect(topic_, &rviz::Property::changed, this, [this] {
     unsubscribe();
+    surface_ = Surface();
     reset();
     subscribe();
   });

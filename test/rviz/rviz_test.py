@@ -165,7 +165,7 @@ class RvizTest(unittest.TestCase):
     # ---- the tools -------------------------------------------------------------------------------
 
     def test_stroke_of_the_mouse_cuts_there(self):
-        view = self.open('Cut')
+        view = self.open('Cut', 'Torn Width: 0.02')
         height = 0.8
         row = [view.pixel(x, height) for x in numpy.linspace(-0.65, 0.65, 27)]
         self.screen.drag(row)
