@@ -1,7 +1,6 @@
 #include "cloth_sim/rviz/cloth_display.h"
 
 #include <OgreSceneNode.h>
-#include <ros/console.h>
 #include <ros/message_traits.h>
 #include <ros/names.h>
 #include <rviz/display_context.h>
@@ -234,7 +233,6 @@ void ClothDisplay::report(double elapsed) {
                              .arg(statistics_.slowest / kMilli, 0, 'f', 2)
                              .arg(statistics_.dropped);
     setStatus(Status::Ok, "Frames", text);
-    ROS_DEBUG_STREAM("cloth_sim/Cloth: " << text.toStdString());
   }
   statistics_ = Statistics();
 }

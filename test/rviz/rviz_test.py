@@ -7,6 +7,7 @@ import sys
 import unittest
 
 import numpy
+import rosgraph
 import rospy
 import rostest
 from cloth_sim import msg, srv
@@ -16,6 +17,7 @@ sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
 from screen import Screen, is_near, skip_unless_possible, view_of  # noqa: E402
 
+LAUNCHER = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'cloth_rviz')
 BACKGROUND = (255, 0, 255)  # nothing else is magenta
 CRIMSON = (230, 13, 64)     # of strokes and torn edges
 LAST_STRAIN = (253, 231, 37)
@@ -161,6 +163,23 @@ class RvizTest(unittest.TestCase):
         wait_until(lambda: is_near(view.part(self.screen.picture(), (-0.4, 0.62), (0.4, 0.72)),
                                    BACKGROUND, 2).mean() > 0.9, 'the fall', deadline=60.0)
         self.assertGreater((self.screen.picture() != before).sum(), 1000)
+
+    # ---- what cloth.launch starts -----------------------------------------------------------------
+
+    def subscribed(self, topic):
+        return any(name == topic and nodes for name, nodes in
+                   rosgraph.Master('/rviz_test').getSystemState()[1])
+
+    def test_launcher_takes_the_plugin(self):
+        self.screen.open([LAUNCHER])
+        for topic in ('frame', 'scene_markers', 'state', 'parameter_updates'):  # display and panel
+            wait_until(lambda: self.subscribed('/cloth/' + topic), topic, deadline=60.0)
+        self.assertFalse(self.subscribed('/cloth/markers'))
+
+    def test_launcher_takes_markers_where_there_is_no_plugin(self):
+        self.screen.open([LAUNCHER], CMAKE_PREFIX_PATH='/nowhere')
+        wait_until(lambda: self.subscribed('/cloth/markers'), 'markers', deadline=60.0)
+        self.assertFalse(self.subscribed('/cloth/frame'))
 
     # ---- the tools -------------------------------------------------------------------------------
 

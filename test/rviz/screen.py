@@ -53,9 +53,13 @@ class Screen:
         path = os.path.join(self.folder, 'test.rviz')
         with open(path, 'w') as file:
             file.write(config)
+        self.open(['rviz', '-d', path])
+
+    def open(self, command, **variables):
+        """Starts a command that becomes rviz, with some environment variables of its own."""
         self.log = open(os.path.join(self.folder, 'rviz.log'), 'w+')
-        self.rviz = subprocess.Popen(['rviz', '-d', path], env=self.environment, stdout=self.log,
-                                     stderr=subprocess.STDOUT)
+        self.rviz = subprocess.Popen(command, env=dict(self.environment, **variables),
+                                     stdout=self.log, stderr=subprocess.STDOUT)
 
     def close_rviz(self):
         if self.rviz is None:
