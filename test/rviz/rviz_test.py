@@ -166,20 +166,29 @@ class RvizTest(unittest.TestCase):
 
     # ---- what cloth.launch starts -----------------------------------------------------------------
 
-    def subscribed(self, topic):
-        return any(name == topic and nodes for name, nodes in
-                   rosgraph.Master('/rviz_test').getSystemState()[1])
+    def subscribers(self, topic):
+        """Names of nodes; a killed one stays in the master's list."""
+        return {node for name, nodes in rosgraph.Master('/rviz_test').getSystemState()[1]
+                if name == topic for node in nodes}
+
+    def launch(self, *topics, **variables):
+        """Starts what the launch file does, until it has subscribed to these; its name."""
+        before = self.subscribers('/tf')
+        self.screen.open([LAUNCHER], **variables)
+        new = wait_until(lambda: self.subscribers('/tf') - before, 'rviz', deadline=60.0)
+        for topic in topics:
+            wait_until(lambda: self.subscribers(topic) >= new, topic, deadline=60.0)
+        return new
 
     def test_launcher_takes_the_plugin(self):
-        self.screen.open([LAUNCHER])
-        for topic in ('frame', 'scene_markers', 'state', 'parameter_updates'):  # display and panel
-            wait_until(lambda: self.subscribed('/cloth/' + topic), topic, deadline=60.0)
-        self.assertFalse(self.subscribed('/cloth/markers'))
+        # By the display, by the panel, and by its sliders.
+        rviz = self.launch('/cloth/frame', '/cloth/scene_markers', '/cloth/state',
+                           '/cloth/parameter_updates')
+        self.assertFalse(self.subscribers('/cloth/markers') & rviz)
 
     def test_launcher_takes_markers_where_there_is_no_plugin(self):
-        self.screen.open([LAUNCHER], CMAKE_PREFIX_PATH='/nowhere')
-        wait_until(lambda: self.subscribed('/cloth/markers'), 'markers', deadline=60.0)
-        self.assertFalse(self.subscribed('/cloth/frame'))
+        rviz = self.launch('/cloth/markers', CMAKE_PREFIX_PATH='/nowhere')
+        self.assertFalse(self.subscribers('/cloth/frame') & rviz)
 
     # ---- the tools -------------------------------------------------------------------------------
 
