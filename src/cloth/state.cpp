@@ -48,6 +48,7 @@ Energies energies(const Model& model, const State& state, const Vec3& gravity) {
     const double extension = (state.x[spring.b] - state.x[spring.a]).norm() - spring.restLength;
     e.elastic += 0.5 * spring.stiffness * extension * extension;
   }
+  e.elastic += model.bending.energy(state.x.values());
   return e;
 }
 

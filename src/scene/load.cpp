@@ -55,6 +55,11 @@ Scene readScene(const SceneNode& root) {
   } else {
     scene.solver.parameters = completeParameters(findSolver(scene.solver.method), {});
   }
+  try {
+    checkFeatures(findSolver(scene.solver.method), scene.cloth.hinge);
+  } catch (const std::invalid_argument& error) {
+    root.need("cloth", "a map").need("bending", "a word").refuse(error.what());
+  }
   readSurroundings(root, scene);
   if (const auto obstacles = root.find("obstacles")) {
     readObstacles(*obstacles, scene.cloth.fabric.friction, scene.obstacles);

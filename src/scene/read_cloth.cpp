@@ -92,7 +92,7 @@ RawSprings readRawSprings(const SceneNode& node) {
   return raw;
 }
 
-/// Kinds of springs: by default those that have a stiffness.
+/// Kinds of springs, or what bends instead of them: by default those that have a stiffness.
 void selectSprings(const SceneNode& node, ClothSpec& cloth) {
   if (cloth.raw) {
     cloth.springs.shear = cloth.raw->constant[1] > 0.0;
@@ -102,7 +102,13 @@ void selectSprings(const SceneNode& node, ClothSpec& cloth) {
   }
   node.read("shear", cloth.springs.shear);
   if (const auto bending = node.find("bending")) {
-    cloth.springs.bend = bending->choice<bool>({{"none", false}, {"springs", true}});
+    struct Bending {
+      bool springs, hinge;
+    };
+    const auto chosen = bending->choice<Bending>(
+        {{"none", {false, false}}, {"springs", {true, false}}, {"hinge", {false, true}}});
+    cloth.springs.bend = chosen.springs;
+    cloth.hinge = chosen.hinge && cloth.fabric.bending > 0.0;
   }
 }
 

@@ -38,6 +38,7 @@ std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
 
 std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model) {
   const SolverInfo& info = findSolver(spec.method);
+  checkFeatures(info, !model.bending.empty());
   const SolverParameters complete = completeParameters(info, spec.parameters);
   return info.create(model, guardStep(spec.guard, info, model, spec.dt, complete));
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// \file Shared parts of the methods that integrate forces explicitly.
 
+#include "bend_matrix.h"
 #include "cloth_sim/solver/packed_solver.h"
 
 namespace cloth_sim {
@@ -24,9 +25,11 @@ class ForceSolver : public PackedSolver {
   /// v *= exp(-drag h): exact for linear drag.
   void damp(const Controls& controls, double h);
 
+  void loadBending(const Model& model) final { bending_.build(model, particles_); }
   int substepsFor(const Model& model, int configured) final;
 
  private:
+  BendMatrix bending_;
   double stableAtFirst_;  ///< stableStep of the undamaged model [s]
 };
 

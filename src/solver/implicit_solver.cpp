@@ -29,9 +29,14 @@ void ImplicitSolver::findWind(const Substep& now) {
   wind_ = force_;
 }
 
+void ImplicitSolver::addInternalForces() {
+  addSpringForces(schedule_, particles_.x, particles_.v, force_);
+  bending_.addForces(particles_.x, particles_.v, force_);
+}
+
 void ImplicitSolver::evaluateForces(const Substep& now) {
   findWind(now);
-  addSpringForces(schedule_, particles_.x, particles_.v, force_);
+  addInternalForces();
 }
 
 void ImplicitSolver::place(double tau, double fraction, const PackedVectors& fromX) {
@@ -42,7 +47,7 @@ void ImplicitSolver::place(double tau, double fraction, const PackedVectors& fro
 /// residual = m (v* - v) + tau (f + m (g - drag v)); its root mean square as an acceleration.
 double ImplicitSolver::findResidual(const Substep& now, double tau, const PackedVectors& fromV) {
   force_ = wind_;
-  addSpringForces(schedule_, particles_.x, particles_.v, force_);
+  addInternalForces();
   const std::size_t n = particles_.mass.size();
   residual_.resize(n);
   double square = 0.0;
@@ -70,7 +75,8 @@ double ImplicitSolver::potential(const Substep& now, double tau, const PackedVec
     const Vec3 aim = mass * (fromV.at(k) + tau * now.controls.gravity) + tau * wind_.at(k);
     sum += 0.5 * drag * mass * v.squaredNorm() - aim.dot(v);
   }
-  return sum + springPotential(schedule_, particles_.x, particles_.v, tau);
+  return sum + springPotential(schedule_, particles_.x, particles_.v, tau) +
+         bending_.potential(particles_.x, particles_.v, tau);
 }
 
 void ImplicitSolver::search(const Substep& now, double tau, double fraction,
@@ -106,8 +112,8 @@ void ImplicitSolver::solveStage(const Substep& now, double tau, double fraction,
     noteIterations(k == 0 ? 0 : 1, residual);
     if (residual <= tolerance_) return balance(tau, fraction, fromX);
     if (k == iterations_ || !std::isfinite(residual)) return;
-    matrix_.linearise(schedule_, particles_.x, tau * tau, tau, diagonal_);
-    matrix_.solve(schedule_, residual_, kLinearTolerance, kLinearIterations, change_);
+    matrix_.linearise({schedule_, bending_}, particles_.x, tau * tau, tau, diagonal_);
+    matrix_.solve({schedule_, bending_}, residual_, kLinearTolerance, kLinearIterations, change_);
     search(now, tau, fraction, fromX, fromV);
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// \file What the implicit methods share: one stage, solved by Newton's method.
 
+#include "bend_matrix.h"
 #include "cloth_sim/solver/packed_solver.h"
 #include "cloth_sim/solver/registry.h"
 #include "spring_matrix.h"
@@ -26,6 +27,7 @@ class ImplicitSolver : public PackedSolver {
   void evaluateForces(const Substep& now);
 
  private:
+  void addInternalForces();
   void findWind(const Substep& now);
   void balance(double tau, double fraction, const PackedVectors& fromX);
   void place(double tau, double fraction, const PackedVectors& fromX);
@@ -34,6 +36,9 @@ class ImplicitSolver : public PackedSolver {
   void search(const Substep& now, double tau, double fraction, const PackedVectors& fromX,
               const PackedVectors& fromV);
 
+  void loadBending(const Model& model) final { bending_.build(model, particles_); }
+
+  BendMatrix bending_;
   int iterations_;    ///< of Newton's method, at most
   double tolerance_;  ///< of the residual [m/s^2]
   SpringMatrix matrix_;

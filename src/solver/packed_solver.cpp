@@ -28,6 +28,7 @@ void PackedSolver::onModelChanged(const Model& model, const ModelChanges& change
   before_.resize(particles_.slots);
   substeps_ = substepsFor(model, configured_);
   layoutChanged_ = true;
+  bendingChanged_ = true;
 }
 
 const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,
@@ -45,6 +46,8 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
   }
   report_.iterations = 0;
   report_.residual = 0.0;
+  if (bendingChanged_ && !model.bending.empty()) loadBending(model);
+  bendingChanged_ = false;
   prepare(controls, h);
   for (int k = 1; k <= substeps; ++k) {
     const double fraction = static_cast<double>(k) / substeps;

@@ -22,6 +22,9 @@ class Pbd final : public PackedSolver {
         keep_(parameters.at("velocity_factor")) {}
 
  private:
+  /// There is no stiffness that it could have: scenes that ask for it are refused.
+  void loadBending(const Model& /*model*/) override {}
+
   void substep(const Substep& now) override {
     markStart();
     predict(now);

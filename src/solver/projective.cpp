@@ -1,6 +1,7 @@
 #include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "bend_matrix.h"
 #include "cloth_sim/solver/packed_solver.h"
 #include "methods.h"
 #include "packed_ops.h"
@@ -19,7 +20,8 @@ constexpr double kLinearTolerance = 0.1;  ///< of the residual, per iteration
 /// alternating between the direction of each spring (local) and the positions given the directions
 /// (global). The matrix of the global step, M (1 + drag h) / h^2 + sum of (k + c/h) S^T S, does not
 /// depend on the state and is factorised once. A dashpot is a projection too: of the relative
-/// motion in the substep on its part across the spring.
+/// motion in the substep on its part across the spring. A bending energy is quadratic already: its
+/// matrix is part of the global step's.
 ///
 /// After cuts and tears, and while clamps hold other particles, the old factorisation goes on as
 /// the preconditioner of conjugate gradients on the new matrix: exact but for the rows that
@@ -33,6 +35,8 @@ class Projective final : public PackedSolver {
         tolerance_(parameters.at("tolerance")) {}
 
  private:
+  void loadBending(const Model& model) override { bending_.build(model, particles_); }
+
   void prepare(const Controls& controls, double h) override {
     if (h == step_ && controls.drag == drag_ && !layoutChanged_) return;
     const bool scaled = h != step_ || controls.drag != drag_;
@@ -88,6 +92,11 @@ class Projective final : public PackedSolver {
   double findResidual(const Substep& now) {
     setZero(particles_.mass.size(), force_);
     schedule_.sweep([&](std::int32_t p) { addPull(p, now.h); });
+    bending_.addProduct(-1.0, particles_.x, force_);
+    if (bending_.retardation() > 0.0) {
+      setSum(particles_.x, -1.0, particles_.start, moved_);
+      bending_.addProduct(-bending_.retardation() / now.h, moved_, force_);
+    }
     addScaled(1.0, wind_, force_);
     residual_.resize(particles_.mass.size());
     double square = 0.0;
@@ -157,8 +166,12 @@ class Projective final : public PackedSolver {
       product_.set(a, product_.at(a) + f);
       product_.set(b, product_.at(b) - f);
     });
+    bending_.addProduct(bendWeight(), search_, product_);
     hold(product_);
   }
+
+  /// What the matrix of the bending energy counts in the global step's.
+  double bendWeight() const { return step_ * (step_ + bending_.retardation()); }
 
   /// preconditioned = (old factorisation)^-1 rest; the diagonal for particles that came later.
   void precondition() {
@@ -202,6 +215,10 @@ class Projective final : public PackedSolver {
       if (!heldB) entries.emplace_back(b, b, weight_[p]);
       if (!heldA && !heldB) entries.emplace_back(std::max(a, b), std::min(a, b), -weight_[p]);
     }
+    bending_.forLower([&](std::size_t row, std::int32_t column, double value) {
+      const bool held = diagonal_[row] <= 0.0 || diagonal_[static_cast<std::size_t>(column)] <= 0.0;
+      if (!held) entries.emplace_back(row, column, bendWeight() * value);
+    });
     Eigen::SparseMatrix<double> matrix(n, n);
     matrix.setFromTriplets(entries.begin(), entries.end());
     factor_.compute(matrix);
@@ -209,6 +226,7 @@ class Projective final : public PackedSolver {
     linear_ = 0;
   }
 
+  BendMatrix bending_;
   int iterations_;
   double tolerance_;  ///< of the residual [m/s^2]
   double step_ = 0.0;
@@ -219,7 +237,7 @@ class Projective final : public PackedSolver {
   std::size_t factorised_ = 0;  ///< particles that factor_ knows
   int linear_ = 0;              ///< iterations of the last solve
   PackedVectors velocity_;      ///< at the start of the substep [m/s]
-  PackedVectors wind_, residual_, change_, rest_, preconditioned_, search_, product_;
+  PackedVectors wind_, residual_, change_, rest_, preconditioned_, search_, product_, moved_;
   Eigen::VectorXd right_, solution_;
 };
 

@@ -54,6 +54,12 @@ const SolverInfo& findSolver(const std::string& name) {
                               name + "')");
 }
 
+void checkFeatures(const SolverInfo& info, bool bendingEnergy) {
+  if (!bendingEnergy || info.followsFabric) return;
+  throw std::invalid_argument(info.name + " has no bending energy (its stiffness is not the " +
+                              "fabric's): take springs or none, or another method");
+}
+
 SolverParameters completeParameters(const SolverInfo& info, const SolverParameters& given) {
   for (const auto& [name, value] : given) {
     const SolverParameter* parameter = findParameter(info, name);

@@ -59,8 +59,10 @@ void maskAxis(std::size_t n, const double* diagonal, double* q) {
 
 }  // namespace
 
-void SpringMatrix::linearise(const SpringSchedule& schedule, const PackedVectors& x, double elastic,
+void SpringMatrix::linearise(const Elements& elements, const PackedVectors& x, double elastic,
                              double viscous, const std::vector<double>& diagonal) {
+  const SpringSchedule& schedule = elements.springs;
+  bendScale_ = elastic + viscous * elements.bending.retardation();
   const auto count = static_cast<std::size_t>(schedule.size());
   direction_.resize(count);
   along_.resize(count);
@@ -75,10 +77,11 @@ void SpringMatrix::linearise(const SpringSchedule& schedule, const PackedVectors
     across_[p] = k * std::max(0.0, 1.0 - schedule.restLength[p] / length);
     along_[p] = k + viscous * schedule.damping[p] - across_[p];
   }
-  factoriseBlocks(schedule);
+  factoriseBlocks(elements);
 }
 
-void SpringMatrix::factoriseBlocks(const SpringSchedule& schedule) {
+void SpringMatrix::factoriseBlocks(const Elements& elements) {
+  const SpringSchedule& schedule = elements.springs;
   const std::size_t n = diagonal_.size();
   blockDiagonal_.x = blockDiagonal_.y = blockDiagonal_.z = diagonal_;
   setZero(n, blockOffDiagonal_);
@@ -93,7 +96,7 @@ void SpringMatrix::factoriseBlocks(const SpringSchedule& schedule) {
     }
   }
   for (std::size_t k = 0; k < n; ++k) {
-    const Vec3 d = blockDiagonal_.at(k);
+    const Vec3 d = blockDiagonal_.at(k) + Vec3::Constant(bendScale_ * elements.bending.diagonal(k));
     const Vec3 o = blockOffDiagonal_.at(k);
     if (diagonal_[k] <= 0.0) continue;
     Eigen::Matrix3d block;
@@ -104,8 +107,9 @@ void SpringMatrix::factoriseBlocks(const SpringSchedule& schedule) {
   }
 }
 
-void SpringMatrix::multiply(const SpringSchedule& schedule, const PackedVectors& p,
+void SpringMatrix::multiply(const Elements& elements, const PackedVectors& p,
                             PackedVectors& q) const {
+  const SpringSchedule& schedule = elements.springs;
   const std::size_t n = diagonal_.size();
   q.resize(n);
   forAxes(
@@ -118,6 +122,7 @@ void SpringMatrix::multiply(const SpringSchedule& schedule, const PackedVectors&
                 axesAt(p, a), axesAt(p, b), axesAt(q, a), axesAt(q, b));
   };
   schedule.sweep(run, [&](std::int32_t position) { run(position, 1); });
+  elements.bending.addProduct(bendScale_, p, q);
   forAxes([&](auto& axis) { maskAxis(n, diagonal_.data(), axis.data()); }, q);
 }
 
@@ -134,7 +139,7 @@ void SpringMatrix::precondition(const PackedVectors& r, PackedVectors& z) const 
   }
 }
 
-int SpringMatrix::solve(const SpringSchedule& schedule, const PackedVectors& r, double tolerance,
+int SpringMatrix::solve(const Elements& elements, const PackedVectors& r, double tolerance,
                         int maxIterations, PackedVectors& p) {
   setZero(diagonal_.size(), p);
   residual_ = r;
@@ -143,7 +148,7 @@ int SpringMatrix::solve(const SpringSchedule& schedule, const PackedVectors& r, 
   double rz = dot(residual_, preconditioned_);
   const double enough = tolerance * tolerance * dot(r, r);
   for (int k = 1; k <= maxIterations; ++k) {
-    multiply(schedule, search_, product_);
+    multiply(elements, search_, product_);
     const double curvature = dot(search_, product_);
     if (!(curvature > 0.0)) return k;
     const double step = rz / curvature;

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "bend_sweep.h"
 #include "cloth_sim/solver/packed_solver.h"
 #include "cloth_sim/solver/vector_clones.h"
 #include "methods.h"
@@ -121,6 +122,7 @@ class Xpbd final : public PackedSolver {
     double lag = 0.0;
   };
 
+  void loadBending(const Model& model) override;
   void prepare(const Controls& controls, double h) override;
   void substep(const Substep& now) override;
 
@@ -130,16 +132,26 @@ class Xpbd final : public PackedSolver {
   void applyWind(const Substep& now);
   void sweep();
   void solveAttachments(double h);
+  void solveBending(double h);
 
   double gainStep_ = 0.0;  ///< the h that gains_ are for
   Gains gains_;
   std::vector<Attachment> attachments_;
+  BendSweep bending_;
+  double retardation_ = 0.0;         ///< of bending [s]
+  std::vector<std::int32_t> target_;  ///< kinematic target by slot, or kNone
 };
+
+void Xpbd::loadBending(const Model& model) {
+  bending_.build(model.bending, particles_);
+  retardation_ = model.fabric.damping;
+}
 
 void Xpbd::prepare(const Controls& /*controls*/, double h) {
   if (layoutChanged_ || gainStep_ != h) {
     computeGains(h);
     takeAttachments();
+    if (!bending_.empty()) bending_.setStep(h, retardation_, particles_.inverseMass);
   }
   setSum(particles_.x, -h, particles_.v, particles_.start);
 }
@@ -163,18 +175,18 @@ void Xpbd::computeGains(double h) {
 void Xpbd::takeAttachments() {
   attachments_.clear();
   if (kinematicSlots_.empty()) return;
-  std::vector<std::int32_t> heldBySlot(particles_.slots, kNone);
+  target_.assign(static_cast<std::size_t>(particles_.slots), kNone);
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
-    heldBySlot[kinematicSlots_[k]] = static_cast<std::int32_t>(k);
+    target_[static_cast<std::size_t>(kinematicSlots_[k])] = static_cast<std::int32_t>(k);
   }
   for (std::int32_t p = 0; p < schedule_.size(); ++p) {
     const std::int32_t a = schedule_.endA[p];
     const std::int32_t b = schedule_.endB[p];
-    const bool heldA = heldBySlot[a] != kNone;
-    const bool heldB = heldBySlot[b] != kNone;
+    const bool heldA = target_[a] != kNone;
+    const bool heldB = target_[b] != kNone;
     if (heldA == heldB) continue;
     const std::int32_t held = heldA ? a : b;
-    attachments_.push_back({p, heldA ? b : a, held, static_cast<std::size_t>(heldBySlot[held]),
+    attachments_.push_back({p, heldA ? b : a, held, static_cast<std::size_t>(target_[held]),
                             gains_.gain[p], gains_.lag[p]});
     gains_.gain[p] = 0.0;
   }
@@ -185,6 +197,7 @@ void Xpbd::substep(const Substep& now) {
   placeKinematic(now.fraction);
   sweep();
   solveAttachments(now.h);
+  if (!bending_.empty()) solveBending(now.h);
   now.contacts.project(particles_.view(), now.time, now.h);
   if (now.fraction == 1.0 || now.controls.wind) {
     const auto n = static_cast<std::size_t>(particles_.slots);
@@ -254,6 +267,12 @@ void Xpbd::solveAttachments(double h) {
     particles_.x.set(free, particles_.x.at(free) + particles_.inverseMass[free] * pull * direction);
     addReaction(at.held, -pull / h * direction);
   }
+}
+
+void Xpbd::solveBending(double h) {
+  bending_.project(particles_, [&](std::size_t slot, const Vec3& impulse) {
+    if (target_[slot] != kNone) addReaction(static_cast<std::size_t>(target_[slot]), impulse / h);
+  });
 }
 
 }  // namespace

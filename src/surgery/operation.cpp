@@ -20,6 +20,7 @@ SpringChanges follow(const MeshChanges& changes, Model& model, State& state) {
   state.follow(changes);
   followMasses(changes, model);
   restoreMomentum(before, changes.touched, model.mass, state);
+  model.bending.follow(model.mesh, changes);
   return model.springs.follow(model.mesh, changes);
 }
 

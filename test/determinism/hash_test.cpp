@@ -26,6 +26,7 @@ Scene busyScene(const std::string& method, int n = 64) {
   const std::string substeps = limited ? "50" : "2";
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);
+  const std::string bending = findSolver(method).followsFabric ? "hinge" : "springs";
   return parseScene(R"(
 seed: 3
 cloth:
@@ -36,6 +37,8 @@ cloth:
   random_offset: 0.01
   velocity: [0, 0, -1]
   fabric: {preset: interlock, damping: 1.0e-5}
+  bending: )" + bending +
+                        R"(
 solver: {method: )" + method +
                         R"(, dt: 0.0166666666666666667, substeps: )" + substeps +
                         R"(}

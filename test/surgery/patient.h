@@ -72,6 +72,7 @@ class Patient {
     const SpringSelection selection{with.shear, with.bend};
     model_.springs = with.raw ? SpringNetwork(model_.mesh, raw(), selection)
                               : SpringNetwork(model_.mesh, model_.fabric, selection);
+    if (deep && with.bend) model_.bending = BendNetwork(model_.mesh, model_.fabric.bending);
     lumpMasses(model_.fabric.arealDensity, model_);
     if (with.ownMasses) setParticleMasses(1e-3, model_);
     original_ = std::make_unique<Shapes>(model_.mesh);

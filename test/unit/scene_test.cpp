@@ -150,6 +150,9 @@ TEST(Scene, RawSpringsNameTheKindsThereAre) {
   EXPECT_FALSE(cloth.springs.bend);
   EXPECT_TRUE(cloth.raw->perStretch);
   EXPECT_FALSE(parse("cloth: {bending: none}").cloth.springs.bend);
+  EXPECT_FALSE(parse("cloth: {bending: hinge}").cloth.springs.bend);
+  EXPECT_TRUE(parse("cloth: {bending: hinge}").cloth.hinge);
+  EXPECT_FALSE(parse("cloth: {bending: hinge, fabric: {bending: 0}}").cloth.hinge);
   EXPECT_FALSE(parse("cloth: {fabric: {bending: 0}}").cloth.springs.bend);
 }
 
@@ -495,7 +498,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "s.yaml:1: cloth.particle_mass: expected a number > 0 (got 0)"},
         BadScene{"cloth: {shear: 3}", "s.yaml:1: cloth.shear: expected true or false (got 3)"},
         BadScene{"cloth: {bending: hinges}",
-                 "s.yaml:1: cloth.bending: expected one of none, springs (got 'hinges')"},
+                 "s.yaml:1: cloth.bending: expected one of none, springs, hinge (got 'hinges')"},
         BadScene{"cloth: {raw_springs: {shear: 1}}",
                  "s.yaml:1: cloth.raw_springs.structural: missing, expected a number > 0"},
         BadScene{"cloth: {particles: [5, 5], pins: [[5, 0]]}",

@@ -1,6 +1,7 @@
 #pragma once
 /// \file The cloth: everything that is constant during a step.
 
+#include "cloth_sim/cloth/bend_network.h"
 #include "cloth_sim/cloth/spring_network.h"
 #include "cloth_sim/mesh/grid.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
@@ -11,6 +12,7 @@ namespace cloth_sim {
 struct Model {
   TriangleMesh mesh;
   SpringNetwork springs;
+  BendNetwork bending;        ///< empty: bending is none, or of springs
   VertexData<double> mass;  ///< lumped [kg], > 0
   /// Mass over a third of the rest area around each vertex [kg/m^2]: the fabric's, unless the scene
   /// gave the particles masses of their own.

@@ -41,7 +41,7 @@ struct SetTearing {
 struct SetWind {
   std::optional<Wind> wind;  ///< absent: none
 };
-/// Makes the cloth stiffer or softer than the scene says, in all its springs alike.
+/// Makes the cloth stiffer or softer than the scene says, in all its springs and its bending alike.
 struct SetStiffness {
   double scale = 1.0;  ///< times the scene's stiffness, 1e-3 ... 1e3 [-]
 };

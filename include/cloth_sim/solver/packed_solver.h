@@ -33,6 +33,9 @@ class PackedSolver : public Solver {
   /// Called once before the substeps of a step; masses and kinematic slots are set.
   virtual void prepare(const Controls& /*controls*/, double /*h*/) {}
   virtual void substep(const Substep& now) = 0;
+  /// Called before `prepare` if the model has a bending energy and that of the last step, if any,
+  /// was another one.
+  virtual void loadBending(const Model& model) = 0;
   /// How many substeps a step takes from here on, given how many it was configured with; asked
   /// after every edit of the model.
   virtual int substepsFor(const Model& /*model*/, int configured) { return configured; }
@@ -75,6 +78,7 @@ class PackedSolver : public Solver {
                  double time);
   void finishReactions(const Model& model, const Controls& controls, double dt);
 
+  bool bendingChanged_ = true;
   int configured_;  ///< substeps that the scene asked for
   int substeps_;
   StepReport report_;

@@ -30,7 +30,7 @@ struct SolverInfo {
   std::string limitations;  ///< one line
   int order = 1;            ///< of convergence in the time step on smooth problems; 0: none
   /// Whether the stiffness of springs is what the fabric says. If not, the method's own parameters
-  /// set it, and it changes with the step.
+  /// set it, it changes with the step, and a bending energy is refused.
   bool followsFabric = true;
   /// Largest omega h, h the length of a substep, at which an undamped oscillator of the angular
   /// frequency omega stays bounded. Infinity: there is no such limit; 0: it never does.
@@ -44,6 +44,9 @@ const std::vector<SolverInfo>& solverRegistry();
 
 /// \throws std::invalid_argument naming the known methods if there is none of that name.
 const SolverInfo& findSolver(const std::string& name);
+
+/// \throws std::invalid_argument if the model has what the method cannot follow: a bending energy.
+void checkFeatures(const SolverInfo& info, bool bendingEnergy);
 
 /// Fills in defaults.
 /// \throws std::invalid_argument naming the parameter, its range or the known names.
