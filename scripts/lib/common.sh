@@ -75,7 +75,7 @@ packages_for() {
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
-          python3-rostest python3-rosunit python3-matplotlib
+          python3-rostest python3-rosunit python3-matplotlib python3-numpy
         ;;
       debian/bench) echo libbenchmark-dev ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
@@ -97,7 +97,8 @@ packages_for() {
           ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
-        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib
+        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \
+          python3-numpy
         ;;
       noetic/bench) echo libbenchmark-dev ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;

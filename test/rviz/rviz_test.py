@@ -15,7 +15,7 @@ from cloth_sim import msg, srv
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
-from screen import Screen, is_near, skip_unless_possible, view_of  # noqa: E402
+from screen import Screen, is_near, record_skipped, view_of, what_is_missing  # noqa: E402
 
 LAUNCHER = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'cloth_rviz')
 BACKGROUND = (255, 0, 255)  # nothing else is magenta
@@ -93,7 +93,6 @@ class View:
 class RvizTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        skip_unless_possible()
         cls.screen = Screen()
 
     @classmethod
@@ -164,7 +163,7 @@ class RvizTest(unittest.TestCase):
                                    BACKGROUND, 2).mean() > 0.9, 'the fall', deadline=60.0)
         self.assertGreater((self.screen.picture() != before).sum(), 1000)
 
-    # ---- what cloth.launch starts -----------------------------------------------------------------
+    # ---- what cloth.launch starts ----------------------------------------------------------------
 
     def subscribers(self, topic):
         """Names of nodes; a killed one stays in the master's list."""
@@ -251,5 +250,8 @@ def stroke(height):
 
 
 if __name__ == '__main__':
+    if what_is_missing():
+        record_skipped('rviz', what_is_missing())
+        sys.exit(0)
     rospy.init_node('rviz_test')
     rostest.rosrun('cloth_sim', 'rviz', RvizTest)
