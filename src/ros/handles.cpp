@@ -125,6 +125,8 @@ void Handles::onFeedback(const Feedback& feedback) {
   if (feedback.event_type == Feedback::MOUSE_DOWN) held_ = feedback.marker_name;
   if (feedback.event_type == Feedback::MOUSE_UP) held_.clear();
   if (feedback.event_type != Feedback::POSE_UPDATE) return;
+  shown_[feedback.marker_name] = {fromPoint(feedback.pose.position),
+                                  fromQuaternion(feedback.pose.orientation)};
   const std::string clamp = after(kClampPrefix, feedback.marker_name);
   if (!clamp.empty()) {
     geometry_msgs::PoseStamped pose;
@@ -154,17 +156,31 @@ void Handles::guide(const std::string& obstacle, const Vec3& goal) {
   guided.underWay = true;
 }
 
+/// The server calls `onFeedback` with its own mutex locked: so it is not called with ours locked.
 void Handles::refresh() {
+  for (const auto& [marker, pose] : moved()) server_.setPose(marker, toPoseMessage(pose));
+  server_.applyChanges();
+}
+
+/// Sends obstacles on their way, and says which handles are not where they should be.
+std::map<std::string, Pose> Handles::moved() {
   const std::shared_ptr<const Snapshot> now = simulation_.observe().snapshot;
+  std::map<std::string, Pose> poses;
   const std::lock_guard<std::mutex> lock(mutex_);
   for (auto& [obstacle, guided] : guided_) {
     if (guided.underWay) advance(obstacle, guided, now->time);
   }
-  for (const ClampSnapshot& clamp : now->clamps) show(kClampPrefix + clamp.name, clamp.pose);
-  for (const Obstacle& obstacle : now->obstacles) {
-    if (hasHandle(obstacle)) show(kObstaclePrefix + obstacle.name, obstacle.pose);
+  for (const ClampSnapshot& clamp : now->clamps) {
+    const std::string marker = kClampPrefix + clamp.name;
+    if (shallShow(marker, clamp.pose)) poses[marker] = clamp.pose;
   }
-  server_.applyChanges();
+  for (const Obstacle& obstacle : now->obstacles) {
+    const std::string marker = kObstaclePrefix + obstacle.name;
+    const auto guided = guided_.find(obstacle.name);
+    if (!hasHandle(obstacle) || (guided != guided_.end() && guided->second.underWay)) continue;
+    if (shallShow(marker, obstacle.pose)) poses[marker] = obstacle.pose;
+  }
+  return poses;
 }
 
 /// One stretch of its way, as far as simulated time has gone.
@@ -182,14 +198,12 @@ void Handles::advance(const std::string& obstacle, Guided& guided, double time) 
   if (reach > 0.0) submit(Command{MoveObstacle{obstacle, guided.pose, Vec3::Zero()}});
 }
 
-void Handles::show(const std::string& marker, const Pose& pose) {
-  if (marker == held_) return;
-  const auto guided = guided_.find(after(kObstaclePrefix, marker));
-  if (guided != guided_.end() && guided->second.underWay) return;
-  const auto shown = shown_.find(marker);
-  if (shown != shown_.end() && !differ(shown->second, pose)) return;
-  shown_[marker] = pose;
-  server_.setPose(marker, toPoseMessage(pose));
+bool Handles::shallShow(const std::string& marker, const Pose& pose) {
+  if (marker == held_) return false;
+  const auto [shown, isNew] = shown_.try_emplace(marker, pose);
+  if (!isNew && !differ(shown->second, pose)) return false;
+  shown->second = pose;
+  return true;
 }
 
 void Handles::submit(const Request& request) {

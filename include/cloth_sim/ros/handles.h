@@ -51,8 +51,10 @@ class Handles {
   void onGrasp(const std::string& marker, bool grasp);
   void guide(const std::string& obstacle, const Vec3& goal);
   void refresh();
+  std::map<std::string, Pose> moved();
   void advance(const std::string& obstacle, Guided& guided, double time);
-  void show(const std::string& marker, const Pose& pose);
+  /// Whether a handle is to be moved there; then it is remembered to be.
+  bool shallShow(const std::string& marker, const Pose& pose);
   void submit(const Request& request);
 
   const RequestChecker& checker_;
