@@ -47,7 +47,7 @@ mkdir -p "$out"
 out=$(cd "$out" && pwd)
 
 workspace=$repo_root/.ws
-prepare build run photo
+prepare build run rviz photo
 run_timed build build_workspace "$workspace" all -DCMAKE_BUILD_TYPE=Release -DCLOTH_SIM_SANITIZE=
 enter_workspace "$workspace"
 

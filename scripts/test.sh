@@ -51,7 +51,9 @@ run_tests() {
     --output-on-failure </dev/null) || failed_groups=$((failed_groups + 1))
 }
 
-prepare build run test bench
+groups=(build run test bench)
+if [[ $quick == no ]]; then groups+=(rviz photo); fi  # the plugin, and a screen to test it on
+prepare "${groups[@]}"
 run_timed build build_workspace "$workspace" "all tests" "${cmake_arguments[@]}"
 
 results=$workspace/build/test_results/cloth_sim

@@ -64,7 +64,8 @@ packages_for() {
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
-          libdiagnostic-updater-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev \
+          libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
+          python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev \
           libactionlib-dev libactionlib-msgs-dev libros-rosgraph-msgs-dev ros-actionlib-msgs
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
@@ -76,12 +77,12 @@ packages_for() {
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
-          python3-rostest python3-rosunit python3-matplotlib
+          python3-rostest python3-rosunit python3-matplotlib python3-numpy
         ;;
       debian/bench) echo libbenchmark-dev ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
-      debian/rviz) echo rviz ;;
-      debian/photo) echo rviz xvfb xauth imagemagick ;;
+      debian/rviz) echo rviz librviz-dev qtbase5-dev ;;  # and what its plugin is built with
+      debian/photo) echo xvfb xauth imagemagick xdotool ;;  # a screen, and a mouse on it
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
@@ -89,21 +90,23 @@ packages_for() {
           ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
           ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
           ros-noetic-visualization-msgs ros-noetic-diagnostic-msgs \
-          ros-noetic-diagnostic-updater ros-noetic-tf2 ros-noetic-tf2-ros \
-          ros-noetic-tf2-geometry-msgs ros-noetic-actionlib ros-noetic-actionlib-msgs \
-          ros-noetic-rosgraph-msgs
+          ros-noetic-diagnostic-updater ros-noetic-dynamic-reconfigure \
+          ros-noetic-interactive-markers ros-noetic-tf2 ros-noetic-tf2-ros \
+          ros-noetic-tf2-geometry-msgs \
+          ros-noetic-actionlib ros-noetic-actionlib-msgs ros-noetic-rosgraph-msgs
         ;;
       noetic/run)
         echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \
           ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
-        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib
+        echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \
+          python3-numpy
         ;;
       noetic/bench) echo libbenchmark-dev ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;
-      noetic/rviz) echo ros-noetic-rviz ;;
-      noetic/photo) echo ros-noetic-rviz xvfb xauth imagemagick ;;
+      noetic/rviz) echo ros-noetic-rviz qtbase5-dev ;;
+      noetic/photo) echo xvfb xauth imagemagick xdotool ;;
       *) die "no package list called '$group' for $ros_flavour" ;;
     esac
   done

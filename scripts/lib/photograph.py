@@ -42,10 +42,11 @@ def wait(until, deadline, what):
 
 
 def window_shown():
-    """Whether rviz has subscribed to the markers: only then is there something to see."""
+    """Whether rviz has subscribed to markers: only then is there something to see."""
     import rosgraph
     subscribers = rosgraph.Master('/photograph').getSystemState()[1]
-    return any(topic == '/cloth/markers' and names for topic, names in subscribers)
+    return any(topic in ('/cloth/markers', '/cloth/scene_markers') and names
+               for topic, names in subscribers)
 
 
 def main():

@@ -135,6 +135,11 @@ void BendNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   for (FaceId f : faces) deriveOn(mesh, f);
 }
 
+void BendNetwork::scaleBy(double factor) {
+  rigidity_ *= factor;
+  for (BendElement& element : elements_) element.stiffness *= factor;
+}
+
 double BendNetwork::energy(const std::vector<Vec3>& x) const {
   double sum = 0.0;
   for (const BendElement& element : elements_) {

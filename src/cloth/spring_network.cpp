@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -255,10 +256,10 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const FaceRange& on,
     const double constant = raw_->constant[static_cast<int>(spring.kind)];
     // Half of a spring is twice as stiff.
     const double perLength = raw_->perStretch ? 1.0 : share.length;
-    spring.stiffness = constant * share.part * perLength / spring.restLength;
+    spring.stiffness = scale_ * constant * share.part * perLength / spring.restLength;
     spring.damping = raw_->dashpot * share.part * share.length / spring.restLength;
   } else {
-    spring.stiffness = fabricStiffness(mesh, on, spring);
+    spring.stiffness = scale_ * fabricStiffness(mesh, on, spring);
     spring.damping = calibration_.damping * spring.stiffness;
   }
 }
@@ -470,6 +471,19 @@ void SpringNetwork::replace(std::int32_t slot, const Spring& spring) {
   for (VertexId v : spring.support) {
     if (v != kNone) standing_[v].push_back(slot);
   }
+}
+
+SpringChanges SpringNetwork::setScale(double scale) {
+  const double factor = scale / std::exchange(scale_, scale);
+  SpringChanges changes;
+  for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
+    Spring& spring = slots_[slot];
+    if (!spring.exists()) continue;
+    spring.stiffness *= factor;
+    if (!raw_) spring.damping *= factor;
+    changes.modified.push_back(static_cast<std::int32_t>(slot));
+  }
+  return changes;
 }
 
 }  // namespace cloth_sim

@@ -34,10 +34,14 @@ Inputs::Inputs(ros::NodeHandle& privateNode, const RequestChecker& checker,
         privateNode.subscribe<std_msgs::Bool, const std_msgs::Bool&>(base + "/grasp", 10, onGrasp));
   }
   subscribers_.push_back(privateNode.subscribe("cut_stroke", 10, &Inputs::onCutStroke, this));
+  // Rays replace each other, but every release counts: a few may wait.
+  subscribers_.push_back(privateNode.subscribe("drag", 10, &Inputs::onDrag, this));
   subscribers_.push_back(privateNode.subscribe("phase_command", 10, &Inputs::onPhase, this));
 }
 
 void Inputs::onCutStroke(const CutStroke& stroke) { submit("cut_stroke", checker_.stroke(stroke)); }
+
+void Inputs::onDrag(const DragRay& ray) { submit("drag", checker_.drag(ray)); }
 
 void Inputs::onPhase(const std_msgs::String& phase) {
   submit("phase_command", checker_.phase(phase.data));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/ros/shading.h"
 
 namespace cloth_sim {
 namespace {
@@ -20,54 +21,17 @@ constexpr double kTornWidth = 0.005;       ///< of a torn edge [m]
 constexpr double kBoundsWidth = 0.004;     ///< of the lines of bounds [m]
 constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
 constexpr double kTextClearance = 0.20;    ///< of the text above the cloth [m]
-constexpr std::size_t kMapSize = 7;
-
-// The upper three quarters of matplotlib's viridis: its dark end would hide the shading.
-constexpr std::array<std::array<float, 3>, kMapSize> kStrainMap{{{0.230f, 0.322f, 0.546f},
-                                                                 {0.173f, 0.449f, 0.558f},
-                                                                 {0.128f, 0.567f, 0.551f},
-                                                                 {0.158f, 0.684f, 0.502f},
-                                                                 {0.369f, 0.789f, 0.383f},
-                                                                 {0.678f, 0.864f, 0.190f},
-                                                                 {0.993f, 0.906f, 0.144f}}};
-
-Colour colour(float r, float g, float b, float a = 1.0f) {
-  Colour result;
-  result.r = r;
-  result.g = g;
-  result.b = b;
-  result.a = a;
-  return result;
-}
-
-Colour blend(const Colour& from, const Colour& to, float fraction) {
-  return colour(from.r + fraction * (to.r - from.r), from.g + fraction * (to.g - from.g),
-                from.b + fraction * (to.b - from.b), from.a + fraction * (to.a - from.a));
-}
 
 Colour clampColour(ClampState state) {
   switch (state) {
     case ClampState::kClosing:
-      return colour(1.0f, 0.75f, 0.20f);
+      return makeColour(1.0f, 0.75f, 0.20f);
     case ClampState::kClosed:
-      return colour(1.0f, 0.32f, 0.28f);
+      return makeColour(1.0f, 0.32f, 0.28f);
     case ClampState::kOpen:
       break;
   }
-  return colour(0.70f, 0.74f, 0.80f);
-}
-
-/// Light from above and a little from the side, soft all around the surface (half Lambert): rviz
-/// does not light a list with colours of its own.
-float brightness(const Eigen::Vector3f& normal) {
-  static const Eigen::Vector3f light = Eigen::Vector3f(0.45f, -0.35f, 0.82f).normalized();
-  const float half = 0.5f + 0.5f * normal.dot(light);
-  return 0.30f + 0.75f * half * half;
-}
-
-Colour shaded(const Colour& base, float factor) {
-  return colour(std::min(1.0f, base.r * factor), std::min(1.0f, base.g * factor),
-                std::min(1.0f, base.b * factor));
+  return makeColour(0.70f, 0.74f, 0.80f);
 }
 
 void setScale(Marker& marker, double x, double y, double z) {
@@ -82,15 +46,6 @@ void deleteIfEmpty(Marker& marker) {
 }
 
 }  // namespace
-
-Colour strainColour(double fraction) {
-  const double inMap = std::clamp(fraction, 0.0, 1.0) * (kMapSize - 1);
-  const auto index = std::min(static_cast<std::size_t>(inMap), kMapSize - 2);
-  const auto& low = kStrainMap[index];
-  const auto& high = kStrainMap[index + 1];
-  return blend(colour(low[0], low[1], low[2]), colour(high[0], high[1], high[2]),
-               static_cast<float>(inMap - static_cast<double>(index)));
-}
 
 std::string statusLine(const Snapshot& snapshot) {
   std::array<char, 256> text{};
@@ -108,15 +63,31 @@ MarkerBuilder::MarkerBuilder(MarkerStyle style) : style_(std::move(style)) {}
 
 const visualization_msgs::MarkerArray& MarkerBuilder::build(const Snapshot& snapshot,
                                                             const ros::Time& stamp) {
-  stamp_ = stamp;
-  used_ = 0;
+  begin(stamp);
   addCloth(snapshot);
   addTornEdges(snapshot);
+  addSurroundings(snapshot);
+  array_.markers.resize(used_);
+  return array_;
+}
+
+const visualization_msgs::MarkerArray& MarkerBuilder::buildSurroundings(const Snapshot& snapshot,
+                                                                        const ros::Time& stamp) {
+  begin(stamp);
+  addSurroundings(snapshot);
+  array_.markers.resize(used_);
+  return array_;
+}
+
+void MarkerBuilder::begin(const ros::Time& stamp) {
+  stamp_ = stamp;
+  used_ = 0;
+}
+
+void MarkerBuilder::addSurroundings(const Snapshot& snapshot) {
   for (const Obstacle& obstacle : snapshot.obstacles) addObstacle(obstacle);
   for (const ClampSnapshot& clamp : snapshot.clamps) addClamp(clamp);
   addText(snapshot);
-  array_.markers.resize(used_);
-  return array_;
 }
 
 /// The next marker of the array, with its buffers of last time. A scene always uses the same
@@ -132,7 +103,7 @@ Marker& MarkerBuilder::next(const char* space, int type) {
   marker.action = Marker::ADD;
   marker.pose = toPoseMessage(Pose());
   setScale(marker, 1.0, 1.0, 1.0);
-  marker.color = colour(1.0f, 1.0f, 1.0f);
+  marker.color = makeColour(1.0f, 1.0f, 1.0f);
   return marker;
 }
 
@@ -168,7 +139,7 @@ void MarkerBuilder::addCloth(const Snapshot& snapshot) {
 
 /// One side of the surface: the particles moved out along the normals, shaded for that side.
 void MarkerBuilder::addSide(const Snapshot& snapshot, bool front) {
-  static const Colour lining = colour(0.86f, 0.74f, 0.62f);
+  static const Colour lining = makeColour(0.86f, 0.74f, 0.62f);
   const std::size_t count = snapshot.positions.size();
   const double offset = (style_.twoSided ? style_.surfaceOffset : 0.0) * (front ? 1.0 : -1.0);
   corners_.resize(count);
@@ -196,7 +167,7 @@ void MarkerBuilder::addSide(const Snapshot& snapshot, bool front) {
 void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {
   Marker& marker = next("torn_edges", Marker::LINE_LIST);
   marker.scale.x = kTornWidth;
-  marker.color = colour(0.90f, 0.05f, 0.25f);
+  marker.color = makeColour(0.90f, 0.05f, 0.25f);
   marker.points.clear();
   for (const auto& edge : snapshot.topology->tornEdges) {
     for (const VertexId v : edge) marker.points.push_back(toPoint(snapshot.positions[v]));
@@ -211,19 +182,19 @@ void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
     Marker& marker = next("obstacles", Marker::SPHERE);
     marker.pose = toPoseMessage(obstacle.pose);
     setScale(marker, 2.0 * sphere->radius, 2.0 * sphere->radius, 2.0 * sphere->radius);
-    marker.color = colour(0.98f, 0.62f, 0.42f);
+    marker.color = makeColour(0.98f, 0.62f, 0.42f);
   } else if (const auto* box = std::get_if<BoxShape>(&obstacle.shape)) {
     Marker& marker = next("obstacles", Marker::CUBE);
     marker.pose = toPoseMessage(obstacle.pose);
     setScale(marker, box->size.x(), box->size.y(), box->size.z());
-    marker.color = colour(1.0f, 0.93f, 0.84f);  // rviz lights flat tops weakly
+    marker.color = makeColour(1.0f, 0.93f, 0.84f);  // rviz lights flat tops weakly
   } else {
     Marker& marker = next("obstacles", Marker::CUBE);
     Pose sheet = obstacle.pose;
     sheet.position = obstacle.pose.toWorld(Vec3(0.0, 0.0, -0.5 * kSheetThickness));
     marker.pose = toPoseMessage(sheet);
     setScale(marker, kPlaneExtent, kPlaneExtent, kSheetThickness);
-    marker.color = colour(0.95f, 0.96f, 0.97f);
+    marker.color = makeColour(0.95f, 0.96f, 0.97f);
   }
 }
 
@@ -232,7 +203,7 @@ void MarkerBuilder::addBounds(const Obstacle& obstacle, const Vec3& size) {
   Marker& marker = next("bounds", Marker::LINE_LIST);
   marker.pose = toPoseMessage(obstacle.pose);
   marker.scale.x = kBoundsWidth;
-  marker.color = colour(0.35f, 0.40f, 0.50f, 0.6f);
+  marker.color = makeColour(0.35f, 0.40f, 0.50f, 0.6f);
   marker.points.clear();
   for (int from = 0; from < 8; ++from) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -272,7 +243,8 @@ void MarkerBuilder::addText(const Snapshot& snapshot) {
   place.z() = high.z() + kTextClearance;
   marker.pose.position = toPoint(place);
   marker.scale.z = kTextHeight;
-  marker.color = snapshot.failed ? colour(0.85f, 0.10f, 0.10f) : colour(0.12f, 0.14f, 0.18f);
+  marker.color =
+      snapshot.failed ? makeColour(0.85f, 0.10f, 0.10f) : makeColour(0.12f, 0.14f, 0.18f);
   marker.text = statusLine(snapshot);
 }
 

@@ -11,7 +11,9 @@
 
 #include "cloth_sim/ros/actions.h"
 #include "cloth_sim/ros/clock_publisher.h"
+#include "cloth_sim/ros/handles.h"
 #include "cloth_sim/ros/inputs.h"
+#include "cloth_sim/ros/live_parameters.h"
 #include "cloth_sim/ros/publishers.h"
 #include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/ros/services.h"
@@ -80,7 +82,13 @@ class Node {
                    parameters.stateDirectory},
                   checker_, simulation_),
         actions_(privateNode, checker_, simulation_),
-        inputs_(privateNode, checker_, simulation_) {}
+        inputs_(privateNode, checker_, simulation_),
+        liveParameters_(privateNode, scene, simulation_) {
+    if (parameters.handles) {
+      handles_ =
+          std::make_unique<Handles>(privateNode, parameters.worldFrame, checker_, simulation_);
+    }
+  }
 
   /// Lets callbacks that wait for the simulation go.
   void stop() { simulation_.stop(); }
@@ -101,6 +109,8 @@ class Node {
   Services services_;
   Actions actions_;
   Inputs inputs_;
+  LiveParameters liveParameters_;
+  std::unique_ptr<Handles> handles_;  ///< if asked for
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "cloth_sim/ros/live_parameters.h"
 #include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
@@ -141,8 +142,10 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("publish_clock", result.publishClock);
   reader.read("state_directory", result.stateDirectory);
   reader.read("strain_range", Range{0.0, 100.0, false}, result.strainRange);
+  reader.read("handles", result.handles);
   reader.read("two_sided", result.twoSided);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
+  for (const std::string& name : liveParameterNames()) reader.allow(name);
   reader.warnAboutOthers();
   return result;
 }

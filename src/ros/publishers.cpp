@@ -21,6 +21,14 @@ constexpr double kTickMargin = 0.5;    ///< of a tick: being early by less count
 constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which it is a warning [-]
 constexpr double kRecent = 2.0;        ///< simulated time for which a redone step is a warning [s]
 
+MarkerStyle markerStyle(const NodeParameters& parameters) {
+  MarkerStyle style;
+  style.frame = parameters.worldFrame;
+  style.strainRange = parameters.strainRange;
+  style.twoSided = parameters.twoSided;
+  return style;
+}
+
 }  // namespace
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
@@ -31,17 +39,14 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       nodeName_(ros::this_node::getName()),
       updater_(node, privateNode, ros::this_node::getName()),
       markersSchedule_(parameters.rateMarkers),
+      sceneMarkersSchedule_(parameters.rateMarkers),
       frameSchedule_(parameters.rateFrame),
       stateSchedule_(parameters.rateState),
-      builder_([&] {
-        MarkerStyle style;
-        style.frame = parameters.worldFrame;
-        style.strainRange = parameters.strainRange;
-        style.twoSided = parameters.twoSided;
-        return style;
-      }()) {
+      builder_(markerStyle(parameters)),
+      sceneBuilder_(markerStyle(parameters)) {
   ros::NodeHandle& own = privateNode;
   markers_ = own.advertise<visualization_msgs::MarkerArray>("markers", 1);
+  sceneMarkers_ = own.advertise<visualization_msgs::MarkerArray>("scene_markers", 1);
   topology_ = own.advertise<ClothTopology>("topology", 10, true);
   frame_ = own.advertise<ClothFrame>("frame", 10);
   state_ = own.advertise<ClothState>("state", 10);
@@ -85,7 +90,9 @@ bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
 double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
-  if (markers_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateMarkers);
+  if (markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0) {
+    rate = std::max(rate, parameters_.rateMarkers);
+  }
   return rate;
 }
 
@@ -120,6 +127,9 @@ void Publishers::tick() {
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
   if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
+  if (sceneMarkersSchedule_.due(now, number, sceneMarkers_.getNumSubscribers())) {
+    sendSceneMarkers(observation);
+  }
   diagnosed_ = observation;
   updater_.update();
 }
@@ -214,6 +224,10 @@ void Publishers::sendFrame(const Observation& observation) {
 
 void Publishers::sendMarkers(const Observation& observation) {
   markers_.publish(builder_.build(*observation.snapshot, header_.stamp));
+}
+
+void Publishers::sendSceneMarkers(const Observation& observation) {
+  sceneMarkers_.publish(sceneBuilder_.buildSurroundings(*observation.snapshot, header_.stamp));
 }
 
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

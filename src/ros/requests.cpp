@@ -183,6 +183,19 @@ Request RequestChecker::stroke(const CutStroke& message) const {
   }
 }
 
+Request RequestChecker::drag(const DragRay& message) const {
+  if (!message.held) return PullParticle{false, Ray()};
+  Ray ray{fromPoint(message.origin), fromVector(message.direction)};
+  const std::string defect = describeDefect(ray);
+  if (!defect.empty()) return Refusal{defect};
+  try {
+    const Pose frame = toWorld_(Pose(), message.header);
+    return PullParticle{true, {frame.toWorld(ray.origin), frame.orientation * ray.direction}};
+  } catch (const std::runtime_error& error) {
+    return Refusal{error.what()};
+  }
+}
+
 Request RequestChecker::refinement(const Refine::Request& message) const {
   const std::string defect = refinementDefect(message);
   if (!defect.empty()) return Refusal{defect};

@@ -33,6 +33,15 @@ Words wordsOf(const MoveObstacle& command) {
 Words wordsOf(const SetTearing& command) {
   return {"set_tearing", command.enabled ? "enabled" : "disabled"};
 }
+Words wordsOf(const SetWind& command) {
+  return {"set_wind", command.wind ? words(command.wind->velocity) : "none"};
+}
+Words wordsOf(const SetStiffness& command) {
+  return {"set_stiffness", "times " + std::to_string(command.scale)};
+}
+Words wordsOf(const PullParticle& command) {
+  return {"pull_particle", command.held ? "along " + words(command.ray.direction) : "let go"};
+}
 Words wordsOf(const CutAlong& command) {
   return {"cut_along", std::to_string(command.stroke.poses.size()) + " poses"};
 }

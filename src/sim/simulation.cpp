@@ -160,7 +160,10 @@ void Simulation::moveClamps(double dt) {
     clamp.advance(model_, state_, dt);
     clamp.appendTargets(controls_.kinematic);
   }
-  // Pins come first, then clamps in order: the first to hold a particle keeps it.
+  drag_.advance(state_, dt);
+  drag_.appendTargets(controls_.kinematic);
+  // Pins come first, then clamps in order, then what is dragged: the first to hold a particle keeps
+  // it.
   std::vector<KinematicTarget>& targets = controls_.kinematic;
   std::stable_sort(targets.begin(), targets.end(),
                    [](const auto& a, const auto& b) { return a.vertex < b.vertex; });

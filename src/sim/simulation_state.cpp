@@ -42,7 +42,7 @@ struct Touch {
 /// what `load` derives (`pieces_`, `topology_`), and the solver, which is asked itself.
 template <class Archive>
 void Simulation::serialize(Archive& archive) {
-  archive(model_, state_, controls_, pins_);
+  archive(model_, state_, controls_, pins_, drag_, watch_);
   serializeItems(archive, clamps_, Clamp(ClampSpec()));
   serializeItems(archive, colliders_.all(), Collider(Obstacle(), 0.0));
   serializeContacts(archive);

@@ -82,6 +82,7 @@ void Simulation::follow(const SurgeryResult& result) {
   if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) count(event);
   for (Clamp& clamp : clamps_) clamp.follow(result.changes.mesh);
+  drag_.follow(result.changes.mesh);
   followPins(result.changes.mesh, pins_);
   solver_->onModelChanged(model_, result.changes);
   tearing_.follow(model_, result.changes);
@@ -120,6 +121,7 @@ std::vector<VertexId> Simulation::heldVertices() const {
   for (const Clamp& clamp : clamps_) {
     held.insert(held.end(), clamp.held().begin(), clamp.held().end());
   }
+  if (drag_.vertex() != kNone) held.push_back(drag_.vertex());
   std::sort(held.begin(), held.end());
   held.erase(std::unique(held.begin(), held.end()), held.end());
   return held;

@@ -49,6 +49,7 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
   shot->broken = broken_;
   shot->pieces = describePieces();
   shot->dropped = dropped_;
+  shot->tuning = tuning();
   shot->mass = totalMass(model_);
   shot->restArea = model_.mesh.totalRestArea();
   shot->energies = energies(model_, state_, controls_.gravity);

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """docs/ros_api.md names exactly the topics, services, parameters and defaults of the code."""
+import ast
 import os
 import re
 import unittest
@@ -23,15 +24,29 @@ def documented(section):
 class RosApiDocTest(unittest.TestCase):
     def test_parameters(self):
         code = set(re.findall(r'reader\.(?:read|allow)\("(\w+)"', read('src', 'ros', 'parameters.cpp')))
-        self.assertEqual(set(documented('Parameters')), code)
+        self.assertEqual(set(documented('Parameters\n')), code)
 
     def test_defaults(self):
         header = read('include', 'cloth_sim', 'ros', 'parameters.h')
         fields = dict(re.findall(r'^  [\w:]+ (\w+) = ([^;]+);', header, re.M))
-        for name, row in documented('Parameters').items():
+        for name, row in documented('Parameters\n').items():
             field = re.sub(r'_(\w)', lambda match: match.group(1).upper(), name)
             if field in fields:
                 self.assertIn('`%s`' % fields[field].strip('"'), row, name)
+
+    def test_dynamic_parameters(self):
+        section = read('docs', 'ros_api.md').split('\n## Parameters that may be turned')[1]
+        rows = [row for row in section.split('\n## ')[0].splitlines() if row.startswith('| `~')]
+        tree = ast.parse(read('cfg', 'Cloth.cfg'))
+        added = [call.args for call in ast.walk(tree)
+                 if isinstance(call, ast.Call) and getattr(call.func, 'attr', '') == 'add']
+        names = [re.findall(r'`~(\w+)`', row.split('|')[1]) for row in rows]
+        self.assertEqual(sum(names, []), [ast.literal_eval(arguments[0]) for arguments in added])
+        for arguments in added:
+            row = next(row for row in rows if '`~%s`' % ast.literal_eval(arguments[0]) in row)
+            if arguments[1].id == 'double_t':
+                low, high = (ast.literal_eval(bound) for bound in arguments[5:7])
+                self.assertIn('number, %g ... %g |' % (low, high), row)
 
     def test_topics_out(self):
         code = read('src', 'ros', 'publishers.cpp')
@@ -45,7 +60,9 @@ class RosApiDocTest(unittest.TestCase):
         names = set(re.findall(r'subscribe\("(\w+)"', code))
         clamps = set(re.findall(r'\bbase \+ "/(\w+)"', code))
         self.assertEqual(set(documented('Topics that the node takes')),
-                         names | {'clamps/<name>/' + name for name in clamps})
+                         names | {'clamps/<name>/' + name for name in clamps} |
+                         {'handles/feedback'})
+        self.assertIn('resolveName("handles")', read('src', 'ros', 'handles.cpp'))
 
     def test_actions(self):
         code = set(re.findall(r'privateNode, "(run_\w+)"', read('src', 'ros', 'actions.cpp')))

@@ -47,6 +47,10 @@ class BendNetwork {
   /// Derives the elements anew on the faces that an edit touched and beside them.
   void follow(const TriangleMesh& mesh, const MeshChanges& changes);
 
+  /// Multiplies the rigidity of every element, there now or made later.
+  /// \param factor  > 0.
+  void scaleBy(double factor);
+
   /// Sum of the energies of all elements [J].
   double energy(const std::vector<Vec3>& x) const;
 

@@ -97,6 +97,13 @@ class SpringNetwork {
   /// \param slots  ascending.
   SpringChanges clear(const std::vector<std::int32_t>& slots);
 
+  /// Multiplies the stiffness of every spring, there now or made later, by `scale` against that of
+  /// the fabric or the raw constants. Dashpots of a fabric keep their retardation time, raw ones
+  /// their constant.
+  /// \param scale  > 0; not on top of an earlier one.
+  SpringChanges setScale(double scale);
+  double scale() const { return scale_; }
+
  private:
   /// Membrane constants that the springs of a square grid need [N/m], and what bends need.
   struct Calibration {
@@ -127,10 +134,11 @@ class SpringNetwork {
   /// What edits change; the rest is as the scene has it.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rawShares_, slots_, standing_, count_, cleared_);
+    archive(rawShares_, slots_, standing_, count_, cleared_, scale_);
   }
 
   SpringSelection selection_;
+  double scale_ = 1.0;  ///< of every stiffness
   Calibration calibration_;
   std::optional<RawSprings> raw_;
   RawShares rawShares_;

@@ -22,6 +22,7 @@ class Inputs {
 
  private:
   void onCutStroke(const CutStroke& stroke);
+  void onDrag(const DragRay& ray);
   void onPhase(const std_msgs::String& phase);
   /// \param topic  for messages to people.
   void submit(const std::string& topic, const Request& request);

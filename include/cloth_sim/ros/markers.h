@@ -18,10 +18,6 @@ struct MarkerStyle {
   double surfaceOffset = 0.0005;  ///< of each side from the particles, where there are two [m]
 };
 
-/// Colour of a strain, from 0 (or below) to 1 (or above) times the range, on a map of even
-/// perceptual steps from blue over green to yellow.
-std_msgs::ColorRGBA strainColour(double fraction);
-
 /// Builds the markers of a simulation: `cloth` and `cloth_back` shaded and coloured by strain,
 /// `torn_edges`, `obstacles`, `clamps`, `text`. What has nothing to draw is sent as DELETE: some
 /// versions of rviz crash on an empty list.
@@ -35,15 +31,21 @@ class MarkerBuilder {
   /// call.
   const visualization_msgs::MarkerArray& build(const Snapshot& snapshot, const ros::Time& stamp);
 
+  /// The same without the cloth and its torn edges.
+  const visualization_msgs::MarkerArray& buildSurroundings(const Snapshot& snapshot,
+                                                           const ros::Time& stamp);
+
  private:
   using Marker = visualization_msgs::Marker;
 
+  void begin(const ros::Time& stamp);
   Marker& next(const char* space, int type);
   void computeNormals(const Snapshot& snapshot);
   void computeStrain(const Snapshot& snapshot);
   void addCloth(const Snapshot& snapshot);
   void addSide(const Snapshot& snapshot, bool front);
   void addTornEdges(const Snapshot& snapshot);
+  void addSurroundings(const Snapshot& snapshot);
   void addObstacle(const Obstacle& obstacle);
   void addBounds(const Obstacle& obstacle, const Vec3& size);
   void addClamp(const ClampSnapshot& clamp);

@@ -28,8 +28,9 @@ struct NodeParameters {
   bool paused = false;               ///< at the start
   bool publishClock = false;         ///< simulated time on /clock
   std::string stateDirectory = "~/.ros/cloth_sim";  ///< of ~save_state and ~load_state
-  double strainRange = 0.2;  ///< strain of the last colour of the markers, > 0 [-]
-  bool twoSided = true;      ///< markers show the back of the cloth in its own colour
+  double strainRange = 0.2;          ///< strain of the last colour of the markers, > 0 [-]
+  bool handles = false;              ///< interactive markers on clamps and obstacles
+  bool twoSided = true;              ///< markers show the back of the cloth in its own colour
 };
 
 /// Reads and checks the private parameters. Unknown ones are warned about.

@@ -57,6 +57,7 @@ class Publishers {
   void sendClamps(const Observation& observation);
   void sendFrame(const Observation& observation);
   void sendMarkers(const Observation& observation);
+  void sendSceneMarkers(const Observation& observation);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
 
@@ -64,6 +65,7 @@ class Publishers {
   SimulationThread& simulation_;
   std::string nodeName_;
   ros::Publisher markers_;
+  ros::Publisher sceneMarkers_;
   ros::Publisher topology_;
   ros::Publisher frame_;
   ros::Publisher state_;
@@ -77,9 +79,11 @@ class Publishers {
   diagnostic_updater::Updater updater_;
 
   Schedule markersSchedule_;
+  Schedule sceneMarkersSchedule_;
   Schedule frameSchedule_;
   Schedule stateSchedule_;
   MarkerBuilder builder_;
+  MarkerBuilder sceneBuilder_;
   ClothFrame frameMessage_;
   FailureLog failures_;
   std_msgs::Header header_;  ///< of everything sent in this tick

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cloth_sim/CutStroke.h"
+#include "cloth_sim/DragRay.h"
 #include "cloth_sim/Refine.h"
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/scene/scene.h"
@@ -41,6 +42,7 @@ class RequestChecker {
   /// Empty if the number of steps can be asked for.
   std::string steps(std::uint32_t count) const;
   Request stroke(const CutStroke& message) const;
+  Request drag(const DragRay& message) const;
   Request refinement(const Refine::Request& message) const;
   /// Empty if `name` can be the name of a saved state: no path, nothing hidden.
   std::string stateName(const std::string& name) const;

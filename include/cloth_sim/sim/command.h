@@ -2,9 +2,12 @@
 /// \file What can be asked of a running simulation, as values that can be queued, logged and
 /// replayed.
 
+#include <optional>
 #include <string>
 #include <variant>
 
+#include "cloth_sim/clamp/drag.h"
+#include "cloth_sim/solver/solver.h"
 #include "cloth_sim/surgery/settings.h"
 #include "cloth_sim/surgery/stroke.h"
 #include "cloth_sim/surgery/tearing.h"
@@ -65,6 +68,34 @@ struct SetTearing {
     archive(enabled, ratio);
   }
 };
+struct SetWind {
+  std::optional<Wind> wind;  ///< absent: none
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(wind);
+  }
+};
+/// Makes the cloth stiffer or softer than the scene says, in all its springs and its bending alike.
+struct SetStiffness {
+  double scale = 1.0;  ///< times the scene's stiffness, 1e-3 ... 1e3 [-]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(scale);
+  }
+};
+/// Pulls a particle along with a ray; the first one of a pull picks the particle. To be sent again
+/// and again while the pull lasts: see `Drag::kPatience`.
+struct PullParticle {
+  bool held = true;  ///< false: let go (the ray does not matter)
+  Ray ray;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(held, ray);
+  }
+};
 /// Cuts along a stroke. Answers success and that nothing was cut if it misses.
 struct CutAlong {
   Stroke stroke;
@@ -98,7 +129,7 @@ struct Restore {
 };
 
 using Command = std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle,
-                             SetTearing, CutAlong, RefineNear, Reset, Restore>;
+                             SetTearing, SetWind, SetStiffness, PullParticle, CutAlong, RefineNear, Reset, Restore>;
 
 /// Whether a command makes the cloth another one, so that what was known of it is void.
 inline bool beginsAnew(const Command& command) {

@@ -37,6 +37,8 @@ class Simulation {
   const BrokenCounts& broken() const { return broken_; }
   const StepReport& lastReport() const { return report_; }
   const GuardRecord& guard() const { return watch_.record(); }
+  /// What may be turned by commands, as it is now.
+  Tuning tuning() const;
   int pieces() const { return pieces_.count; }
   const DroppedScraps& dropped() const { return dropped_; }
   double time() const { return state_.t; }
@@ -98,6 +100,9 @@ class Simulation {
   CommandResult carryOut(const SetGravity& command);
   CommandResult carryOut(const MoveObstacle& command);
   CommandResult carryOut(const SetTearing& command);
+  CommandResult carryOut(const SetWind& command);
+  CommandResult carryOut(const SetStiffness& command);
+  CommandResult carryOut(const PullParticle& command);
   CommandResult carryOut(const CutAlong& command);
   CommandResult carryOut(const RefineNear& command);
   CommandResult carryOut(const Reset& command);
@@ -120,6 +125,7 @@ class Simulation {
   Controls controls_;
   std::vector<KinematicTarget> pins_;
   std::vector<Clamp> clamps_;
+  Drag drag_;
   ColliderSet colliders_;
   Contacts contacts_;
   std::unique_ptr<Solver> solver_;

@@ -71,6 +71,15 @@ struct DroppedScraps {
   }
 };
 
+/// What may be turned while a simulation runs, as it is now.
+struct Tuning {
+  Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
+  std::optional<Wind> wind;
+  bool tearing = false;  ///< enabled
+  TearRatios ratio{};
+  double stiffness = 1.0;  ///< times the scene's [-]
+};
+
 struct Snapshot {
   double time = 0.0;       ///< [s]
   std::uint64_t step = 0;  ///< steps since the start or the last reset
@@ -86,6 +95,7 @@ struct Snapshot {
   BrokenCounts broken;
   std::vector<PieceSnapshot> pieces{PieceSnapshot{}};  ///< the largest first
   DroppedScraps dropped;
+  Tuning tuning;
   double mass = 0.0;      ///< [kg]
   double restArea = 0.0;  ///< [m^2]
   Energies energies;

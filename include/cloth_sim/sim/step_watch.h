@@ -27,6 +27,11 @@ class StepWatch {
 
   const GuardRecord& record() const { return record_; }
 
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(budget_, record_);
+  }
+
   /// Attempts at a step, at most; each has twice the substeps of the one before.
   static constexpr int kAttempts = 7;
 

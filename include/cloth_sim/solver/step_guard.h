@@ -20,6 +20,11 @@ struct GuardRecord {
   int redone = 0;              ///< attempts at a step that were rolled back
   int finest = 1;              ///< most times that a step was divided further
   double lastRedone = 0.0;     ///< simulated time of the last of them [s]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(configuredSubsteps, chosenSubsteps, redone, finest, lastRedone);
+  }
 };
 
 /// Substeps by which `info`'s method is stable in steps of `dt`, from its limit of stability and

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "cloth_sim/ros/shading.h"
+
 namespace cloth_sim {
 namespace {
 

@@ -1,0 +1,26 @@
+# libcloth_rviz: the display, tools and panel for rviz (plugin_description.xml), where rviz's headers
+# and Qt 5 are there. Everything else does without; launch files then show markers.
+
+if(CLOTH_SIM_SANITIZE)  # rviz itself has no sanitizer's runtime to load it into
+  return()
+endif()
+find_package(rviz QUIET)
+find_package(Qt5 QUIET COMPONENTS Widgets)
+if(NOT rviz_FOUND OR NOT Qt5_FOUND)
+  message(STATUS "cloth_sim: rviz's headers or Qt 5 were not found (Debian: librviz-dev "
+                 "qtbase5-dev); the rviz plugin is not built, markers serve")
+  return()
+endif()
+
+file(GLOB rviz_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/rviz/*.cpp)
+add_library(cloth_rviz ${rviz_sources})
+cloth_sim_compile_options(cloth_rviz)
+# The headers of rviz, Ogre and Qt cost more than what is in these files: read them twice, not eleven
+# times. Names without linkage must therefore differ between the files.
+set_target_properties(cloth_rviz PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+# Qt's words (signals, slots, emit) are others' names.
+target_compile_definitions(cloth_rviz PRIVATE QT_NO_KEYWORDS)
+target_link_libraries(cloth_rviz PUBLIC cloth_ros PRIVATE Qt5::Widgets)
+target_include_directories(cloth_rviz SYSTEM PRIVATE ${rviz_INCLUDE_DIRS})
+target_link_libraries(cloth_rviz PRIVATE ${rviz_LIBRARIES})
+list(APPEND installed_targets cloth_rviz)

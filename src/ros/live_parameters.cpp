@@ -1,0 +1,147 @@
+#include "cloth_sim/ros/live_parameters.h"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+constexpr double kMirrorPeriod = 0.2;                ///< [s]
+constexpr std::chrono::milliseconds kSettling{500};  ///< until a command shows in the observations
+constexpr double kRounding = 1e-9;                   ///< of a value, relative: no change
+
+/// Smallest ratio less one; infinity if nothing can tear.
+double weakest(const TearRatios& ratio) {
+  return *std::min_element(ratio.begin(), ratio.end()) - 1.0;
+}
+
+Vec3 windVelocity(const ClothConfig& config) {
+  return {config.wind_x, config.wind_y, config.wind_z};
+}
+
+bool same(double a, double b) { return std::abs(a - b) <= kRounding * (std::abs(a) + std::abs(b)); }
+
+bool same(const ClothConfig& a, const ClothConfig& b) {
+  return same(a.gravity, b.gravity) && windVelocity(a) == windVelocity(b) &&
+         a.tearing == b.tearing && same(a.tear_strain, b.tear_strain) &&
+         same(a.stiffness, b.stiffness);
+}
+
+/// Still air presses on moving cloth too: where the scene has none, none comes in by a zero.
+std::optional<Wind> windFor(const Vec3& velocity, const Tuning& now, const SceneTuning& scene) {
+  if (velocity.isZero(0.0) && !scene.wind) return std::nullopt;
+  Wind wind = now.wind ? *now.wind : scene.wind.value_or(Wind());
+  wind.velocity = velocity;
+  return wind;
+}
+
+}  // namespace
+
+SceneTuning sceneTuning(const Scene& scene) {
+  SceneTuning tuning;
+  if (!scene.gravity.isZero(0.0)) tuning.down = scene.gravity.normalized();
+  tuning.wind = scene.wind;
+  return tuning;
+}
+
+ClothConfig toConfig(const Tuning& tuning) {
+  ClothConfig config;
+  const Vec3 wind = tuning.wind ? tuning.wind->velocity : Vec3::Zero();
+  config.gravity = tuning.gravity.norm();
+  config.wind_x = wind.x();
+  config.wind_y = wind.y();
+  config.wind_z = wind.z();
+  config.tearing = tuning.tearing;
+  config.tear_strain = weakest(tuning.ratio);
+  config.stiffness = tuning.stiffness;
+  config.__clamp__();
+  return config;
+}
+
+TearRatios scaledRatios(const TearRatios& ratio, double strain) {
+  TearRatios result = ratio;
+  const double before = weakest(ratio);
+  if (std::isfinite(before)) {
+    for (double& value : result) value = 1.0 + (value - 1.0) * (strain / before);
+  } else {
+    result[static_cast<std::size_t>(SpringKind::kStructural)] = 1.0 + strain;
+    result[static_cast<std::size_t>(SpringKind::kShear)] = 1.0 + strain;
+  }
+  return result;
+}
+
+std::vector<Command> commandsBetween(const ClothConfig& before, const ClothConfig& after,
+                                     const Tuning& now, const SceneTuning& scene) {
+  std::vector<Command> commands;
+  if (after.gravity != before.gravity) commands.push_back(SetGravity{after.gravity * scene.down});
+  if (windVelocity(after) != windVelocity(before)) {
+    commands.push_back(SetWind{windFor(windVelocity(after), now, scene)});
+  }
+  if (after.tearing != before.tearing || after.tear_strain != before.tear_strain) {
+    const bool moved = after.tear_strain != before.tear_strain;
+    commands.push_back(
+        SetTearing{after.tearing, moved ? scaledRatios(now.ratio, after.tear_strain) : now.ratio});
+  }
+  if (after.stiffness != before.stiffness) commands.push_back(SetStiffness{after.stiffness});
+  return commands;
+}
+
+std::vector<std::string> liveParameterNames() {
+  std::vector<std::string> names;
+  for (const auto& description : ClothConfig::__getParamDescriptions__()) {
+    names.push_back(description->name);
+  }
+  return names;
+}
+
+namespace {
+
+/// What an earlier run left on the parameter server is not this scene's.
+ros::NodeHandle withoutLeftovers(const ros::NodeHandle& node) {
+  for (const std::string& name : liveParameterNames()) node.deleteParam(name);
+  return node;
+}
+
+}  // namespace
+
+LiveParameters::LiveParameters(const ros::NodeHandle& privateNode, const Scene& scene,
+                               SimulationThread& simulation)
+    : scene_(sceneTuning(scene)),
+      simulation_(simulation),
+      config_(toConfig(simulation.observe().snapshot->tuning)),
+      server_(mutex_, withoutLeftovers(privateNode)) {
+  server_.updateConfig(config_);
+  // It also calls once now, with what it read before: nothing has changed yet.
+  server_.setCallback(
+      [this](ClothConfig& config, std::uint32_t level) { onChange(config, level); });
+  timer_ = ros::NodeHandle(privateNode)
+               .createSteadyTimer(ros::WallDuration(kMirrorPeriod),
+                                  [this](const ros::SteadyTimerEvent&) { mirror(); });
+}
+
+/// Called with the mutex locked.
+void LiveParameters::onChange(ClothConfig& config, std::uint32_t /*level*/) {
+  const Tuning now = simulation_.observe().snapshot->tuning;
+  const std::vector<Command> commands = commandsBetween(config_, config, now, scene_);
+  config_ = config;
+  if (!commands.empty()) changed_ = Clock::now();
+  for (const Command& command : commands) {
+    simulation_.post(command, [](const CommandResult& result) {
+      if (!result.success) ROS_WARN_STREAM("~set_parameters: refused: " << result.message);
+    });
+  }
+}
+
+void LiveParameters::mirror() {
+  const boost::recursive_mutex::scoped_lock lock(mutex_);
+  if (Clock::now() - changed_ < kSettling) return;
+  const ClothConfig now = toConfig(simulation_.observe().snapshot->tuning);
+  if (same(now, config_)) return;
+  config_ = now;
+  server_.updateConfig(config_);
+}
+
+}  // namespace cloth_sim

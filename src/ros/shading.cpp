@@ -1,0 +1,57 @@
+#include "cloth_sim/ros/shading.h"
+
+#include <algorithm>
+#include <array>
+
+namespace cloth_sim {
+namespace {
+
+constexpr std::size_t kMapSize = 7;
+
+// The upper three quarters of matplotlib's viridis: its dark end would hide the shading.
+constexpr std::array<std::array<float, 3>, kMapSize> kStrainMap{{{0.230f, 0.322f, 0.546f},
+                                                                 {0.173f, 0.449f, 0.558f},
+                                                                 {0.128f, 0.567f, 0.551f},
+                                                                 {0.158f, 0.684f, 0.502f},
+                                                                 {0.369f, 0.789f, 0.383f},
+                                                                 {0.678f, 0.864f, 0.190f},
+                                                                 {0.993f, 0.906f, 0.144f}}};
+
+}  // namespace
+
+std_msgs::ColorRGBA makeColour(float r, float g, float b, float a) {
+  std_msgs::ColorRGBA result;
+  result.r = r;
+  result.g = g;
+  result.b = b;
+  result.a = a;
+  return result;
+}
+
+std_msgs::ColorRGBA blend(const std_msgs::ColorRGBA& from, const std_msgs::ColorRGBA& to,
+                          float fraction) {
+  return makeColour(from.r + fraction * (to.r - from.r), from.g + fraction * (to.g - from.g),
+                    from.b + fraction * (to.b - from.b), from.a + fraction * (to.a - from.a));
+}
+
+std_msgs::ColorRGBA strainColour(double fraction) {
+  const double inMap = std::clamp(fraction, 0.0, 1.0) * (kMapSize - 1);
+  const auto index = std::min(static_cast<std::size_t>(inMap), kMapSize - 2);
+  const auto& low = kStrainMap[index];
+  const auto& high = kStrainMap[index + 1];
+  return blend(makeColour(low[0], low[1], low[2]), makeColour(high[0], high[1], high[2]),
+               static_cast<float>(inMap - static_cast<double>(index)));
+}
+
+float brightness(const Eigen::Vector3f& normal) {
+  static const Eigen::Vector3f light = Eigen::Vector3f(0.45f, -0.35f, 0.82f).normalized();
+  const float half = 0.5f + 0.5f * normal.dot(light);
+  return 0.30f + 0.75f * half * half;
+}
+
+std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& base, float factor) {
+  return makeColour(std::min(1.0f, base.r * factor), std::min(1.0f, base.g * factor),
+                    std::min(1.0f, base.b * factor));
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,169 @@
+#include "cloth_sim/ros/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+using Eigen::Vector3f;
+using Map = Eigen::Map<const Vector3f>;
+
+constexpr std::size_t kColours = 256;        ///< steps of the strain map
+constexpr float kLeastRest = 1e-12f;         ///< squared rest length of an edge [m^2]
+constexpr std::size_t kRibbonVertices = 8;   ///< of one torn edge
+constexpr std::size_t kRibbonTriangles = 4;  ///< of one torn edge
+
+Surface::Packed packed(const std_msgs::ColorRGBA& colour, float factor) {
+  const auto byte = [factor](float value) {
+    return static_cast<std::uint8_t>(255.0f * std::clamp(value * factor, 0.0f, 1.0f) + 0.5f);
+  };
+  return {byte(colour.r), byte(colour.g), byte(colour.b), 255};
+}
+
+/// The strain map, sampled: a look-up instead of a blend per vertex.
+const std::array<std_msgs::ColorRGBA, kColours>& strainTable() {
+  static const auto table = [] {
+    std::array<std_msgs::ColorRGBA, kColours> result;
+    for (std::size_t i = 0; i < kColours; ++i) {
+      result[i] = strainColour(static_cast<double>(i) / (kColours - 1));
+    }
+    return result;
+  }();
+  return table;
+}
+
+bool allBelow(const std::vector<std::uint32_t>& numbers, std::size_t count) {
+  return std::all_of(numbers.begin(), numbers.end(),
+                     [count](std::uint32_t number) { return number < count; });
+}
+
+/// 1 / squared rest lengths of the edges from each corner of each face to its next.
+std::vector<float> inverseRestLengths(const std::vector<std::uint32_t>& triangles,
+                                      const std::vector<float>& uv) {
+  std::vector<float> result(triangles.size());
+  for (std::size_t first = 0; first < triangles.size(); first += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = 2 * triangles[first + k];
+      const std::uint32_t b = 2 * triangles[first + (k + 1) % 3];
+      const float du = uv[b] - uv[a];
+      const float dv = uv[b + 1] - uv[a + 1];
+      result[first + k] = 1.0f / std::max(kLeastRest, du * du + dv * dv);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string Surface::setTopology(const ClothTopology& topology) {
+  if (topology.triangles.size() % 3 != 0) return "triangles: not three numbers a face";
+  if (topology.torn_edges.size() % 2 != 0) return "torn_edges: not two numbers an edge";
+  if (topology.uv.size() % 2 != 0) return "uv: not two numbers a vertex";
+  const std::size_t count = topology.uv.size() / 2;
+  if (!allBelow(topology.triangles, count)) return "triangles: a vertex that is not there";
+  if (!allBelow(topology.torn_edges, count)) return "torn_edges: a vertex that is not there";
+  revision_ = topology.revision;
+  triangles_ = topology.triangles;
+  uv_ = topology.uv;
+  tornEdges_ = topology.torn_edges;
+  inverseRest_ = inverseRestLengths(triangles_, uv_);
+  positions_.clear();
+  return "";
+}
+
+std::string Surface::setFrame(const ClothFrame& frame, const SurfaceStyle& style) {
+  if (!fits(frame)) return "a frame of another revision";
+  if (frame.positions.size() != 3 * vertexCount()) {
+    return "positions: expected " + std::to_string(3 * vertexCount()) + " numbers (got " +
+           std::to_string(frame.positions.size()) + ")";
+  }
+  if (!std::all_of(frame.positions.begin(), frame.positions.end(),
+                   [](float x) { return std::isfinite(x); })) {
+    return "positions: not finite";
+  }
+  positions_ = frame.positions;
+  computeBox();
+  computeNormalsAndStrain();
+  paint(style);
+  addRibbons(style.tornWidth);
+  return "";
+}
+
+void Surface::computeBox() {
+  low_.setConstant(std::numeric_limits<float>::max());
+  high_.setConstant(std::numeric_limits<float>::lowest());
+  for (std::size_t v = 0; v < vertexCount(); ++v) {
+    const Map position(&positions_[3 * v]);
+    low_ = low_.cwiseMin(position);
+    high_ = high_.cwiseMax(position);
+  }
+}
+
+void Surface::computeNormalsAndStrain() {
+  normals_.assign(vertexCount(), Vector3f::Zero());
+  strain_.assign(vertexCount(), 1.0f);  // of squared lengths, for now
+  for (std::size_t first = 0; first < triangles_.size(); first += 3) {
+    const std::array<std::uint32_t, 3> v{triangles_[first], triangles_[first + 1],
+                                         triangles_[first + 2]};
+    const Map a(&positions_[3 * v[0]]);
+    const Map b(&positions_[3 * v[1]]);
+    const Map c(&positions_[3 * v[2]]);
+    const std::array<Vector3f, 3> edge{b - a, c - b, a - c};
+    const Vector3f normal = edge[0].cross(edge[1]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      normals_[v[k]] += normal;
+      const float squared = edge[k].squaredNorm() * inverseRest_[first + k];
+      strain_[v[k]] = std::max(strain_[v[k]], squared);
+      strain_[v[(k + 1) % 3]] = std::max(strain_[v[(k + 1) % 3]], squared);
+    }
+  }
+  for (std::size_t v = 0; v < vertexCount(); ++v) {
+    const float length = normals_[v].norm();
+    normals_[v] = length > 0.0f ? Vector3f(normals_[v] / length) : Vector3f::UnitZ();
+    strain_[v] = std::sqrt(strain_[v]) - 1.0f;
+  }
+}
+
+void Surface::paint(const SurfaceStyle& style) {
+  front_.resize(vertexCount());
+  back_.resize(vertexCount());
+  const auto scale = static_cast<float>((kColours - 1) / style.strainRange);
+  for (std::size_t v = 0; v < vertexCount(); ++v) {
+    const auto step = static_cast<std::size_t>(std::min(255.0f, strain_[v] * scale + 0.5f));
+    front_[v] = packed(style.strain ? strainTable()[step] : style.front, brightness(normals_[v]));
+    back_[v] = packed(style.back, brightness(-normals_[v]));
+  }
+}
+
+void Surface::addRibbons(double width) {
+  const std::size_t edges = tornEdges_.size() / 2;
+  const auto half = static_cast<float>(0.5 * width);
+  tornPositions_.clear();
+  for (std::size_t e = 0; e < edges; ++e) {
+    const std::array<std::uint32_t, 2> ends{tornEdges_[2 * e], tornEdges_[2 * e + 1]};
+    const Map a(&positions_[3 * ends[0]]);
+    const Map b(&positions_[3 * ends[1]]);
+    const Vector3f up = (normals_[ends[0]] + normals_[ends[1]]).normalized();
+    const Vector3f aside = (b - a).cross(up).normalized();
+    for (const Vector3f& across : {aside, up}) {
+      for (const Map& end : {a, b}) {
+        for (const float side : {-half, half}) {
+          const Vector3f corner = end + side * across;
+          tornPositions_.insert(tornPositions_.end(), {corner.x(), corner.y(), corner.z()});
+        }
+      }
+    }
+  }
+  if (tornTriangles_.size() == 3 * kRibbonTriangles * edges) return;
+  tornTriangles_.clear();
+  for (std::size_t ribbon = 0; ribbon < 2 * edges; ++ribbon) {
+    const auto first = static_cast<std::uint32_t>(ribbon * kRibbonVertices / 2);
+    for (const std::uint32_t corner : {0u, 1u, 2u, 1u, 3u, 2u}) {
+      tornTriangles_.push_back(first + corner);
+    }
+  }
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,242 @@
+#include "cloth_sim/rviz/cloth_display.h"
+
+#include <OgreSceneNode.h>
+#include <ros/message_traits.h>
+#include <ros/names.h>
+#include <rviz/display_context.h>
+#include <rviz/frame_manager.h>
+#include <rviz/properties/bool_property.h>
+#include <rviz/properties/color_property.h>
+#include <rviz/properties/enum_property.h>
+#include <rviz/properties/float_property.h>
+#include <rviz/properties/ros_topic_property.h>
+
+#include <algorithm>
+#include <chrono>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "strain_legend.h"
+
+namespace cloth_sim {
+namespace {
+
+using Status = rviz::StatusProperty;
+
+enum Mode { kSurface, kSurfaceAndWireframe, kWireframe };
+
+constexpr double kReportPeriod = 1.0;  ///< [s]
+constexpr double kMilli = 1e-3;
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std_msgs::ColorRGBA toColour(const rviz::ColorProperty& property) {
+  const QColor colour = property.getColor();
+  return makeColour(static_cast<float>(colour.redF()), static_cast<float>(colour.greenF()),
+                    static_cast<float>(colour.blueF()));
+}
+
+/// "/cloth/topology" for "/cloth/frame".
+std::string topologyTopic(const std::string& frameTopic) {
+  return ros::names::append(ros::names::parentNamespace(frameTopic), "topology");
+}
+
+}  // namespace
+
+ClothDisplay::ClothDisplay() {
+  topic_ = new rviz::RosTopicProperty(
+      "Topic", "/cloth/frame", QString::fromStdString(ros::message_traits::datatype<ClothFrame>()),
+      "The frames of a cloth; the topic \"topology\" beside it is taken too.", this);
+  connect(topic_, &rviz::Property::changed, this, [this] {
+    unsubscribe();
+    surface_ = Surface();
+    reset();
+    subscribe();
+  });
+  const auto restyle = [this](rviz::Property* property) {
+    connect(property, &rviz::Property::changed, this, [this] { applyStyle(); });
+  };
+  mode_ = new rviz::EnumProperty("Style", "Surface", "What is drawn of the cloth.", this);
+  mode_->addOption("Surface", kSurface);
+  mode_->addOption("Surface and wireframe", kSurfaceAndWireframe);
+  mode_->addOption("Wireframe", kWireframe);
+  strain_ = new rviz::BoolProperty("Strain", true, "Colour the front by strain.", this);
+  strainRange_ = new rviz::FloatProperty("Strain Range", 0.2f,
+                                         "Strain that gets the last colour of the map.", strain_);
+  strainRange_->setMin(1e-4f);
+  showLegend_ = new rviz::BoolProperty("Legend", true, "The colours and their strains.", strain_);
+  frontColour_ = new rviz::ColorProperty("Front Color", QColor(59, 107, 158),
+                                         "Of the front, where strain is not shown.", this);
+  showBack_ = new rviz::BoolProperty("Back", true, "Draw the back side.", this);
+  backColour_ = new rviz::ColorProperty("Color", QColor(219, 189, 158), "Of the back.", showBack_);
+  wireColour_ =
+      new rviz::ColorProperty("Wire Color", QColor(26, 31, 41), "Of the wireframe.", this);
+  tornColour_ = new rviz::ColorProperty("Torn Color", QColor(230, 13, 64),
+                                        "Of the edges that tearing and cutting made.", this);
+  tornWidth_ = new rviz::FloatProperty("Torn Width", 0.005f, "Of those edges [m].", this);
+  tornWidth_->setMin(0.0f);
+  for (rviz::Property* property : std::initializer_list<rviz::Property*>{
+           mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
+           wireColour_, tornColour_, tornWidth_}) {
+    restyle(property);
+  }
+}
+
+ClothDisplay::~ClothDisplay() { unsubscribe(); }
+
+void ClothDisplay::onInitialize() {
+  visual_ = std::make_unique<SurfaceVisual>(*scene_manager_, *scene_node_);
+  legend_ = std::make_unique<StrainLegend>();
+  applyStyle();
+}
+
+void ClothDisplay::onEnable() {
+  subscribe();
+  applyStyle();
+}
+
+void ClothDisplay::onDisable() {
+  unsubscribe();
+  reset();
+  legend_->show(false);
+}
+
+void ClothDisplay::setTopic(const QString& topic, const QString& /*datatype*/) {
+  topic_->setString(topic);
+}
+
+void ClothDisplay::reset() {
+  Display::reset();
+  waiting_.reset();
+  drawn_.reset();
+  statistics_ = Statistics();
+  if (visual_) visual_->hide();
+}
+
+void ClothDisplay::subscribe() {
+  const std::string frames = topic_->getTopicStd();
+  if (!isEnabled() || frames.empty()) return;
+  try {
+    topologySubscriber_ =
+        update_nh_.subscribe(topologyTopic(frames), 10, &ClothDisplay::onTopology, this);
+    // Only the newest counts: a slow screen shows fewer frames, not old ones.
+    frameSubscriber_ = update_nh_.subscribe(frames, 1, &ClothDisplay::onFrame, this,
+                                            ros::TransportHints().tcpNoDelay());
+    setStatus(Status::Warn, "Topic", "no topology yet");
+  } catch (const ros::Exception& error) {
+    setStatusStd(Status::Error, "Topic", error.what());
+  }
+}
+
+void ClothDisplay::unsubscribe() {
+  topologySubscriber_.shutdown();
+  frameSubscriber_.shutdown();
+}
+
+void ClothDisplay::onTopology(const ClothTopology::ConstPtr& topology) {
+  const std::string defect = surface_.setTopology(*topology);
+  if (!defect.empty()) {
+    setStatusStd(Status::Error, "Topic", "topology: " + defect);
+    return;
+  }
+  // What is on the screen stays until the first frame of the new revision.
+  visualIsStale_ = true;
+  setStatus(Status::Ok, "Topic", "OK");
+}
+
+void ClothDisplay::onFrame(const ClothFrame::ConstPtr& frame) { waiting_ = frame; }
+
+void ClothDisplay::update(float wallDt, float /*rosDt*/) {
+  drawWaiting();
+  report(wallDt);
+}
+
+void ClothDisplay::drawWaiting() {
+  if (!waiting_) return;
+  if (!surface_.fits(*waiting_)) {
+    // Its topology may be on the way; a frame that comes later takes its place.
+    if (waiting_ != counted_) ++statistics_.dropped;
+    counted_ = waiting_;
+    return;
+  }
+  const double start = now();
+  const std::string defect = surface_.setFrame(*waiting_, style());
+  if (defect.empty() && placeInScene(waiting_->header.frame_id)) {
+    if (std::exchange(visualIsStale_, false)) visual_->updateTriangles(surface_);
+    visual_->updateVertices(surface_);
+    drawn_ = waiting_;
+    context_->queueRender();
+    const double took = now() - start;
+    ++statistics_.frames;
+    statistics_.busy += took;
+    statistics_.slowest = std::max(statistics_.slowest, took);
+  } else if (!defect.empty()) {
+    setStatusStd(Status::Error, "Topic", "frame: " + defect);
+  }
+  waiting_.reset();
+}
+
+/// Where the frame of the positions is in the fixed frame.
+bool ClothDisplay::placeInScene(const std::string& frame) {
+  Ogre::Vector3 position;
+  Ogre::Quaternion orientation;
+  if (!context_->getFrameManager()->getTransform(frame, ros::Time(), position, orientation)) {
+    setStatusStd(Status::Error, "Transform",
+                 "no transform from " + frame + " to " + fixed_frame_.toStdString());
+    return false;
+  }
+  setStatus(Status::Ok, "Transform", "OK");
+  scene_node_->setPosition(position);
+  scene_node_->setOrientation(orientation);
+  return true;
+}
+
+SurfaceStyle ClothDisplay::style() const {
+  SurfaceStyle style;
+  style.strain = strain_->getBool();
+  style.strainRange = strainRange_->getFloat();
+  style.front = toColour(*frontColour_);
+  style.back = toColour(*backColour_);
+  style.tornWidth = tornWidth_->getFloat();
+  return style;
+}
+
+SurfaceLook ClothDisplay::look() const {
+  SurfaceLook look;
+  look.faces = mode_->getOptionInt() != kWireframe;
+  look.wireframe = mode_->getOptionInt() != kSurface;
+  look.back = showBack_->getBool();
+  look.wireColour = wireColour_->getOgreColor();
+  look.tornColour = tornColour_->getOgreColor();
+  return look;
+}
+
+void ClothDisplay::applyStyle() {
+  if (!visual_) return;
+  visual_->setLook(look());
+  legend_->setRange(strainRange_->getFloat());
+  legend_->show(isEnabled() && strain_->getBool() && showLegend_->getBool() &&
+                mode_->getOptionInt() != kWireframe);
+  if (!waiting_) waiting_ = drawn_;  // paint it anew
+  context_->queueRender();
+}
+
+void ClothDisplay::report(double elapsed) {
+  statistics_.elapsed += elapsed;
+  if (statistics_.elapsed < kReportPeriod) return;
+  if (statistics_.frames > 0) {
+    const QString text = QString("%1 vertices, %2 Hz; update %3 ms (slowest %4 ms); %5 dropped")
+                             .arg(surface_.vertexCount())
+                             .arg(statistics_.frames / statistics_.elapsed, 0, 'f', 1)
+                             .arg(statistics_.busy / statistics_.frames / kMilli, 0, 'f', 2)
+                             .arg(statistics_.slowest / kMilli, 0, 'f', 2)
+                             .arg(statistics_.dropped);
+    setStatus(Status::Ok, "Frames", text);
+  }
+  statistics_ = Statistics();
+}
+
+}  // namespace cloth_sim
+
+PLUGINLIB_EXPORT_CLASS(cloth_sim::ClothDisplay, rviz::Display)

@@ -1,0 +1,103 @@
+#include "cloth_sim/rviz/cut_tool.h"
+
+#include <OgreMaterial.h>
+#include <ros/message_traits.h>
+#include <rviz/display_context.h>
+#include <rviz/ogre_helpers/billboard_line.h>
+#include <rviz/properties/bool_property.h>
+#include <rviz/properties/float_property.h>
+#include <rviz/properties/ros_topic_property.h>
+
+#include <cstdlib>
+#include <pluginlib/class_list_macros.hpp>
+
+namespace cloth_sim {
+namespace {
+
+constexpr int kPointSpacing = 3;           ///< between points of a stroke, at least [px]
+constexpr std::size_t kMostPoints = 4096;  ///< points of a stroke
+constexpr float kLineAt = 1.0f;            ///< from the camera, where the stroke is drawn [m]
+constexpr double kLineWidth = 3.0;         ///< [px]
+constexpr float kNearest = 0.02f;          ///< from the camera, where the blade begins [m]
+
+geometry_msgs::Point toPoint(const Ogre::Vector3& value) {
+  geometry_msgs::Point point;
+  point.x = value.x;
+  point.y = value.y;
+  point.z = value.z;
+  return point;
+}
+
+}  // namespace
+
+CutTool::CutTool() { shortcut_key_ = 'x'; }
+
+CutTool::~CutTool() = default;
+
+void CutTool::onInitialize() {
+  setName("Cut");
+  topic_ =
+      new rviz::RosTopicProperty("Topic", "/cloth/cut_stroke",
+                                 QString::fromStdString(ros::message_traits::datatype<CutStroke>()),
+                                 "Where strokes are sent.", getPropertyContainer());
+  reach_ = new rviz::FloatProperty("Reach", 10.0f, "Of the blade from the camera [m].",
+                                   getPropertyContainer());
+  reach_->setMin(0.1f);
+  firstLayerOnly_ = new rviz::BoolProperty("First Layer Only", false,
+                                           "Of cloth in layers, cut only the one in front.",
+                                           getPropertyContainer());
+  QObject::connect(topic_, &rviz::Property::changed, this, [this] { advertise(); });
+  advertise();
+  line_ = std::make_unique<rviz::BillboardLine>(scene_manager_);
+  line_->setMaxPointsPerLine(kMostPoints);
+  line_->setColor(0.90f, 0.05f, 0.25f, 0.99f);  // not opaque: drawn after what is
+  line_->getMaterial()->setDepthCheckEnabled(false);
+}
+
+void CutTool::advertise() { publisher_ = node_.advertise<CutStroke>(topic_->getTopicStd(), 10); }
+
+QString CutTool::hint() const {
+  return "<b>Left-Click</b>: Cut along the stroke. <b>Right-Click</b>: Give the stroke up. "
+         "<b>Shift, other buttons</b>: Move the camera.";
+}
+
+void CutTool::begin(const Pointer& at) {
+  cancel();
+  line_->setLineWidth(static_cast<float>(kLineWidth * at.pixel * kLineAt));
+  add(at);
+}
+
+void CutTool::move(const Pointer& to) {
+  if (std::abs(to.x - lastX_) + std::abs(to.y - lastY_) >= kPointSpacing) add(to);
+}
+
+void CutTool::end(const Pointer& at) {
+  if (at.x != lastX_ || at.y != lastY_) add(at);
+  if (stroke_.points.size() >= 2) send();
+  cancel();
+}
+
+void CutTool::cancel() {
+  stroke_ = CutStroke();
+  line_->clear();
+  context_->queueRender();
+}
+
+void CutTool::add(const Pointer& point) {
+  if (stroke_.points.size() >= kMostPoints) return;
+  lastX_ = point.x;
+  lastY_ = point.y;
+  stroke_.heels.push_back(toPoint(point.ray.getPoint(kNearest)));
+  stroke_.points.push_back(toPoint(point.ray.getPoint(reach_->getFloat())));
+  line_->addPoint(point.ray.getPoint(kLineAt));
+}
+
+void CutTool::send() {
+  stroke_.header.frame_id = context_->getFixedFrame().toStdString();  // stamp 0: as it is now
+  stroke_.first_layer_only = firstLayerOnly_->getBool();
+  publisher_.publish(stroke_);
+}
+
+}  // namespace cloth_sim
+
+PLUGINLIB_EXPORT_CLASS(cloth_sim::CutTool, rviz::Tool)

@@ -1,0 +1,31 @@
+#pragma once
+/// \file The strain map with its numbers, over a corner of the 3D view.
+
+#include <OgreTexture.h>
+
+namespace Ogre {
+class Overlay;
+class PanelOverlayElement;
+}  // namespace Ogre
+
+namespace cloth_sim {
+
+class StrainLegend {
+ public:
+  StrainLegend();
+  ~StrainLegend();
+  StrainLegend(const StrainLegend&) = delete;
+  StrainLegend& operator=(const StrainLegend&) = delete;
+
+  void show(bool visible);
+  /// \param range  strain of the last colour [-], > 0.
+  void setRange(double range);
+
+ private:
+  Ogre::Overlay* overlay_ = nullptr;
+  Ogre::PanelOverlayElement* panel_ = nullptr;
+  Ogre::TexturePtr texture_;
+  Ogre::MaterialPtr material_;
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,151 @@
+/// \file Topology and frame -> vertices and colours, without a node, a master and rviz.
+
+#include "cloth_sim/ros/surface.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+/// One cell of 1 m, its front up, its second triangle's right edge torn.
+ClothTopology cell() {
+  ClothTopology topology;
+  topology.revision = 7;
+  topology.triangles = {0, 1, 3, 0, 3, 2};
+  topology.uv = {0, 0, 1, 0, 0, 1, 1, 1};
+  topology.torn_edges = {1, 3};
+  return topology;
+}
+
+/// The cell pulled to `stretch` along x, at z = 2.
+ClothFrame pulled(float stretch) {
+  ClothFrame frame;
+  frame.revision = 7;
+  frame.positions = {0, 0, 2, stretch, 0, 2, 0, 1, 2, stretch, 1, 2};
+  return frame;
+}
+
+Surface::Packed bytes(const std_msgs::ColorRGBA& colour) {
+  const auto byte = [](float x) { return static_cast<std::uint8_t>(255.0f * x + 0.5f); };
+  return {byte(colour.r), byte(colour.g), byte(colour.b), 255};
+}
+
+TEST(Surface, StrainIsThatOfTheMostStretchedEdge) {
+  Surface surface;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  ASSERT_EQ(surface.setFrame(pulled(1.1f), SurfaceStyle()), "");
+  // Every corner has an edge along x, which is stretched more than the diagonal.
+  EXPECT_THAT(surface.strain(), testing::Each(testing::FloatNear(0.1f, 1e-6f)));
+}
+
+TEST(Surface, WhatIsPushedTogetherHasNoStrain) {
+  Surface surface;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  ClothFrame frame = pulled(0.5f);
+  for (float& x : frame.positions) x *= 0.9f;
+  ASSERT_EQ(surface.setFrame(frame, SurfaceStyle()), "");
+  EXPECT_THAT(surface.strain(), testing::Each(0.0f));
+}
+
+TEST(Surface, FrontAndBackAreShadedByTheirOwnNormals) {
+  Surface surface;
+  SurfaceStyle style;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
+  for (const Eigen::Vector3f& normal : surface.normals()) {
+    EXPECT_NEAR((normal - Eigen::Vector3f::UnitZ()).norm(), 0.0f, 1e-6f);
+  }
+  const float up = brightness(Eigen::Vector3f::UnitZ());
+  const float down = brightness(-Eigen::Vector3f::UnitZ());
+  EXPECT_GT(up, down);
+  EXPECT_THAT(surface.frontColours(), testing::Each(bytes(shaded(strainColour(0.0), up))));
+  EXPECT_THAT(surface.backColours(), testing::Each(bytes(shaded(style.back, down))));
+  style.strain = false;
+  ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
+  EXPECT_THAT(surface.frontColours(), testing::Each(bytes(shaded(style.front, up))));
+}
+
+TEST(Surface, TheLastColourIsThatOfTheRangeAndOfAllBeyond) {
+  Surface surface;
+  SurfaceStyle style;
+  style.strainRange = 0.1;
+  const auto last = bytes(shaded(strainColour(1.0), brightness(Eigen::Vector3f::UnitZ())));
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  for (const float stretch : {1.1f, 1.5f, 100.0f}) {
+    ASSERT_EQ(surface.setFrame(pulled(stretch), style), "");
+    EXPECT_THAT(surface.frontColours(), testing::Each(last)) << stretch;
+  }
+}
+
+TEST(Surface, TornEdgesGetTwoCrossedRibbonsOfTheirWidth) {
+  Surface surface;
+  SurfaceStyle style;
+  style.tornWidth = 0.02;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
+  ASSERT_EQ(surface.tornPositions().size(), 3u * 8u);
+  ASSERT_EQ(surface.tornTriangles().size(), 3u * 4u);
+  for (std::size_t v = 0; v < 8; ++v) {
+    const Eigen::Map<const Eigen::Vector3f> p(&surface.tornPositions()[3 * v]);
+    EXPECT_NEAR(std::hypot(p.x() - 1.0f, p.z() - 2.0f), 0.01f, 1e-6f) << v;
+  }
+  ClothTopology whole = cell();
+  whole.torn_edges.clear();
+  ASSERT_EQ(surface.setTopology(whole), "");
+  ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
+  EXPECT_TRUE(surface.tornPositions().empty());
+  EXPECT_TRUE(surface.tornTriangles().empty());
+}
+
+TEST(Surface, FramesOfAnotherRevisionAreNotTaken) {
+  Surface surface;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  ASSERT_EQ(surface.setFrame(pulled(1.0f), SurfaceStyle()), "");
+  ClothFrame other = pulled(1.3f);
+  other.revision = 8;
+  EXPECT_FALSE(surface.fits(other));
+  EXPECT_NE(surface.setFrame(other, SurfaceStyle()), "");
+  EXPECT_THAT(surface.strain(), testing::Each(0.0f));
+  ClothTopology next = cell();
+  next.revision = 8;
+  ASSERT_EQ(surface.setTopology(next), "");
+  EXPECT_TRUE(surface.positions().empty()) << "nothing to show until a frame of it comes";
+  EXPECT_EQ(surface.setFrame(other, SurfaceStyle()), "");
+}
+
+TEST(Surface, BadMessagesAreRefused) {
+  Surface surface;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  for (const std::uint32_t number : {4u, 4000000000u}) {
+    ClothTopology bad = cell();
+    bad.triangles[4] = number;
+    EXPECT_NE(surface.setTopology(bad), "");
+    bad = cell();
+    bad.torn_edges[1] = number;
+    EXPECT_NE(surface.setTopology(bad), "");
+  }
+  ClothTopology bad = cell();
+  bad.triangles.pop_back();
+  EXPECT_NE(surface.setTopology(bad), "");
+  EXPECT_EQ(surface.triangles(), cell().triangles) << "the last good one stays";
+  ClothFrame frame = pulled(1.0f);
+  frame.positions.pop_back();
+  EXPECT_NE(surface.setFrame(frame, SurfaceStyle()), "");
+  frame.positions.push_back(std::numeric_limits<float>::quiet_NaN());
+  EXPECT_NE(surface.setFrame(frame, SurfaceStyle()), "");
+}
+
+TEST(Surface, AnEmptyClothIsDrawnAsNothing) {
+  Surface surface;
+  ClothTopology empty;
+  ClothFrame frame;
+  ASSERT_EQ(surface.setTopology(empty), "");
+  EXPECT_EQ(surface.setFrame(frame, SurfaceStyle()), "");
+  EXPECT_TRUE(surface.positions().empty());
+}
+
+}  // namespace
+}  // namespace cloth_sim

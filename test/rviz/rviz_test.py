@@ -1,0 +1,257 @@
+#!/usr/bin/python3
+"""The display and the tools in the real rviz, on a virtual screen: what is drawn where, and what
+the mouse does to the cloth."""
+import math
+import os
+import sys
+import unittest
+
+import numpy
+import rosgraph
+import rospy
+import rostest
+from cloth_sim import msg, srv
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
+from polling import Listener, wait_until  # noqa: E402
+from screen import Screen, is_near, record_skipped, view_of, what_is_missing  # noqa: E402
+
+LAUNCHER = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'cloth_rviz')
+BACKGROUND = (255, 0, 255)  # nothing else is magenta
+CRIMSON = (230, 13, 64)     # of strokes and torn edges
+LAST_STRAIN = (253, 231, 37)
+DISTANCE = 2.6              # of the camera from the cloth [m]
+MIDDLE = 1.0                # height of the middle of the view [m]
+FIELD = math.pi / 4.0       # of view, up and down
+
+# Looking along y: x is to the right, z up.
+CONFIG = """
+Panels: []
+Visualization Manager:
+  Class: ""
+  Displays:
+    - {Class: cloth_sim/Cloth, Enabled: true, Name: Cloth, Topic: /cloth/frame, %(display)s}
+  Enabled: true
+  Global Options: {Background Color: 255; 0; 255, Fixed Frame: world, Frame Rate: 30}
+  Tools:
+    - Class: cloth_sim/%(tool)s
+    - Class: rviz/MoveCamera
+  Value: true
+  Views:
+    Current:
+      Class: rviz/Orbit
+      Distance: %(distance)f
+      Field of View: %(field)f
+      Focal Point: {X: 0, Y: 0, Z: %(middle)f}
+      Near Clip Distance: 0.01
+      Pitch: 0
+      Target Frame: <Fixed Frame>
+      Yaw: %(yaw)f
+Window Geometry:
+  {Height: 700, Width: 900, X: 20, Y: 20, Hide Left Dock: true, Hide Right Dock: true}
+"""
+
+
+def config(tool, display='', behind=False):
+    return CONFIG % {'tool': tool, 'display': display, 'distance': DISTANCE, 'field': FIELD,
+                     'middle': MIDDLE, 'yaw': math.pi / 2 * (1 if behind else 3)}
+
+
+def call(name, kind, *arguments):
+    rospy.wait_for_service('/cloth/' + name, 30.0)
+    reply = rospy.ServiceProxy('/cloth/' + name, kind)(*arguments)
+    assert reply.success, reply.message
+    return reply
+
+
+def state():
+    return call('get_state', srv.GetState).state
+
+
+class View:
+    """From the world to pixels, and back to what is drawn there."""
+
+    def __init__(self, screen):
+        self.box = view_of(screen, BACKGROUND)
+        left, top, right, bottom = self.box
+        self.centre = (0.5 * (left + right), 0.5 * (top + bottom))
+        self.scale = 0.5 * (bottom - top) / math.tan(0.5 * FIELD) / DISTANCE  # [px/m] at y = 0
+
+    def pixel(self, x, z):
+        """Of a point in the plane of the hanging cloth."""
+        return (round(self.centre[0] + self.scale * x),
+                round(self.centre[1] - self.scale * (z - MIDDLE)))
+
+    def part(self, picture, low, high, grow=0):
+        """What is drawn between two points, (x, z) each."""
+        left, bottom = self.pixel(*low)
+        right, top = self.pixel(*high)
+        return picture[top - grow:bottom + 1 + grow, left - grow:right + 1 + grow]
+
+
+class RvizTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.screen = Screen()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.screen.close()
+
+    def setUp(self):
+        call('pause', srv.Pause, True)
+        call('reset', srv.ResetScene)
+
+    def tearDown(self):
+        self.screen.save(self.id().split('.')[-1] + '.png')
+        self.screen.close_rviz()
+
+    def open(self, *arguments, **options):
+        """The view, as soon as the cloth is drawn in it."""
+        self.screen.open_rviz(config(*arguments, **options))
+        view = View(self.screen)
+        wait_until(lambda: self.cloth_part(view) > 0.98, 'the cloth', deadline=60.0)
+        return view
+
+    def cloth_part(self, view):
+        """How much of where the cloth hangs is not background."""
+        inside = view.part(self.screen.picture(), (-0.5, 0.5), (0.5, 1.5), grow=-2)
+        return 1.0 - is_near(inside, BACKGROUND, 2).mean()
+
+    # ---- the display -----------------------------------------------------------------------------
+
+    def test_cloth_is_drawn_where_it_is_in_its_colours(self):
+        view = self.open('Cut')
+        picture = self.screen.picture()
+        inside = view.part(picture, (-0.5, 0.5), (0.5, 1.5), grow=-2)
+        # At rest and from the front, the first colour of the map, darkened by the shading: blue.
+        red, green, blue = (inside[..., part] for part in range(3))
+        self.assertGreater(((blue > green) & (green > red)).mean(), 0.98)
+        # Nothing is drawn beside it, but for the legend at the lower left.
+        left, top, right, bottom = view.box
+        outside = picture[top:bottom, left:right].copy()
+        view_part = view.part(picture, (-0.5, 0.5), (0.5, 1.5), grow=2)
+        drawn = (~is_near(picture, BACKGROUND, 2))[top:bottom, left:right].sum()
+        self.assertGreater(drawn, inside.shape[0] * inside.shape[1])
+        legend = ~is_near(outside[-240:, :130], BACKGROUND, 2)
+        self.assertLess(drawn - legend.sum(), 1.01 * view_part.shape[0] * view_part.shape[1])
+        # The legend has the whole map, from its first to its last colour.
+        self.assertGreater(is_near(outside[-240:, :130], LAST_STRAIN).sum(), 40)
+        self.assertGreater(is_near(outside[-240:, :130], (59, 82, 139)).sum(), 40)
+
+    def test_back_has_its_own_colour(self):
+        view = self.open('Cut', 'Back: {Value: true, Color: 0; 200; 0}', behind=True)
+        inside = view.part(self.screen.picture(), (-0.45, 0.55), (0.45, 1.45))
+        self.assertGreater((inside[..., 1] > inside[..., [0, 2]].max(axis=2) + 40).mean(), 0.98)
+
+    def test_wireframe_shows_what_is_behind(self):
+        self.screen.open_rviz(config('Cut', 'Style: Wireframe'))
+        view = View(self.screen)
+
+        def lines():
+            inside = view.part(self.screen.picture(), (-0.45, 0.55), (0.45, 1.45))
+            return 0.1 < 1.0 - is_near(inside, BACKGROUND, 2).mean() < 0.9
+        wait_until(lines, 'a wireframe', deadline=60.0)
+
+    def test_frames_are_drawn_as_they_come(self):
+        view = self.open('Cut')
+        before = self.screen.picture()
+        call('cut', srv.Cut, stroke(0.8))
+        call('step', srv.Step, 40)  # the lower part falls out of its place
+        wait_until(lambda: is_near(view.part(self.screen.picture(), (-0.4, 0.62), (0.4, 0.72)),
+                                   BACKGROUND, 2).mean() > 0.9, 'the fall', deadline=60.0)
+        self.assertGreater((self.screen.picture() != before).sum(), 1000)
+
+    # ---- what cloth.launch starts ----------------------------------------------------------------
+
+    def subscribers(self, topic):
+        """Names of nodes; a killed one stays in the master's list."""
+        return {node for name, nodes in rosgraph.Master('/rviz_test').getSystemState()[1]
+                if name == topic for node in nodes}
+
+    def launch(self, *topics, **variables):
+        """Starts what the launch file does, until it has subscribed to these; its name."""
+        before = self.subscribers('/tf')
+        self.screen.open([LAUNCHER], **variables)
+        new = wait_until(lambda: self.subscribers('/tf') - before, 'rviz', deadline=60.0)
+        for topic in topics:
+            wait_until(lambda: self.subscribers(topic) >= new, topic, deadline=60.0)
+        return new
+
+    def test_launcher_takes_the_plugin(self):
+        # By the display, by the panel, and by its sliders.
+        rviz = self.launch('/cloth/frame', '/cloth/scene_markers', '/cloth/state',
+                           '/cloth/parameter_updates')
+        self.assertFalse(self.subscribers('/cloth/markers') & rviz)
+
+    def test_launcher_takes_markers_where_there_is_no_plugin(self):
+        rviz = self.launch('/cloth/markers', CMAKE_PREFIX_PATH='/nowhere')
+        self.assertFalse(self.subscribers('/cloth/frame') & rviz)
+
+    # ---- the tools -------------------------------------------------------------------------------
+
+    def test_stroke_of_the_mouse_cuts_there(self):
+        view = self.open('Cut', 'Torn Width: 0.02')
+        height = 0.8
+        row = [view.pixel(x, height) for x in numpy.linspace(-0.65, 0.65, 27)]
+        self.screen.drag(row)
+
+        def crimson(picture):
+            row_part = view.part(picture, (-0.45, height - 0.02), (0.45, height + 0.02))
+            return is_near(row_part, CRIMSON)
+        wait_until(lambda: crimson(self.screen.picture()).any(axis=0).mean() > 0.9, 'the stroke')
+        self.screen.save('stroke.png')
+        self.assertEqual(state().pieces, 1)  # it is not cut before the button is released
+        self.screen.release()
+        wait_until(lambda: state().pieces == 2, 'the cut')
+        areas = [piece.rest_area for piece in state().piece]
+        # The camera's pixel is 4 mm of the cloth; the row may be off by one.
+        self.assertAlmostEqual(areas[0], 0.7, delta=0.006)
+        self.assertAlmostEqual(areas[1], 0.3, delta=0.006)
+        wait_until(lambda: crimson(self.screen.picture()).any(axis=0).mean() > 0.9, 'torn edges')
+
+    def test_stroke_that_is_given_up_cuts_nothing(self):
+        view = self.open('Cut')
+        self.screen.drag([view.pixel(x, 0.8) for x in (-0.6, -0.2, 0.2, 0.6)])
+        self.screen.mouse('click', 3)
+        self.screen.release()
+        self.screen.drag([view.pixel(x, 1.2) for x in (-0.6, -0.2, 0.2, 0.6)])
+        self.screen.release()
+        wait_until(lambda: state().pieces == 2, 'the second stroke')
+        self.assertAlmostEqual(state().piece[0].rest_area, 0.7, delta=0.006)  # not three pieces
+
+    def test_drag_pulls_a_particle_and_lets_it_go(self):
+        view = self.open('Drag')
+        with Listener('/cloth/frame', msg.ClothFrame) as frames:
+            frames.wait()
+
+            def lowest_right():
+                """x of the particle at the lower right corner."""
+                return numpy.array(frames.messages[-1].positions).reshape(-1, 3)[32, 0]
+            self.assertAlmostEqual(lowest_right(), 0.5, delta=1e-3)
+            call('pause', srv.Pause, False)
+            path = [view.pixel(x, 0.52) for x in numpy.linspace(0.49, 0.2, 12)]
+            self.screen.drag(path)
+            wait_until(lambda: lowest_right() < 0.3, 'the corner to follow')
+            self.screen.save('drag.png')
+            held = lowest_right()
+            self.screen.release()
+            wait_until(lambda: lowest_right() > held + 0.1, 'the corner to swing back')
+
+
+def stroke(height):
+    from geometry_msgs.msg import Point, Vector3
+    message = msg.CutStroke()
+    message.header.frame_id = 'world'
+    message.points = [Point(-1.0, 0.0, height), Point(1.0, 0.0, height)]
+    message.direction = Vector3(0.0, 1.0, 0.0)
+    return message
+
+
+if __name__ == '__main__':
+    if what_is_missing():
+        record_skipped('rviz', what_is_missing())
+        sys.exit(0)
+    rospy.init_node('rviz_test')
+    rostest.rosrun('cloth_sim', 'rviz', RvizTest)
