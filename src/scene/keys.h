@@ -36,8 +36,8 @@ inline const Keys kBox{"type",        "size",     "position", "rpy",
                        "orientation", "velocity", "friction", "tangential_decay"};
 
 inline const Keys kClamp{
-    "pose",          "patch",     "plate_size",        "gap_open",        "gap_closed",
-    "closing_speed", "max_speed", "max_angular_speed", "max_acceleration"};
+    "pose",          "patch",     "plate_size",        "gap_open",         "gap_closed",
+    "closing_speed", "max_speed", "max_angular_speed", "max_acceleration", "grip_force"};
 inline const Keys kPatch{"particle", "radius"};
 
 inline const Keys kTearing{"enabled", "ratio", "seam", "tip_speed", "refine_tip"};

@@ -132,6 +132,7 @@ ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
   node.read("max_speed", clamp.maxLinearSpeed, kPositive);
   node.read("max_angular_speed", clamp.maxAngularSpeed, kPositive);
   node.read("max_acceleration", clamp.maxLinearAcceleration, kPositive);
+  node.read("grip_force", clamp.gripForce, kPositive);
   return clamp;
 }
 

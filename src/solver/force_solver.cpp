@@ -46,7 +46,7 @@ int ForceSolver::substepsFor(const Model& model, int configured) {
 void ForceSolver::evaluateForces(const Substep& now) {
   setZero(particles_.mass.size(), force_);
   addSpringForces(schedule_, particles_.x, particles_.v, force_);
-  if (now.controls.wind) addWind(now.model, *now.controls.wind);
+  if (now.controls.hasLoads()) addLoads(now.model, now.controls);
 }
 
 void ForceSolver::kick(const Substep& now) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <variant>
 
+#include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/surgery/settings.h"
 #include "cloth_sim/surgery/stroke.h"
 #include "cloth_sim/surgery/tearing.h"
@@ -15,6 +16,23 @@ namespace cloth_sim {
 struct SetClampTarget {
   std::string clamp;
   Pose pose;
+};
+/// As SetClampTarget, with a target that moves: what a robot's hand does.
+struct GuideClamp {
+  std::string clamp;
+  MovingPose target;
+};
+struct SetGripForce {
+  std::string clamp;
+  std::optional<double> force;  ///< > 0 [N]; absent: any
+};
+/// A clamp more, until it is removed or the scene is reset.
+struct AddClamp {
+  ClampSpec spec;
+};
+/// Lets go and takes the clamp away, until the scene is reset.
+struct RemoveClamp {
+  std::string clamp;
 };
 struct SetGrasp {
   std::string clamp;
@@ -31,6 +49,15 @@ struct MoveObstacle {
   Pose pose;
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
 };
+/// The obstacle goes along with a target that moves, and is where that is at the end of every step.
+/// It goes there at once if that took more than kFastestObstacle. `velocity` of a phase or of
+/// MoveObstacle ends it.
+struct GuideObstacle {
+  std::string obstacle;
+  MovingPose target;
+};
+/// An obstacle that would have to be faster to reach its target jumps there [m/s].
+constexpr double kFastestObstacle = 10.0;
 struct SetTearing {
   bool enabled = false;
   TearRatios ratio{};
@@ -42,7 +69,8 @@ struct CutAlong {
 /// Back to the start of the scene.
 struct Reset {};
 
-using Command = std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle,
+using Command = std::variant<SetClampTarget, GuideClamp, SetGripForce, AddClamp, RemoveClamp,
+                             SetGrasp, SetPhase, SetGravity, MoveObstacle, GuideObstacle,
                              SetTearing, CutAlong, RefineNear, Reset>;
 
 /// Whether a command was carried out, and if not, why, in one sentence.

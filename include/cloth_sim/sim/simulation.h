@@ -3,8 +3,10 @@
 
 #include <memory>
 
+#include "cloth_sim/clamp/grip_event.h"
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/command.h"
+#include "cloth_sim/sim/obstacle_guides.h"
 #include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/solver/solver.h"
 
@@ -49,6 +51,8 @@ class Simulation {
 
   /// Failures since the last call, in order; they are also counted in `broken`.
   std::vector<FailureEvent> takeEvents();
+  /// What became of grasps since the last call, in order.
+  std::vector<GripEvent> takeGripEvents();
 
   /// The connected pieces of cloth, the largest first.
   std::vector<PieceSnapshot> describePieces() const;
@@ -60,6 +64,9 @@ class Simulation {
   void runScript();
   void advance(const StepLength& length);
   void moveClamps(double dt);
+  void gatherControls();
+  bool letSlip();
+  void watchGrips();
   void detectContacts(double dt);
   void solve(const StepLength& length);
   void readClamps(double share);
@@ -81,10 +88,15 @@ class Simulation {
   void fail(const std::string& why);
 
   CommandResult carryOut(const SetClampTarget& command);
+  CommandResult carryOut(const GuideClamp& command);
+  CommandResult carryOut(const SetGripForce& command);
+  CommandResult carryOut(const AddClamp& command);
+  CommandResult carryOut(const RemoveClamp& command);
   CommandResult carryOut(const SetGrasp& command);
   CommandResult carryOut(const SetPhase& command);
   CommandResult carryOut(const SetGravity& command);
   CommandResult carryOut(const MoveObstacle& command);
+  CommandResult carryOut(const GuideObstacle& command);
   CommandResult carryOut(const SetTearing& command);
   CommandResult carryOut(const CutAlong& command);
   CommandResult carryOut(const RefineNear& command);
@@ -99,7 +111,10 @@ class Simulation {
   Controls controls_;
   std::vector<KinematicTarget> pins_;
   std::vector<Clamp> clamps_;
+  GripWatch grips_;
+  std::vector<GripEvent> gripEvents_;
   ColliderSet colliders_;
+  ObstacleGuides guides_;
   Contacts contacts_;
   std::unique_ptr<Solver> solver_;
   StepReport report_;

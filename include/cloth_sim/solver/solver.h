@@ -26,12 +26,22 @@ struct Wind {
   double dragCoefficient = 1.0;  ///< of a face normal to the flow [-]
 };
 
+/// A force on one particle, constant during a step.
+struct PointForce {
+  VertexId vertex = kNone;
+  Vec3 force = Vec3::Zero();  ///< [N]
+};
+
 /// Everything that acts on the cloth in a step except its own springs and contacts.
 struct Controls {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);    ///< [m/s^2]
   double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
   std::optional<Wind> wind;                ///< absent: no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
+  std::vector<PointForce> forces;          ///< in any order; none: not looked at
+
+  /// Whether anything presses or pulls on particles, besides gravity and drag.
+  bool hasLoads() const { return wind.has_value() || !forces.empty(); }
 };
 
 /// How far a solver goes, and how finely.
