@@ -119,6 +119,11 @@ FailureBatch SimulationThread::takeEvents() {
   return {failures_.resets, std::exchange(failures_.events, {})};
 }
 
+std::vector<GripEvent> SimulationThread::takeGripEvents() {
+  const std::lock_guard<std::mutex> lock(outputMutex_);
+  return std::exchange(gripEvents_, {});
+}
+
 void SimulationThread::run(int threads) {
   const ThreadLimit limit(threads);
   nextStep_ = Clock::now();
@@ -200,9 +205,11 @@ void SimulationThread::stepOnce() {
 /// Springs fail in steps, and by commands that cut.
 void SimulationThread::collectEvents() {
   const std::vector<FailureEvent> events = simulation_.takeEvents();
-  if (events.empty()) return;
+  const std::vector<GripEvent> grips = simulation_.takeGripEvents();
+  if (events.empty() && grips.empty()) return;
   const std::lock_guard<std::mutex> lock(outputMutex_);
   failures_.events.insert(failures_.events.end(), events.begin(), events.end());
+  gripEvents_.insert(gripEvents_.end(), grips.begin(), grips.end());
 }
 
 void SimulationThread::countJobStep() {

@@ -32,6 +32,8 @@ inline const Keys kPlane{"type",     "position",        "rpy", "orientation", "v
                          "friction", "tangential_decay"};
 inline const Keys kSphere{"type",        "radius",   "position", "rpy",
                           "orientation", "velocity", "friction", "tangential_decay"};
+inline const Keys kCapsule{"type",        "radius",   "length",   "position",        "rpy",
+                           "orientation", "velocity", "friction", "tangential_decay"};
 inline const Keys kBox{"type",        "size",     "position", "rpy",
                        "orientation", "velocity", "friction", "tangential_decay"};
 

@@ -54,7 +54,16 @@ CommandResult Simulation::carryOut(const SetGripForce& command) {
   return done();
 }
 
-CommandResult Simulation::carryOut(const AddClamp& command) {
+CommandResult Simulation::carryOut(const SetGapWidth& command) {
+  Clamp* clamp = findClamp(command.clamp);
+  if (clamp == nullptr) return unknownClamp(command.clamp, clamps_);
+  if (!std::isfinite(command.width)) return refuse("width: expected a finite number");
+  const bool closes = command.width <= 0.5 * (clamp->spec().gapClosed + clamp->spec().gapOpen);
+  closes ? clamp->close() : clamp->release();
+  return done();
+}
+
+CommandResult Simulation::carryOut(const CreateClamp& command) {
   if (findClamp(command.spec.name) != nullptr) {
     return refuse("there is a clamp '" + command.spec.name + "' already");
   }
@@ -67,7 +76,7 @@ CommandResult Simulation::carryOut(const AddClamp& command) {
   return done();
 }
 
-CommandResult Simulation::carryOut(const RemoveClamp& command) {
+CommandResult Simulation::carryOut(const DeleteClamp& command) {
   const auto named = [&](const Clamp& clamp) { return nameOf(clamp) == command.clamp; };
   const auto found = std::find_if(clamps_.begin(), clamps_.end(), named);
   if (found == clamps_.end()) return unknownClamp(command.clamp, clamps_);

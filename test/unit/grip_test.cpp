@@ -178,25 +178,25 @@ TEST(ClampSet, GrowsAndShrinksWhileItRuns) {
   ClampSpec spec;
   spec.name = "second";
   spec.pose.position = Vec3(0.0, 0.0, 0.5);
-  EXPECT_TRUE(simulation.apply(AddClamp{spec}).success);
-  EXPECT_THAT(simulation.apply(AddClamp{spec}).message, HasSubstr("already"));
+  EXPECT_TRUE(simulation.apply(CreateClamp{spec}).success);
+  EXPECT_THAT(simulation.apply(CreateClamp{spec}).message, HasSubstr("already"));
   ASSERT_EQ(simulation.clamps().size(), 2U);
   EXPECT_TRUE(simulation.apply(SetGrasp{"second", true}).success);
   for (int k = 0; k < 60; ++k) simulation.step();
   EXPECT_FALSE(simulation.clamps()[1].held().empty());
-  EXPECT_TRUE(simulation.apply(RemoveClamp{"second"}).success);
+  EXPECT_TRUE(simulation.apply(DeleteClamp{"second"}).success);
   EXPECT_EQ(simulation.clamps().size(), 1U);
-  EXPECT_THAT(simulation.apply(RemoveClamp{"second"}).message, HasSubstr("unknown clamp"));
+  EXPECT_THAT(simulation.apply(DeleteClamp{"second"}).message, HasSubstr("unknown clamp"));
   spec.gapOpen = 0.0;
-  EXPECT_THAT(simulation.apply(AddClamp{spec}).message, HasSubstr("gap"));
-  EXPECT_TRUE(simulation.apply(RemoveClamp{"hand"}).success);
+  EXPECT_THAT(simulation.apply(CreateClamp{spec}).message, HasSubstr("gap"));
+  EXPECT_TRUE(simulation.apply(DeleteClamp{"hand"}).success);
   EXPECT_TRUE(simulation.apply(Reset{}).success);
   EXPECT_EQ(simulation.clamps().size(), 1U) << "the scene's";
 }
 
 TEST(ClampSet, ARemovedClampLetsGo) {
   Simulation simulation = hanging();
-  ASSERT_TRUE(simulation.apply(RemoveClamp{"hand"}).success);
+  ASSERT_TRUE(simulation.apply(DeleteClamp{"hand"}).success);
   simulation.step();
   EXPECT_NEAR(meanVelocity(simulation).z(), -9.81 * kDt, 0.01 * 9.81 * kDt);
 }

@@ -5,6 +5,7 @@
 namespace cloth_sim {
 namespace {
 
+using testing_support::solverNames;
 using verify_support::OverMethods;
 using verify_support::Rig;
 

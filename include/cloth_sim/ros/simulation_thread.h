@@ -72,6 +72,8 @@ class SimulationThread {
 
   /// Springs that failed since the last call and the last reset. One caller only.
   FailureBatch takeEvents();
+  /// What became of grasps since the last call. One caller only.
+  std::vector<GripEvent> takeGripEvents();
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -131,6 +133,7 @@ class SimulationThread {
   mutable std::mutex outputMutex_;
   Observation observation_;
   FailureBatch failures_;
+  std::vector<GripEvent> gripEvents_;
 
   std::thread thread_;  // last: starts when everything above is there
 };

@@ -26,12 +26,18 @@ struct SetGripForce {
   std::string clamp;
   std::optional<double> force;  ///< > 0 [N]; absent: any
 };
+/// What a hand's width says: up to halfway between closed and open the clamp closes, beyond it lets
+/// go.
+struct SetGapWidth {
+  std::string clamp;
+  double width = 0.0;  ///< [m]
+};
 /// A clamp more, until it is removed or the scene is reset.
-struct AddClamp {
+struct CreateClamp {
   ClampSpec spec;
 };
 /// Lets go and takes the clamp away, until the scene is reset.
-struct RemoveClamp {
+struct DeleteClamp {
   std::string clamp;
 };
 struct SetGrasp {
@@ -69,9 +75,9 @@ struct CutAlong {
 /// Back to the start of the scene.
 struct Reset {};
 
-using Command = std::variant<SetClampTarget, GuideClamp, SetGripForce, AddClamp, RemoveClamp,
-                             SetGrasp, SetPhase, SetGravity, MoveObstacle, GuideObstacle,
-                             SetTearing, CutAlong, RefineNear, Reset>;
+using Command = std::variant<SetClampTarget, GuideClamp, SetGripForce, SetGapWidth, CreateClamp,
+                             DeleteClamp, SetGrasp, SetPhase, SetGravity, MoveObstacle,
+                             GuideObstacle, SetTearing, CutAlong, RefineNear, Reset>;
 
 /// Whether a command was carried out, and if not, why, in one sentence.
 struct CommandResult {

@@ -90,8 +90,9 @@ class Simulation {
   CommandResult carryOut(const SetClampTarget& command);
   CommandResult carryOut(const GuideClamp& command);
   CommandResult carryOut(const SetGripForce& command);
-  CommandResult carryOut(const AddClamp& command);
-  CommandResult carryOut(const RemoveClamp& command);
+  CommandResult carryOut(const SetGapWidth& command);
+  CommandResult carryOut(const CreateClamp& command);
+  CommandResult carryOut(const DeleteClamp& command);
   CommandResult carryOut(const SetGrasp& command);
   CommandResult carryOut(const SetPhase& command);
   CommandResult carryOut(const SetGravity& command);
