@@ -24,14 +24,16 @@ constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which i
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
                        const NodeParameters& parameters, const std::string& scene,
-                       SimulationThread& simulation)
+                       SimulationThread& simulation, const Followers& followers)
     : parameters_(parameters),
       simulation_(simulation),
+      followers_(followers),
       nodeName_(ros::this_node::getName()),
       updater_(node, privateNode, ros::this_node::getName()),
       markersSchedule_(parameters.rateMarkers),
       frameSchedule_(parameters.rateFrame),
       stateSchedule_(parameters.rateState),
+      wrenchSchedule_(parameters.rateWrench),
       builder_([&] {
         MarkerStyle style;
         style.frame = parameters.worldFrame;
@@ -49,13 +51,11 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   phase_ = own.advertise<std_msgs::String>("phase", 10, true);
   commands_ = own.advertise<ClothCommand>("commands", 1000);
   scene_ = own.advertise<std_msgs::String>("scene", 1, true);
-  for (const ClampSnapshot& clamp : simulation.observe().snapshot->clamps) {
-    wrenches_.push_back(
-        own.advertise<geometry_msgs::WrenchStamped>("clamps/" + clamp.name + "/wrench", 10));
-  }
+  graspEvents_ = own.advertise<GraspEvent>("grasp_events", 100);
   sceneText_.data = scene;
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
+  updater_.add("followers", this, &Publishers::diagnoseFollowers);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -85,6 +85,7 @@ double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
   if (markers_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateMarkers);
+  if (followers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
   return rate;
 }
 
@@ -105,17 +106,22 @@ void Publishers::tick() {
   const Observation observation = simulation_.observe();
   header_.stamp = stampOf(observation);
   header_.frame_id = parameters_.worldFrame;
+  followers_.clamps.update(observation.snapshot->clamps);
   repeatLatched();
   sendCommands();
   sendTopology(observation);
   sendEvents(observation);
+  sendGraspEvents();
   sendPhase(observation);
   const Clock::time_point now = Clock::now();
   const std::uint64_t number = observation.number;
-  // The state is always sent: tf and the wrenches go with it.
+  // The state is always sent: tf goes with it.
   if (stateSchedule_.due(now, number, 1 + state_.getNumSubscribers())) {
     sendState(observation);
     sendClamps(observation);
+  }
+  if (wrenchSchedule_.due(now, number, followers_.clamps.wrenchSubscribers())) {
+    followers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
   if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
@@ -174,6 +180,12 @@ void Publishers::sendEvents(const Observation& observation) {
   brokenSprings_.publish(failures_.toMessage(broken, header_));
 }
 
+void Publishers::sendGraspEvents() {
+  for (const GripEvent& event : simulation_.takeGripEvents()) {
+    graspEvents_.publish(toGraspEventMessage(event, header_));
+  }
+}
+
 void Publishers::sendPhase(const Observation& observation) {
   const std::string& phase = observation.snapshot->phase;
   if (sentPhase_ == phase) return;
@@ -190,15 +202,9 @@ void Publishers::sendState(const Observation& observation) {
 void Publishers::sendClamps(const Observation& observation) {
   const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
   std::vector<geometry_msgs::TransformStamped> transforms;
-  for (std::size_t i = 0; i < clamps.size(); ++i) {
-    const std::string frame = clampFrameId(nodeName_, clamps[i].name);
-    transforms.push_back(toTransform(clamps[i], header_.stamp, parameters_.worldFrame, frame));
-    if (wrenches_[i].getNumSubscribers() == 0) continue;
-    geometry_msgs::WrenchStamped message;
-    message.header.stamp = header_.stamp;
-    message.header.frame_id = frame;
-    message.wrench = clampFrameWrench(clamps[i]);
-    wrenches_[i].publish(message);
+  for (const ClampSnapshot& clamp : clamps) {
+    transforms.push_back(toTransform(clamp, header_.stamp, parameters_.worldFrame,
+                                     clampFrameId(nodeName_, clamp.name)));
   }
   // The same stamp again, while simulated time stands still, would be a warning to everybody.
   if (transforms.empty() || header_.stamp == sentTransforms_) return;
@@ -213,6 +219,24 @@ void Publishers::sendFrame(const Observation& observation) {
 
 void Publishers::sendMarkers(const Observation& observation) {
   markers_.publish(builder_.build(*observation.snapshot, header_.stamp));
+}
+
+/// A source that is lost is for people to look at.
+void Publishers::diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  std::vector<FollowStatus> all = followers_.clamps.followers();
+  for (const FollowStatus& obstacle : followers_.obstacles.statuses()) all.push_back(obstacle);
+  std::string lost;
+  for (const FollowStatus& it : all) {
+    status.add(it.follower, std::string(toString(it.state)) + " " + it.source +
+                                (it.reason.empty() ? "" : ": " + it.reason));
+    if (it.state == FollowStatus::State::kLost) lost += (lost.empty() ? "" : ", ") + it.follower;
+  }
+  if (!lost.empty()) {
+    status.summary(DiagnosticStatus::WARN, "lost what it follows: " + lost);
+  } else {
+    status.summary(DiagnosticStatus::OK, all.empty() ? "nothing follows" : "following");
+  }
 }
 
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/sim/build.h"
@@ -78,11 +79,14 @@ void Simulation::step() {
   const int parts = tearing_.isNear() ? solver_->substeps() : 1;
   for (Clamp& clamp : clamps_) clamp.clearWrench();
   for (int k = 0; k < parts && !failed(); ++k) advance({scene_.solver.dt / parts, 1.0 / parts});
-  if (!failed()) ++stepCount_;
+  if (failed()) return;
+  watchGrips();
+  ++stepCount_;
 }
 
 void Simulation::advance(const StepLength& length) {
   moveClamps(length.dt);
+  guides_.steer(time(), length.dt, colliders_);
   detectContacts(length.dt);
   solve(length);
   if (failed()) return;
@@ -126,7 +130,9 @@ void Simulation::beginPhase(const PhaseSpec& phase) {
   }
   for (const ObstacleAction& action : phase.obstacles) {
     Collider* collider = colliders_.find(action.obstacle);
-    if (collider != nullptr) collider->place(collider->poseAt(time()), action.velocity, time());
+    if (collider == nullptr) continue;
+    guides_.drop(action.obstacle);
+    collider->place(collider->poseAt(time()), action.velocity, time());
   }
   if (phase.wind) controls_.wind = phase.wind;
   if (phase.tearing) tearing_.setEnabled(*phase.tearing);
@@ -145,6 +151,11 @@ void Simulation::operateFor(const PhaseSpec& phase) {
 }
 
 void Simulation::act(const ClampAction& action, Clamp& clamp) {
+  clamp.setSpeedLimit(action.speed);
+  if (action.grasp) *action.grasp ? clamp.close() : clamp.release();
+  const bool moves =
+      action.hold || action.attach || action.moveBy || action.moveTo || action.orientation;
+  if (!moves) return;  // what it was told or follows goes on
   Pose target = action.hold ? clamp.stoppingPose() : clamp.target();
   if (action.attach && clamp.spec().patch) {
     const std::vector<VertexId> patch = patchParticles(model_, *clamp.spec().patch);
@@ -156,15 +167,20 @@ void Simulation::act(const ClampAction& action, Clamp& clamp) {
   if (action.moveTo) target.position = *action.moveTo;
   if (action.orientation) target.orientation = *action.orientation;
   clamp.setTarget(target);
-  clamp.setSpeedLimit(action.speed);
-  if (action.grasp) *action.grasp ? clamp.close() : clamp.release();
 }
 
 void Simulation::moveClamps(double dt) {
+  for (Clamp& clamp : clamps_) clamp.advance(model_, state_, dt);
+  gatherControls();
+}
+
+/// What pins and clamps do in the next part of the step.
+void Simulation::gatherControls() {
   controls_.kinematic = pins_;
-  for (Clamp& clamp : clamps_) {
-    clamp.advance(model_, state_, dt);
+  controls_.forces.clear();
+  for (const Clamp& clamp : clamps_) {
     clamp.appendTargets(controls_.kinematic);
+    clamp.appendForces(model_, controls_.forces);
   }
   // Pins come first, then clamps in order: the first to hold a particle keeps it.
   std::vector<KinematicTarget>& targets = controls_.kinematic;
@@ -180,17 +196,46 @@ void Simulation::detectContacts(double dt) {
   colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
 }
 
+/// Where a clamp cannot bear what the step would put on it, the step is taken back and solved with
+/// that clamp slipping: each time one clamp more at least, so it ends.
 void Simulation::solve(const StepLength& length) {
   lastGood_ = state_;
-  report_ = solver_->step(model_, state_, controls_, contacts_, length);
-  if (report_.status == StepStatus::kOk && isPlausible(state_)) return;
+  while (true) {
+    report_ = solver_->step(model_, state_, controls_, contacts_, length);
+    if (report_.status != StepStatus::kOk || !isPlausible(state_)) break;
+    if (!letSlip()) return;
+    state_ = lastGood_;
+    gatherControls();
+    detectContacts(length.dt);
+  }
   state_ = lastGood_;
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
 }
 
+bool Simulation::letSlip() {
+  bool any = false;
+  for (Clamp& clamp : clamps_) {
+    if (clamp.yield(controls_.kinematic, report_.reactions)) any = true;
+  }
+  return any;
+}
+
 void Simulation::readClamps(double share) {
-  for (Clamp& clamp : clamps_) clamp.addReactions(controls_.kinematic, report_.reactions, share);
+  for (Clamp& clamp : clamps_) {
+    clamp.addReactions(controls_.kinematic, report_.reactions, share);
+    clamp.addSlipWrench(model_, state_, share);
+  }
+}
+
+void Simulation::watchGrips() {
+  for (const Clamp& clamp : clamps_) {
+    for (const GripEvent::Kind kind : grips_.update(clamp)) {
+      gripEvents_.push_back({time(), clamp.spec().name, kind,
+                             gripContents(clamp, model_, state_, colliders_), clamp.wrench().force,
+                             clamp.slipped()});
+    }
+  }
 }
 
 void Simulation::tear(double dt) {
@@ -225,5 +270,7 @@ std::vector<FailureEvent> Simulation::takeEvents() {
   told_ = failures_.size();
   return {first, failures_.end()};
 }
+
+std::vector<GripEvent> Simulation::takeGripEvents() { return std::exchange(gripEvents_, {}); }
 
 }  // namespace cloth_sim
