@@ -63,6 +63,7 @@ packages_for() {
           libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcereal-dev libcli11-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
+          libnav-msgs-dev libsensor-msgs-dev libshape-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
           libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
           python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev \
@@ -73,7 +74,8 @@ packages_for() {
           python3-rosnode python3-rosparam python3-rosmsg python3-rospy \
           python3-std-msgs python3-geometry-msgs python3-visualization-msgs \
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs \
-          python3-actionlib python3-actionlib-msgs
+          python3-actionlib python3-actionlib-msgs \
+          python3-nav-msgs python3-sensor-msgs python3-shape-msgs
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
@@ -89,6 +91,7 @@ packages_for() {
           libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcereal-dev \
           ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
           ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
+          ros-noetic-nav-msgs ros-noetic-sensor-msgs ros-noetic-shape-msgs \
           ros-noetic-visualization-msgs ros-noetic-diagnostic-msgs \
           ros-noetic-diagnostic-updater ros-noetic-dynamic-reconfigure \
           ros-noetic-interactive-markers ros-noetic-tf2 ros-noetic-tf2-ros \

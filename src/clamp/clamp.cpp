@@ -29,6 +29,14 @@ void validate(const ClampSpec& spec) {
   require(isPositive(spec.maxLinearSpeed), spec, "max_linear_speed > 0");
   require(isPositive(spec.maxAngularSpeed), spec, "max_angular_speed > 0");
   require(isPositive(spec.maxLinearAcceleration), spec, "max_linear_acceleration > 0");
+  require(!spec.gripForce || isPositive(*spec.gripForce), spec, "grip_force > 0");
+}
+
+/// `v`, no longer than `limit` but for round-off.
+Vec3 shortened(const Vec3& v, double limit) {
+  constexpr double kRoundOff = 1e-12;
+  const double length = v.norm();
+  return length > limit * (1.0 + kRoundOff) ? Vec3(v * (limit / length)) : v;
 }
 
 /// The shortest rotation from one orientation to another, in the world's axes [rad].
@@ -53,7 +61,13 @@ const char* toString(ClampState state) {
 Clamp::Clamp(ClampSpec spec) : spec_(std::move(spec)), pose_(spec_.pose), gap_(spec_.gapOpen) {
   validate(spec_);
   pose_.orientation.normalize();
-  target_ = pose_;
+  setTarget(pose_);
+}
+
+void Clamp::guide(const MovingPose& target) {
+  target_ = target;
+  target_.linear = shortened(target.linear, spec_.maxLinearSpeed);
+  target_.angular = shortened(target.angular, spec_.maxAngularSpeed);
 }
 
 void Clamp::place(const Pose& pose) {
@@ -62,7 +76,7 @@ void Clamp::place(const Pose& pose) {
   }
   pose_ = pose;
   pose_.orientation.normalize();
-  target_ = pose_;
+  setTarget(pose_);
   linearVelocity_.setZero();
   angularVelocity_.setZero();
 }
@@ -78,19 +92,23 @@ Pose Clamp::stoppingPose() const {
 }
 
 bool Clamp::atTarget() const {
-  return (target_.position - pose_.position).norm() <= kAtTarget &&
-         rotationBetween(pose_.orientation, target_.orientation).norm() <= kAtTarget &&
+  const Pose& there = target_.pose;
+  return (there.position - pose_.position).norm() <= kAtTarget &&
+         rotationBetween(pose_.orientation, there.orientation).norm() <= kAtTarget &&
          linearVelocity_.norm() <= kAtTarget && angularVelocity_.norm() <= kAtTarget;
 }
 
 void Clamp::close() {
-  if (state_ == ClampState::kOpen) state_ = ClampState::kClosing;
+  if (state_ != ClampState::kOpen) return;
+  state_ = ClampState::kClosing;
+  slip_ = Slip();
 }
 
 void Clamp::release() {
   state_ = ClampState::kOpen;
   grips_.clear();
   held_.clear();
+  slip_ = Slip();
   wrench_ = Wrench();
 }
 
@@ -99,19 +117,35 @@ void Clamp::advance(const Model& model, const State& state, double dt) {
   const double gapBefore = gap_;
   moveGap(dt);
   if (state_ == ClampState::kClosing) grasp(model, state, gapBefore, dt);
+  slide(model, state, dt);
   squeeze(dt);
+  moveTarget(dt);
   movePose(dt);
 }
 
+/// The target's velocities over this step are means, as it may come to its end within.
+void Clamp::moveTarget(double dt) {
+  const double share = std::min(1.0, target_.horizon / dt);
+  targetLinear_ = share * target_.linear;
+  targetAngular_ = share * target_.angular;
+  target_.advance(dt);
+}
+
+/// Towards the target, in the frame that moves with it.
 void Clamp::movePose(double dt) {
   const double speed = std::min(spec_.maxLinearSpeed, speedLimit_.value_or(spec_.maxLinearSpeed));
   const MotionLimits linear{speed, spec_.maxLinearAcceleration};
-  linearVelocity_ = limitedVelocity(target_.position - pose_.position, linearVelocity_, linear, dt);
+  const Vec3 shift = target_.pose.position - targetLinear_ * dt - pose_.position;
+  const Vec3 approach = limitedVelocity(shift, linearVelocity_ - targetLinear_, linear, dt);
+  linearVelocity_ = shortened(targetLinear_ + approach, std::max(speed, linearVelocity_.norm()));
   pose_.position += linearVelocity_ * dt;
 
   const MotionLimits angular{spec_.maxAngularSpeed, spec_.maxLinearAcceleration / kClampArm};
-  const Vec3 rotation = rotationBetween(pose_.orientation, target_.orientation);
-  angularVelocity_ = limitedVelocity(rotation, angularVelocity_, angular, dt);
+  const Quat before = turned(target_.pose.orientation, targetAngular_, -dt);
+  const Vec3 turn = limitedVelocity(rotationBetween(pose_.orientation, before),
+                                    angularVelocity_ - targetAngular_, angular, dt);
+  angularVelocity_ =
+      shortened(targetAngular_ + turn, std::max(spec_.maxAngularSpeed, angularVelocity_.norm()));
   pose_.orientation = turned(pose_.orientation, angularVelocity_, dt);
 }
 
@@ -122,6 +156,7 @@ void Clamp::moveGap(double dt) {
 }
 
 void Clamp::appendTargets(std::vector<KinematicTarget>& out) const {
+  if (slip_.on) return;
   for (const Grip& grip : grips_) {
     const Vec3 arm = pose_.orientation * grip.local;
     const Vec3 squeezing = pose_.orientation * Vec3(0.0, 0.0, grip.squeeze);
@@ -135,7 +170,7 @@ void Clamp::appendTargets(std::vector<KinematicTarget>& out) const {
 
 void Clamp::addReactions(const std::vector<KinematicTarget>& targets,
                          const std::vector<Vec3>& reactions, double share) {
-  if (held_.empty()) return;
+  if (held_.empty() || slip_.on) return;
   if (targets.size() != reactions.size()) {
     throw std::invalid_argument("clamp: expected one reaction for each kinematic target");
   }

@@ -20,6 +20,9 @@ bool isPositive(const Vec3& size) { return size.allFinite() && size.minCoeff() >
 
 bool isSound(const PlaneShape&) { return true; }
 bool isSound(const SphereShape& shape) { return isPositive(shape.radius); }
+bool isSound(const CapsuleShape& shape) {
+  return isPositive(shape.radius) && isPositive(shape.length);
+}
 bool isSound(const BoxShape& shape) { return isPositive(shape.size); }
 bool isSound(const BoundsShape& shape) { return isPositive(shape.size); }
 

@@ -167,6 +167,50 @@ class Sphere {
   double reach_;
 };
 
+/// All points nearer than a radius to a segment around the origin.
+class Capsule {
+ public:
+  static constexpr int kSides = 1;
+
+  /// \param axis  unit vector along the segment.
+  Capsule(const Vec3& axis, double length, double radius, double margin)
+      : axis_(axis), half_(0.5 * length), reach_(radius + margin) {}
+
+  double gap(const Vec3& p) const { return fromSegment(p).norm() - reach_; }
+  double gap(const Vec3& p, Vec3& normal) const {
+    const Vec3 away = fromSegment(p);
+    const double distance = away.norm();
+    normal = distance > 0.0 ? Vec3(away / distance) : axis_.unitOrthogonal();
+    return distance - reach_;
+  }
+  /// The gap grows by no more than the way.
+  double leastGap(const Vec3& centre, const Vec3& half) const { return gap(centre) - half.norm(); }
+  bool beyond(const Vec3& p, double distance) const {
+    const double limit = reach_ + distance;
+    return limit < 0.0 || fromSegment(p).squaredNorm() > limit * limit;
+  }
+
+  [[gnu::always_inline]] bool touch(const Vec3& start, const Vec3& end, double rise,
+                                    Touch& touch) const {
+    const double way2 = (end - start).squaredNorm();
+    const double before = gap(start);
+    if (before >= 0.0 && before * before >= way2) return false;  // too far away to get there
+    return touchConvex(*this, start, end, rise, touch);
+  }
+
+  std::optional<Top> top() const { return std::nullopt; }
+
+ private:
+  /// From the nearest point of the segment.
+  Vec3 fromSegment(const Vec3& p) const {
+    return p - std::clamp(axis_.dot(p), -half_, half_) * axis_;
+  }
+
+  Vec3 axis_;
+  double half_;
+  double reach_;
+};
+
 /// The axes of a shape that stands as the world does: nothing to compute.
 struct WorldAxes {
   const Vec3& toLocal(const Vec3& world) const { return world; }
@@ -371,6 +415,9 @@ decltype(auto) visit(const Collider& collider, Function&& function) {
   }
   if (const auto* sphere = std::get_if<SphereShape>(&shape)) {
     return function(Sphere(sphere->radius, margin));
+  }
+  if (const auto* capsule = std::get_if<CapsuleShape>(&shape)) {
+    return function(Capsule(orientation * Vec3::UnitZ(), capsule->length, capsule->radius, margin));
   }
   return function(Plane(orientation * Vec3::UnitZ(), margin));
 }

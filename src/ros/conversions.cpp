@@ -58,7 +58,12 @@ ClampStatus toClampStatus(const ClampSnapshot& clamp) {
   status.pose = toPoseMessage(clamp.pose);
   status.state = toStateCode(clamp.state);
   status.gap = clamp.gap;
-  status.held = clamp.held;
+  status.held = clamp.contents.held;
+  status.held_area = clamp.contents.area;
+  status.held_on_obstacle = clamp.contents.onObstacle;
+  status.slipping = clamp.slipping;
+  status.slipped = clamp.slipped;
+  status.grip_force = clamp.gripForce.value_or(std::numeric_limits<double>::infinity());
   status.wrench = clampFrameWrench(clamp);
   return status;
 }
@@ -79,6 +84,12 @@ static_assert(static_cast<int>(SpringKind::kStructural) == int{TearEvent::STRUCT
                   static_cast<int>(SpringKind::kShear) == int{TearEvent::SHEAR} &&
                   static_cast<int>(SpringKind::kBend) == int{TearEvent::BEND},
               "TearEvent numbers the kinds as the core does");
+static_assert(static_cast<int>(GripEvent::Kind::kClosed) == int{GraspEvent::CLOSED} &&
+                  static_cast<int>(GripEvent::Kind::kSlipping) == int{GraspEvent::SLIPPING} &&
+                  static_cast<int>(GripEvent::Kind::kHolding) == int{GraspEvent::HOLDING} &&
+                  static_cast<int>(GripEvent::Kind::kLost) == int{GraspEvent::LOST} &&
+                  static_cast<int>(GripEvent::Kind::kReleased) == int{GraspEvent::RELEASED},
+              "GraspEvent numbers the kinds as the core does");
 
 }  // namespace
 
@@ -123,10 +134,14 @@ Quat fromQuaternion(const geometry_msgs::Quaternion& value) {
 }
 
 geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp) {
+  return clampFrameWrench(clamp, clamp.wrench);
+}
+
+geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp, const Wrench& worldAxes) {
   const Quat toClamp = clamp.pose.orientation.conjugate();
   geometry_msgs::Wrench wrench;
-  wrench.force = toVector(toClamp * clamp.wrench.force);
-  wrench.torque = toVector(toClamp * clamp.wrench.torque);
+  wrench.force = toVector(toClamp * worldAxes.force);
+  wrench.torque = toVector(toClamp * worldAxes.torque);
   return wrench;
 }
 
@@ -227,6 +242,20 @@ PhaseInfo toPhaseInfo(const PhaseRecord& record) {
   info.end = record.end.value_or(std::numeric_limits<double>::quiet_NaN());
   info.timed_out = record.timedOut;
   return info;
+}
+
+GraspEvent toGraspEventMessage(const GripEvent& event, const std_msgs::Header& header) {
+  GraspEvent message;
+  message.header = header;
+  message.time = event.time;
+  message.clamp = event.clamp;
+  message.kind = static_cast<std::uint8_t>(event.kind);
+  message.held = event.contents.held;
+  message.held_area = event.contents.area;
+  message.held_on_obstacle = event.contents.onObstacle;
+  message.force = toVector(event.force);
+  message.slipped = event.slipped;
+  return message;
 }
 
 TearEvents toEventsMessage(const std::vector<FailureEvent>& events,

@@ -86,12 +86,15 @@ void MarkerBuilder::begin(const ros::Time& stamp) {
 
 void MarkerBuilder::addSurroundings(const Snapshot& snapshot) {
   for (const Obstacle& obstacle : snapshot.obstacles) addObstacle(obstacle);
-  for (const ClampSnapshot& clamp : snapshot.clamps) addClamp(clamp);
   addText(snapshot);
+  // Last, as only clamps come and go: what is left of those that went is deleted.
+  for (const ClampSnapshot& clamp : snapshot.clamps) addClamp(clamp);
+  mostUsed_ = std::max(mostUsed_, used_);
+  while (used_ < mostUsed_) next("clamps", Marker::CUBE).action = Marker::DELETE;
 }
 
 /// The next marker of the array, with its buffers of last time. A scene always uses the same
-/// ones, so the id is the place in the array.
+/// ones but for its clamps, so the id is the place in the array.
 Marker& MarkerBuilder::next(const char* space, int type) {
   if (used_ == array_.markers.size()) array_.markers.emplace_back();
   Marker& marker = array_.markers[used_];
@@ -183,6 +186,8 @@ void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
     marker.pose = toPoseMessage(obstacle.pose);
     setScale(marker, 2.0 * sphere->radius, 2.0 * sphere->radius, 2.0 * sphere->radius);
     marker.color = makeColour(0.98f, 0.62f, 0.42f);
+  } else if (const auto* capsule = std::get_if<CapsuleShape>(&obstacle.shape)) {
+    addCapsule(obstacle.pose, *capsule);
   } else if (const auto* box = std::get_if<BoxShape>(&obstacle.shape)) {
     Marker& marker = next("obstacles", Marker::CUBE);
     marker.pose = toPoseMessage(obstacle.pose);
@@ -195,6 +200,19 @@ void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
     marker.pose = toPoseMessage(sheet);
     setScale(marker, kPlaneExtent, kPlaneExtent, kSheetThickness);
     marker.color = makeColour(0.95f, 0.96f, 0.97f);
+  }
+}
+
+/// A cylinder with a ball at each end.
+void MarkerBuilder::addCapsule(const Pose& pose, const CapsuleShape& capsule) {
+  const double width = 2.0 * capsule.radius;
+  for (const double end : {0.0, -0.5, 0.5}) {
+    Marker& marker = next("obstacles", end == 0.0 ? Marker::CYLINDER : Marker::SPHERE);
+    Pose part = pose;
+    part.position = pose.toWorld(Vec3(0.0, 0.0, end * capsule.length));
+    marker.pose = toPoseMessage(part);
+    setScale(marker, width, width, end == 0.0 ? capsule.length : width);
+    marker.color = makeColour(0.98f, 0.62f, 0.42f);
   }
 }
 

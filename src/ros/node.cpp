@@ -3,29 +3,30 @@
 #include <ros/init.h>
 #include <ros/names.h>
 #include <ros/spinner.h>
-#include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <algorithm>
 #include <csignal>
 #include <iostream>
 
 #include "cloth_sim/ros/actions.h"
+#include "cloth_sim/ros/clamp_ports.h"
 #include "cloth_sim/ros/clock_publisher.h"
 #include "cloth_sim/ros/handles.h"
 #include "cloth_sim/ros/inputs.h"
 #include "cloth_sim/ros/live_parameters.h"
+#include "cloth_sim/ros/obstacle_followers.h"
 #include "cloth_sim/ros/publishers.h"
 #include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/ros/services.h"
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/scene/names.h"
 
 namespace cloth_sim {
 namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not hold up the other services
-constexpr double kTfTimeout = 0.2;   ///< for a transform that is about to arrive [s]
-constexpr double kTfPoll = 0.005;    ///< [s]
 
 /// What ROS does on SIGINT, on SIGTERM too: `kill` ends the node as cleanly as Ctrl-C.
 void onTerminate(int /*signal*/) { ros::requestShutdown(); }
@@ -43,28 +44,14 @@ Scene loadNodeScene(const NodeParameters& parameters) {
   return scene;
 }
 
-/// Waits by the wall's clock: with simulated time, a paused simulation would make it wait for ever.
-void waitForTransform(const tf2_ros::Buffer& buffer, const std::string& world,
-                      const std_msgs::Header& header) {
-  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kTfTimeout);
-  while (!buffer.canTransform(world, header.frame_id, header.stamp) && ros::WallTime::now() < end) {
-    ros::WallDuration(kTfPoll).sleep();
+/// \throws ParameterError if an obstacle that is to follow something is not in the scene.
+void checkFollowers(const NodeParameters& parameters, const Scene& scene) {
+  std::vector<std::string> known;
+  for (const Obstacle& obstacle : scene.obstacles) known.push_back(obstacle.name);
+  for (const auto& [name, source] : parameters.followObstacle) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw ParameterError("~follow_obstacle: " + unknownName("obstacle", name, known));
   }
-}
-
-/// Looks poses up in tf; those in the world frame already need none.
-WorldTransform worldTransform(const tf2_ros::Buffer& buffer, const std::string& world) {
-  return [&buffer, world](const Pose& pose, const std_msgs::Header& header) -> Pose {
-    if (header.frame_id.empty()) throw std::runtime_error("header.frame_id is empty");
-    if (header.frame_id == world || header.frame_id == "/" + world) return pose;
-    waitForTransform(buffer, world, header);
-    const geometry_msgs::TransformStamped found =
-        buffer.lookupTransform(world, header.frame_id, header.stamp);
-    const geometry_msgs::Vector3& shift = found.transform.translation;
-    const Pose frame{Vec3(shift.x, shift.y, shift.z),
-                     fromQuaternion(found.transform.rotation).normalized()};
-    return {frame.toWorld(pose.position), (frame.orientation * pose.orientation).normalized()};
-  };
 }
 
 /// Everything that lives as long as the node does; members are taken down in reverse order.
@@ -73,14 +60,21 @@ class Node {
   Node(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
        const Scene& scene)
       : listener_(buffer_),
-        checker_(scene, worldTransform(buffer_, parameters.worldFrame)),
+        parameters_(parameters),
+        world_(buffer_, parameters.worldFrame),
+        checker_(scene,
+                 [this](const Pose& pose, const std_msgs::Header& header) {
+                   return world_.toWorld(pose, header);
+                 }),
         clock_(node, parameters.publishClock),
         simulation_(scene, runSettings(parameters)),
-        publishers_(node, privateNode, parameters, scene.text, simulation_),
+        clamps_(privateNode, parameters_, checker_, world_, simulation_),
+        obstacles_(privateNode, parameters_, world_, simulation_),
+        publishers_(node, privateNode, parameters, scene.text, simulation_, {clamps_, obstacles_}),
         services_(privateNode,
                   {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame,
                    parameters.stateDirectory},
-                  checker_, simulation_),
+                  checker_, simulation_, clamps_),
         actions_(privateNode, checker_, simulation_),
         inputs_(privateNode, checker_, simulation_),
         liveParameters_(privateNode, scene, simulation_) {
@@ -102,9 +96,13 @@ class Node {
 
   tf2_ros::Buffer buffer_;
   tf2_ros::TransformListener listener_;
+  NodeParameters parameters_;
+  WorldFrame world_;
   RequestChecker checker_;
   ClockPublisher clock_;
   SimulationThread simulation_;
+  ClampPorts clamps_;
+  ObstacleFollowers obstacles_;
   Publishers publishers_;
   Services services_;
   Actions actions_;
@@ -122,7 +120,9 @@ int runNode(int argc, char** argv) {
     ros::NodeHandle handle;
     ros::NodeHandle privateHandle("~");
     const NodeParameters parameters = readParameters(privateHandle);
-    Node node(handle, privateHandle, parameters, loadNodeScene(parameters));
+    const Scene scene = loadNodeScene(parameters);
+    checkFollowers(parameters, scene);
+    Node node(handle, privateHandle, parameters, scene);
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
     ros::waitForShutdown();

@@ -87,6 +87,15 @@ class Reader {
     }
   }
 
+  /// {name: {tf: FRAME} | {pose: TOPIC} | {odometry: TOPIC}, ...}; a string is a tf frame.
+  void read(const std::string& name, std::map<std::string, FollowSource>& value) {
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, kFollowed, raw);
+    for (auto& [follower, source] : raw)
+      value[follower] = readSource(name + "/" + follower, source);
+  }
+
   /// Warns about private parameters that nobody reads.
   void warnAboutOthers() const {
     std::vector<std::string> names;
@@ -95,7 +104,7 @@ class Reader {
     for (const std::string& full : names) {
       if (full.compare(0, prefix.size(), prefix) != 0) continue;
       const std::string name = full.substr(prefix.size());
-      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+      if (isKnown(name)) continue;
       const std::string nearest = nearestName(name, known_);
       ROS_WARN_STREAM("unknown parameter "
                       << full << " has no effect"
@@ -107,6 +116,40 @@ class Reader {
   void allow(const std::string& name) { known_.push_back(name); }
 
  private:
+  static constexpr const char* kFollowed =
+      "a map {name: {tf: FRAME}}, or pose: TOPIC or odometry: TOPIC in place of tf";
+
+  FollowSource readSource(const std::string& name, XmlRpcValue& raw) const {
+    Follow::Request request;
+    if (raw.getType() == XmlRpcValue::TypeString) {
+      request.tf = static_cast<std::string>(raw);
+    } else if (raw.getType() == XmlRpcValue::TypeStruct) {
+      const std::map<std::string, std::string*> fields{{"tf", &request.tf},
+                                                       {"pose", &request.pose},
+                                                       {"odometry", &request.odometry},
+                                                       {"grasp_width", &request.grasp_width}};
+      for (auto& [key, text] : raw) {
+        const auto field = fields.find(key);
+        if (field == fields.end() || text.getType() != XmlRpcValue::TypeString) {
+          fail(name, "{tf | pose | odometry: NAME, grasp_width: TOPIC}", raw);
+        }
+        *field->second = static_cast<std::string>(text);
+      }
+    } else {
+      fail(name, "{tf | pose | odometry: NAME, grasp_width: TOPIC}", raw);
+    }
+    const std::string defect = followDefect(request);
+    if (!defect.empty()) throw ParameterError(node_.resolveName(name) + ": " + defect);
+    return toFollowSource(request);
+  }
+
+  /// A parameter that is read, or a part of one.
+  bool isKnown(const std::string& name) const {
+    return std::any_of(known_.begin(), known_.end(), [&](const std::string& known) {
+      return name == known || name.compare(0, known.size() + 1, known + "/") == 0;
+    });
+  }
+
   bool find(const std::string& name, XmlRpcValue& value) {
     allow(name);
     return node_.getParam(name, value);
@@ -136,6 +179,9 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("rate_markers", Range{0.0, kMaxRate}, result.rateMarkers);
   reader.read("rate_frame", Range{0.0, kMaxRate}, result.rateFrame);
   reader.read("rate_state", Range{0.0, kMaxRate, false}, result.rateState);
+  reader.read("rate_wrench", Range{0.0, kMaxRate}, result.rateWrench);
+  reader.read("rate_follow", Range{0.0, kMaxRate, false}, result.rateFollow);
+  reader.read("wrench_cutoff", Range{0.0, kMaxRate}, result.wrenchCutoff);
   reader.read("real_time_factor", Range{0.0, kMaxFactor}, result.realTimeFactor);
   reader.read("threads", Range{0.0, kMaxThreads}, result.threads);
   reader.read("paused", result.paused);
@@ -144,6 +190,8 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("strain_range", Range{0.0, 100.0, false}, result.strainRange);
   reader.read("handles", result.handles);
   reader.read("two_sided", result.twoSided);
+  reader.read("follow", result.follow);
+  reader.read("follow_obstacle", result.followObstacle);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
   for (const std::string& name : liveParameterNames()) reader.allow(name);
   reader.warnAboutOthers();

@@ -33,15 +33,17 @@ MarkerStyle markerStyle(const NodeParameters& parameters) {
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
                        const NodeParameters& parameters, const std::string& scene,
-                       SimulationThread& simulation)
+                       SimulationThread& simulation, const Followers& followers)
     : parameters_(parameters),
       simulation_(simulation),
+      followers_(followers),
       nodeName_(ros::this_node::getName()),
       updater_(node, privateNode, ros::this_node::getName()),
       markersSchedule_(parameters.rateMarkers),
       sceneMarkersSchedule_(parameters.rateMarkers),
       frameSchedule_(parameters.rateFrame),
       stateSchedule_(parameters.rateState),
+      wrenchSchedule_(parameters.rateWrench),
       builder_(markerStyle(parameters)),
       sceneBuilder_(markerStyle(parameters)) {
   ros::NodeHandle& own = privateNode;
@@ -55,13 +57,11 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   phase_ = own.advertise<std_msgs::String>("phase", 10, true);
   commands_ = own.advertise<ClothCommand>("commands", 1000);
   scene_ = own.advertise<std_msgs::String>("scene", 1, true);
-  for (const ClampSnapshot& clamp : simulation.observe().snapshot->clamps) {
-    wrenches_.push_back(
-        own.advertise<geometry_msgs::WrenchStamped>("clamps/" + clamp.name + "/wrench", 10));
-  }
+  graspEvents_ = own.advertise<GraspEvent>("grasp_events", 100);
   sceneText_.data = scene;
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
+  updater_.add("followers", this, &Publishers::diagnoseFollowers);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -93,6 +93,7 @@ double Publishers::wantedRate() const {
   if (markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0) {
     rate = std::max(rate, parameters_.rateMarkers);
   }
+  if (followers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
   return rate;
 }
 
@@ -113,17 +114,22 @@ void Publishers::tick() {
   const Observation observation = simulation_.observe();
   header_.stamp = stampOf(observation);
   header_.frame_id = parameters_.worldFrame;
+  followers_.clamps.update(observation.snapshot->clamps);
   repeatLatched();
   sendCommands();
   sendTopology(observation);
   sendEvents(observation);
+  sendGraspEvents();
   sendPhase(observation);
   const Clock::time_point now = Clock::now();
   const std::uint64_t number = observation.number;
-  // The state is always sent: tf and the wrenches go with it.
+  // The state is always sent: tf goes with it.
   if (stateSchedule_.due(now, number, 1 + state_.getNumSubscribers())) {
     sendState(observation);
     sendClamps(observation);
+  }
+  if (wrenchSchedule_.due(now, number, followers_.clamps.wrenchSubscribers())) {
+    followers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
   if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
@@ -185,6 +191,12 @@ void Publishers::sendEvents(const Observation& observation) {
   brokenSprings_.publish(failures_.toMessage(broken, header_));
 }
 
+void Publishers::sendGraspEvents() {
+  for (const GripEvent& event : simulation_.takeGripEvents()) {
+    graspEvents_.publish(toGraspEventMessage(event, header_));
+  }
+}
+
 void Publishers::sendPhase(const Observation& observation) {
   const std::string& phase = observation.snapshot->phase;
   if (sentPhase_ == phase) return;
@@ -201,15 +213,9 @@ void Publishers::sendState(const Observation& observation) {
 void Publishers::sendClamps(const Observation& observation) {
   const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
   std::vector<geometry_msgs::TransformStamped> transforms;
-  for (std::size_t i = 0; i < clamps.size(); ++i) {
-    const std::string frame = clampFrameId(nodeName_, clamps[i].name);
-    transforms.push_back(toTransform(clamps[i], header_.stamp, parameters_.worldFrame, frame));
-    if (wrenches_[i].getNumSubscribers() == 0) continue;
-    geometry_msgs::WrenchStamped message;
-    message.header.stamp = header_.stamp;
-    message.header.frame_id = frame;
-    message.wrench = clampFrameWrench(clamps[i]);
-    wrenches_[i].publish(message);
+  for (const ClampSnapshot& clamp : clamps) {
+    transforms.push_back(toTransform(clamp, header_.stamp, parameters_.worldFrame,
+                                     clampFrameId(nodeName_, clamp.name)));
   }
   // The same stamp again, while simulated time stands still, would be a warning to everybody.
   if (transforms.empty() || header_.stamp == sentTransforms_) return;
@@ -228,6 +234,24 @@ void Publishers::sendMarkers(const Observation& observation) {
 
 void Publishers::sendSceneMarkers(const Observation& observation) {
   sceneMarkers_.publish(sceneBuilder_.buildSurroundings(*observation.snapshot, header_.stamp));
+}
+
+/// A source that is lost is for people to look at.
+void Publishers::diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  std::vector<FollowStatus> all = followers_.clamps.followers();
+  for (const FollowStatus& obstacle : followers_.obstacles.statuses()) all.push_back(obstacle);
+  std::string lost;
+  for (const FollowStatus& it : all) {
+    status.add(it.follower, std::string(toString(it.state)) + " " + it.source +
+                                (it.reason.empty() ? "" : ": " + it.reason));
+    if (it.state == FollowStatus::State::kLost) lost += (lost.empty() ? "" : ", ") + it.follower;
+  }
+  if (!lost.empty()) {
+    status.summary(DiagnosticStatus::WARN, "lost what it follows: " + lost);
+  } else {
+    status.summary(DiagnosticStatus::OK, all.empty() ? "nothing follows" : "following");
+  }
 }
 
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

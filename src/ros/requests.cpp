@@ -35,6 +35,11 @@ std::string poseDefect(const Pose& pose) {
 
 bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 
+/// Zero means the default.
+void takeIfGiven(double given, double& value) {
+  if (given != 0.0) value = given;
+}
+
 bool allFinite(const std::vector<geometry_msgs::Point>& points) {
   return std::all_of(points.begin(), points.end(),
                      [](const auto& point) { return fromPoint(point).allFinite(); });
@@ -116,13 +121,11 @@ Stroke toStroke(const CutStroke& message, const Pose& frame) {
 
 RequestChecker::RequestChecker(const Scene& scene, WorldTransform toWorld)
     : toWorld_(std::move(toWorld)) {
-  for (const ClampSpec& clamp : scene.clamps) clamps_.push_back(clamp.name);
   for (const PhaseSpec& phase : scene.phases) phases_.push_back(phase.name);
 }
 
 Request RequestChecker::clampPose(const std::string& clamp,
                                   const geometry_msgs::PoseStamped& message) const {
-  if (!contains(clamps_, clamp)) return Refusal{unknownName("clamp", clamp, clamps_)};
   Pose pose{fromPoint(message.pose.position), fromQuaternion(message.pose.orientation)};
   const std::string defect = poseDefect(pose);
   if (!defect.empty()) return Refusal{defect};
@@ -135,8 +138,43 @@ Request RequestChecker::clampPose(const std::string& clamp,
 }
 
 Request RequestChecker::grasp(const std::string& clamp, bool grasp) const {
-  if (!contains(clamps_, clamp)) return Refusal{unknownName("clamp", clamp, clamps_)};
   return SetGrasp{clamp, grasp};
+}
+
+Request RequestChecker::gripWidth(const std::string& clamp, double width) const {
+  if (!std::isfinite(width)) return Refusal{"the width is not finite"};
+  return SetGapWidth{clamp, width};
+}
+
+std::vector<Request> RequestChecker::gripper(const std::string& clamp,
+                                             const GripperCommand& command) const {
+  const Request width = gripWidth(clamp, command.position);
+  if (std::holds_alternative<Refusal>(width)) return {width};
+  if (!isNotNegative(command.max_effort)) {
+    return {Refusal{"max_effort must be a finite number >= 0"}};
+  }
+  if (command.max_effort == 0.0) return {width};
+  return {SetGripForce{clamp, command.max_effort}, width};
+}
+
+Request RequestChecker::newClamp(const AddClamp::Request& message) const {
+  ClampSpec spec;
+  spec.name = message.name;
+  const std::string defect = clampNameDefect(message.name);
+  if (!defect.empty()) return Refusal{"name: " + defect};
+  const Request pose = clampPose(message.name, message.pose);
+  if (const auto* refusal = std::get_if<Refusal>(&pose)) return *refusal;
+  spec.pose = std::get<SetClampTarget>(std::get<Command>(pose)).pose;
+  takeIfGiven(message.plate_size[0], spec.plateSize.x());
+  takeIfGiven(message.plate_size[1], spec.plateSize.y());
+  takeIfGiven(message.gap_open, spec.gapOpen);
+  takeIfGiven(message.gap_closed, spec.gapClosed);
+  takeIfGiven(message.closing_speed, spec.closingSpeed);
+  takeIfGiven(message.max_speed, spec.maxLinearSpeed);
+  takeIfGiven(message.max_angular_speed, spec.maxAngularSpeed);
+  takeIfGiven(message.max_acceleration, spec.maxLinearAcceleration);
+  if (message.grip_force != 0.0) spec.gripForce = message.grip_force;
+  return CreateClamp{spec};
 }
 
 Request RequestChecker::phase(const std::string& phase) const {

@@ -25,13 +25,17 @@ void fillPlace(const Snapshot& snapshot, Reply& reply) {
 }  // namespace
 
 Services::Services(ros::NodeHandle& privateNode, SceneFacts facts, const RequestChecker& checker,
-                   SimulationThread& simulation)
+                   SimulationThread& simulation, ClampPorts& clamps)
     : facts_(std::move(facts)),
       states_(facts_.stateDirectory),
       checker_(checker),
-      simulation_(simulation) {
+      simulation_(simulation),
+      clamps_(clamps) {
   advertise<SetClampPose>(privateNode, "set_clamp_pose", &Services::setClampPose);
   advertise<Grasp>(privateNode, "grasp", &Services::grasp);
+  advertise<AddClamp>(privateNode, "add_clamp", &Services::addClamp);
+  advertise<RemoveClamp>(privateNode, "remove_clamp", &Services::removeClamp);
+  advertise<Follow>(privateNode, "follow", &Services::follow);
   advertise<Cut>(privateNode, "cut", &Services::cut);
   advertise<Refine>(privateNode, "refine", &Services::refine);
   advertise<StartPhase>(privateNode, "set_phase", &Services::setPhase);
@@ -79,6 +83,27 @@ void Services::setClampPose(const SetClampPose::Request& request, SetClampPose::
 void Services::grasp(const Grasp::Request& request, Grasp::Response& reply) {
   carryOut(checker_.grasp(request.clamp, request.grasp),
            "clamp " + request.clamp + (request.grasp ? " closes" : " has let go"), reply);
+}
+
+/// Its topics are there when the reply is.
+void Services::addClamp(const AddClamp::Request& request, AddClamp::Response& reply) {
+  carryOut(checker_.newClamp(request), "clamp " + request.name + " is there", reply);
+  clamps_.update(simulation_.observe().snapshot->clamps);
+}
+
+void Services::removeClamp(const RemoveClamp::Request& request, RemoveClamp::Response& reply) {
+  carryOut(Request{Command{DeleteClamp{request.clamp}}}, "clamp " + request.clamp + " is gone",
+           reply);
+  clamps_.update(simulation_.observe().snapshot->clamps);
+}
+
+void Services::follow(const Follow::Request& request, Follow::Response& reply) {
+  reply.success = false;
+  reply.message = followDefect(request);
+  if (!reply.message.empty()) return;
+  const CommandResult result = clamps_.follow(request.clamp, toFollowSource(request));
+  reply.success = result.success;
+  reply.message = result.message;
 }
 
 void Services::cut(const Cut::Request& request, Cut::Response& reply) {
@@ -172,7 +197,9 @@ void Services::getState(const GetState::Request& /*request*/, GetState::Response
   reply.scene = facts_.scene;
   reply.solver = facts_.solver;
   reply.dt = facts_.dt;
-  reply.clamps = checker_.clamps();
+  for (const ClampSnapshot& clamp : observation.snapshot->clamps) {
+    reply.clamps.push_back(clamp.name);
+  }
   reply.phases = checker_.phases();
   for (const PhaseRecord& record : observation.phases) {
     reply.history.push_back(toPhaseInfo(record));

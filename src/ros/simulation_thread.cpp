@@ -169,6 +169,11 @@ std::vector<CommandRecord> SimulationThread::takeCommands() {
   return std::exchange(commands_, {});
 }
 
+std::vector<GripEvent> SimulationThread::takeGripEvents() {
+  const std::lock_guard<std::mutex> lock(outputMutex_);
+  return std::exchange(gripEvents_, {});
+}
+
 void SimulationThread::run(int threads) {
   const ThreadLimit limit(threads);
   nextStep_ = Clock::now();
@@ -329,9 +334,11 @@ void SimulationThread::tellTime() {
 /// Springs fail in steps, and by commands that cut.
 void SimulationThread::collectEvents() {
   const std::vector<FailureEvent> events = simulation_.takeEvents();
-  if (events.empty()) return;
+  const std::vector<GripEvent> grips = simulation_.takeGripEvents();
+  if (events.empty() && grips.empty()) return;
   const std::lock_guard<std::mutex> lock(outputMutex_);
   failures_.events.insert(failures_.events.end(), events.begin(), events.end());
+  gripEvents_.insert(gripEvents_.end(), grips.begin(), grips.end());
 }
 
 void SimulationThread::countJobStep() {

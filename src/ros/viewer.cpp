@@ -42,7 +42,7 @@ ClampSnapshot toClamp(const ClampStatus& message, const Scene& scene) {
   clamp.pose = {fromPoint(message.pose.position), fromQuaternion(message.pose.orientation)};
   clamp.gap = message.gap;
   clamp.state = static_cast<ClampState>(message.state);
-  clamp.held = static_cast<int>(message.held);
+  clamp.contents.held = static_cast<int>(message.held);
   clamp.plateSize = ClampSpec().plateSize;
   for (const ClampSpec& spec : scene.clamps) {
     if (spec.name == message.name) clamp.plateSize = spec.plateSize;

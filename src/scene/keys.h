@@ -32,12 +32,14 @@ inline const Keys kPlane{"type",     "position",        "rpy", "orientation", "v
                          "friction", "tangential_decay"};
 inline const Keys kSphere{"type",        "radius",   "position", "rpy",
                           "orientation", "velocity", "friction", "tangential_decay"};
+inline const Keys kCapsule{"type",        "radius",   "length",   "position",        "rpy",
+                           "orientation", "velocity", "friction", "tangential_decay"};
 inline const Keys kBox{"type",        "size",     "position", "rpy",
                        "orientation", "velocity", "friction", "tangential_decay"};
 
 inline const Keys kClamp{
-    "pose",          "patch",     "plate_size",        "gap_open",        "gap_closed",
-    "closing_speed", "max_speed", "max_angular_speed", "max_acceleration"};
+    "pose",          "patch",     "plate_size",        "gap_open",         "gap_closed",
+    "closing_speed", "max_speed", "max_angular_speed", "max_acceleration", "grip_force"};
 inline const Keys kPatch{"particle", "radius"};
 
 inline const Keys kTearing{"enabled", "ratio", "seam", "tip_speed", "refine_tip"};

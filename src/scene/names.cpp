@@ -25,6 +25,9 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool isDigit(char c) { return c >= '0' && c <= '9'; }
+
 }  // namespace
 
 std::string joinNames(const std::vector<std::string>& names) {
@@ -51,6 +54,15 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known) {
   return "unknown " + what + " '" + name + "' (known: " + joinNames(known) + ")";
+}
+
+std::string clampNameDefect(const std::string& name) {
+  const bool good = !name.empty() && isLetter(name[0]) &&
+                    std::all_of(name.begin(), name.end(),
+                                [](char c) { return isLetter(c) || isDigit(c) || c == '_'; });
+  if (!good) return "expected a name of letters, digits and _ that begins with a letter";
+  if (name == "all") return "expected another name: 'all' stands for all clamps";
+  return "";
 }
 
 }  // namespace cloth_sim

@@ -49,13 +49,15 @@ void readParameters(const SceneNode& node, const SolverInfo& info, SolverParamet
 }
 
 Shape readShape(const SceneNode& node) {
-  enum class Type { kPlane, kSphere, kBoard, kBounds };
-  const std::string what = "one of plane, sphere, board, bounds";
+  enum class Type { kPlane, kSphere, kCapsule, kBoard, kBounds };
+  const std::string what = "one of plane, sphere, capsule, board, box, bounds";
   if (!node.isMap()) node.expected("a map with a type");
   switch (node.need("type", what)
               .choice<Type>({{"plane", Type::kPlane},
                              {"sphere", Type::kSphere},
+                             {"capsule", Type::kCapsule},
                              {"board", Type::kBoard},
+                             {"box", Type::kBoard},
                              {"bounds", Type::kBounds}})) {
     case Type::kPlane:
       node.expectKeys(keys::kPlane);
@@ -63,6 +65,10 @@ Shape readShape(const SceneNode& node) {
     case Type::kSphere:
       node.expectKeys(keys::kSphere);
       return SphereShape{node.need("radius", kPositive.text()).number(kPositive)};
+    case Type::kCapsule:
+      node.expectKeys(keys::kCapsule);
+      return CapsuleShape{node.need("radius", kPositive.text()).number(kPositive),
+                          node.need("length", kPositive.text()).number(kPositive)};
     case Type::kBoard:
       node.expectKeys(keys::kBox);
       return BoxShape{node.need("size", "[x, y, z]").vector<3>(kPositive)};
@@ -83,19 +89,6 @@ Obstacle readObstacle(const SceneNode& node, double friction) {
   node.read("friction", obstacle.friction, kNotNegative);
   node.read("tangential_decay", obstacle.tangentialDecay, kNotNegative);
   return obstacle;
-}
-
-bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
-
-/// Clamps give their names to topics and frames, so these are ROS names.
-void checkClampName(const SceneNode& node) {
-  const std::string& name = node.key();
-  const bool good = !name.empty() && isLetter(name[0]) &&
-                    std::all_of(name.begin(), name.end(),
-                                [](char c) { return isLetter(c) || isDigit(c) || c == '_'; });
-  if (!good) node.refuse("expected a name of letters, digits and _ that begins with a letter");
-  if (name == "all") node.refuse("expected another name: 'all' stands for all clamps");
 }
 
 ClampPatch readPatch(const SceneNode& node, const ClothSpec& cloth) {
@@ -136,7 +129,8 @@ void readGap(const SceneNode& node, ClampSpec& clamp) {
 }
 
 ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
-  checkClampName(node);
+  const std::string defect = clampNameDefect(node.key());
+  if (!defect.empty()) node.refuse(defect);
   node.expectKeys(keys::kClamp);
   ClampSpec clamp;
   clamp.name = node.key();
@@ -148,6 +142,7 @@ ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
   node.read("max_speed", clamp.maxLinearSpeed, kPositive);
   node.read("max_angular_speed", clamp.maxAngularSpeed, kPositive);
   node.read("max_acceleration", clamp.maxLinearAcceleration, kPositive);
+  node.read("grip_force", clamp.gripForce, kPositive);
   return clamp;
 }
 

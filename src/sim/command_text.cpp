@@ -22,6 +22,21 @@ std::string words(const Vec3& v) {
 Words wordsOf(const SetClampTarget& command) {
   return {"set_clamp_target", command.clamp + " to " + words(command.pose.position)};
 }
+Words wordsOf(const GuideClamp& command) {
+  return {"guide_clamp", command.clamp + " to " + words(command.target.pose.position)};
+}
+Words wordsOf(const SetGripForce& command) {
+  return {"set_grip_force",
+          command.clamp + (command.force ? " " + std::to_string(*command.force) + " N" : " any")};
+}
+Words wordsOf(const SetGapWidth& command) {
+  return {"set_gap_width", command.clamp + " " + std::to_string(command.width) + " m"};
+}
+Words wordsOf(const CreateClamp& command) { return {"create_clamp", command.spec.name}; }
+Words wordsOf(const DeleteClamp& command) { return {"delete_clamp", command.clamp}; }
+Words wordsOf(const GuideObstacle& command) {
+  return {"guide_obstacle", command.obstacle + " to " + words(command.target.pose.position)};
+}
 Words wordsOf(const SetGrasp& command) {
   return {"set_grasp", command.clamp + (command.grasp ? " closes" : " lets go")};
 }

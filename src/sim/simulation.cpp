@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/sim/build.h"
@@ -73,11 +74,14 @@ void Simulation::step() {
   const int parts = tearing_.isNear() ? solver_->substeps() : 1;
   for (Clamp& clamp : clamps_) clamp.clearWrench();
   for (int k = 0; k < parts && !failed(); ++k) advance({scene_.solver.dt / parts, 1.0 / parts});
-  if (!failed()) ++stepCount_;
+  if (failed()) return;
+  watchGrips();
+  ++stepCount_;
 }
 
 void Simulation::advance(const StepLength& length) {
   moveClamps(length.dt);
+  guides_.steer(time(), length.dt, colliders_);
   solve(length);
   if (failed()) return;
   readClamps(length.dt / scene_.solver.dt);
@@ -120,7 +124,9 @@ void Simulation::beginPhase(const PhaseSpec& phase) {
   }
   for (const ObstacleAction& action : phase.obstacles) {
     Collider* collider = colliders_.find(action.obstacle);
-    if (collider != nullptr) collider->place(collider->poseAt(time()), action.velocity, time());
+    if (collider == nullptr) continue;
+    guides_.drop(action.obstacle);
+    collider->place(collider->poseAt(time()), action.velocity, time());
   }
   if (phase.wind) controls_.wind = phase.wind;
   if (phase.tearing) tearing_.setEnabled(*phase.tearing);
@@ -139,6 +145,11 @@ void Simulation::operateFor(const PhaseSpec& phase) {
 }
 
 void Simulation::act(const ClampAction& action, Clamp& clamp) {
+  clamp.setSpeedLimit(action.speed);
+  if (action.grasp) *action.grasp ? clamp.close() : clamp.release();
+  const bool moves =
+      action.hold || action.attach || action.moveBy || action.moveTo || action.orientation;
+  if (!moves) return;  // what it was told or follows goes on
   Pose target = action.hold ? clamp.stoppingPose() : clamp.target();
   if (action.attach && clamp.spec().patch) {
     const std::vector<VertexId> patch = patchParticles(model_, *clamp.spec().patch);
@@ -150,17 +161,22 @@ void Simulation::act(const ClampAction& action, Clamp& clamp) {
   if (action.moveTo) target.position = *action.moveTo;
   if (action.orientation) target.orientation = *action.orientation;
   clamp.setTarget(target);
-  clamp.setSpeedLimit(action.speed);
-  if (action.grasp) *action.grasp ? clamp.close() : clamp.release();
 }
 
 void Simulation::moveClamps(double dt) {
-  controls_.kinematic = pins_;
-  for (Clamp& clamp : clamps_) {
-    clamp.advance(model_, state_, dt);
-    clamp.appendTargets(controls_.kinematic);
-  }
+  for (Clamp& clamp : clamps_) clamp.advance(model_, state_, dt);
   drag_.advance(state_, dt);
+  gatherControls();
+}
+
+/// What pins and clamps do in the next part of the step.
+void Simulation::gatherControls() {
+  controls_.kinematic = pins_;
+  controls_.forces.clear();
+  for (const Clamp& clamp : clamps_) {
+    clamp.appendTargets(controls_.kinematic);
+    clamp.appendForces(model_, controls_.forces);
+  }
   drag_.appendTargets(controls_.kinematic);
   // Pins come first, then clamps in order, then what is dragged: the first to hold a particle keeps
   // it.
@@ -177,14 +193,24 @@ void Simulation::detectContacts(double dt) {
   colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
 }
 
+/// Where a clamp cannot bear what the step would put on it, the step is taken back and solved with
+/// that clamp slipping: each time one clamp more at least, so it ends.
 void Simulation::solve(const StepLength& length) {
   lastGood_ = state_;
   watch_.begin(model_, state_, controls_, colliders_, length.dt);
   int times = 1;
-  for (int k = 0; k < (watch_.redoes() ? StepWatch::kAttempts : 1); ++k, times *= 2) {
-    if (k > 0) watch_.noteRedone(time(), times);
-    if (attempt({length.dt, times * length.substepFactor})) return;
-    state_ = lastGood_;
+  for (int k = 0; k < (watch_.redoes() ? StepWatch::kAttempts : 1);) {
+    if (!attempt({length.dt, times * length.substepFactor})) {
+      state_ = lastGood_;
+      ++k;
+      times *= 2;
+      if (watch_.redoes()) watch_.noteRedone(time(), times);
+    } else if (letSlip()) {
+      state_ = lastGood_;
+      gatherControls();
+    } else {
+      return;
+    }
   }
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
@@ -196,8 +222,29 @@ bool Simulation::attempt(const StepLength& length) {
   return watch_.isSound(model_, state_);
 }
 
+bool Simulation::letSlip() {
+  bool any = false;
+  for (Clamp& clamp : clamps_) {
+    if (clamp.yield(controls_.kinematic, report_.reactions)) any = true;
+  }
+  return any;
+}
+
 void Simulation::readClamps(double share) {
-  for (Clamp& clamp : clamps_) clamp.addReactions(controls_.kinematic, report_.reactions, share);
+  for (Clamp& clamp : clamps_) {
+    clamp.addReactions(controls_.kinematic, report_.reactions, share);
+    clamp.addSlipWrench(model_, state_, share);
+  }
+}
+
+void Simulation::watchGrips() {
+  for (const Clamp& clamp : clamps_) {
+    for (const GripEvent::Kind kind : grips_.update(clamp)) {
+      gripEvents_.push_back({time(), clamp.spec().name, kind,
+                             gripContents(clamp, model_, state_, colliders_), clamp.wrench().force,
+                             clamp.slipped()});
+    }
+  }
 }
 
 void Simulation::tear(double dt) {
@@ -232,5 +279,7 @@ std::vector<FailureEvent> Simulation::takeEvents() {
   told_ = failures_.size();
   return {first, failures_.end()};
 }
+
+std::vector<GripEvent> Simulation::takeGripEvents() { return std::exchange(gripEvents_, {}); }
 
 }  // namespace cloth_sim

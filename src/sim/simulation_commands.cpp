@@ -1,69 +1,11 @@
-#include <cmath>
-
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/surgery/refine.h"
+#include "command_checks.h"
 
 namespace cloth_sim {
-namespace {
-
-/// How far from one the norm of a commanded quaternion may be.
-constexpr double kUnitTolerance = 1e-3;
-
-CommandResult done(const std::string& message = "") { return {true, message}; }
-CommandResult refuse(const std::string& message) { return {false, message}; }
-
-/// Why a pose cannot be used; empty if it can.
-std::string poseDefect(const Pose& pose) {
-  if (!pose.position.allFinite()) return "position: expected three finite numbers";
-  if (!pose.orientation.coeffs().allFinite()) return "orientation: expected four finite numbers";
-  if (std::abs(pose.orientation.norm() - 1.0) > kUnitTolerance) {
-    return "orientation: expected a unit quaternion (its norm is " +
-           std::to_string(pose.orientation.norm()) + ")";
-  }
-  return "";
-}
-
-template <typename Items, typename Name>
-std::string listNames(const Items& items, const Name& name) {
-  std::string names;
-  for (const auto& item : items) names += (names.empty() ? "" : ", ") + name(item);
-  return names.empty() ? "there are none" : "there is " + names;
-}
-
-}  // namespace
-
 CommandResult Simulation::apply(const Command& command) {
   return std::visit([this](const auto& it) { return carryOut(it); }, command);
-}
-
-Clamp* Simulation::findClamp(const std::string& name) {
-  for (Clamp& clamp : clamps_) {
-    if (clamp.spec().name == name) return &clamp;
-  }
-  return nullptr;
-}
-
-CommandResult Simulation::carryOut(const SetClampTarget& command) {
-  Clamp* clamp = findClamp(command.clamp);
-  const auto nameOf = [](const Clamp& c) { return c.spec().name; };
-  if (clamp == nullptr) {
-    return refuse("unknown clamp '" + command.clamp + "' (" + listNames(clamps_, nameOf) + ")");
-  }
-  const std::string defect = poseDefect(command.pose);
-  if (!defect.empty()) return refuse(defect);
-  clamp->setTarget({command.pose.position, command.pose.orientation.normalized()});
-  return done();
-}
-
-CommandResult Simulation::carryOut(const SetGrasp& command) {
-  Clamp* clamp = findClamp(command.clamp);
-  const auto nameOf = [](const Clamp& c) { return c.spec().name; };
-  if (clamp == nullptr) {
-    return refuse("unknown clamp '" + command.clamp + "' (" + listNames(clamps_, nameOf) + ")");
-  }
-  command.grasp ? clamp->close() : clamp->release();
-  return done();
 }
 
 CommandResult Simulation::carryOut(const SetPhase& command) {
@@ -92,8 +34,24 @@ CommandResult Simulation::carryOut(const MoveObstacle& command) {
   const std::string defect = poseDefect(command.pose);
   if (!defect.empty()) return refuse(defect);
   if (!command.velocity.allFinite()) return refuse("velocity: expected three finite numbers");
+  guides_.drop(command.obstacle);
   collider->place({command.pose.position, command.pose.orientation.normalized()}, command.velocity,
                   time());
+  return done();
+}
+
+CommandResult Simulation::carryOut(const GuideObstacle& command) {
+  const Collider* collider = colliders_.find(command.obstacle);
+  if (collider == nullptr) {
+    return refuse("unknown obstacle '" + command.obstacle + "' (" +
+                  listNames(colliders_.all(), [](const Collider& c) { return c.obstacle().name; }) +
+                  ")");
+  }
+  const std::string defect = targetDefect(command.target);
+  if (!defect.empty()) return refuse(defect);
+  MovingPose target = command.target;
+  target.pose.orientation.normalize();
+  guides_.set(command.obstacle, target);
   return done();
 }
 

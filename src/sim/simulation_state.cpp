@@ -46,6 +46,7 @@ void Simulation::serialize(Archive& archive) {
   serializeItems(archive, clamps_, Clamp(ClampSpec()));
   serializeItems(archive, colliders_.all(), Collider(Obstacle(), 0.0));
   serializeContacts(archive);
+  archive(grips_, gripEvents_, guides_);
   archive(script_, tearing_, broken_, failures_, dropped_, stepCount_, maxStretchSeen_, failure_);
   std::uint64_t told = told_;
   archive(told);

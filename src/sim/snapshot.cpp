@@ -16,7 +16,9 @@ ClampSnapshot capture(const Clamp& clamp) {
   shot.plateSize = clamp.spec().plateSize;
   shot.gap = clamp.gap();
   shot.state = clamp.state();
-  shot.held = static_cast<int>(clamp.held().size());
+  shot.slipping = clamp.isSlipping();
+  shot.slipped = clamp.slipped();
+  shot.gripForce = clamp.spec().gripForce;
   shot.wrench = clamp.wrench();
   return shot;
 }
@@ -34,7 +36,10 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
   shot->step = stepCount_;
   shot->topology = topology_;
   shot->positions = state_.x.values();
-  for (const Clamp& clamp : clamps_) shot->clamps.push_back(capture(clamp));
+  for (const Clamp& clamp : clamps_) {
+    shot->clamps.push_back(capture(clamp));
+    shot->clamps.back().contents = gripContents(clamp, model_, state_, colliders_);
+  }
   for (const Collider& collider : colliders_.all()) {
     shot->obstacles.push_back(collider.obstacle());
     shot->obstacles.back().pose = collider.poseAt(time());

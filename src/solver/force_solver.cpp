@@ -47,7 +47,7 @@ void ForceSolver::evaluateForces(const Substep& now) {
   setZero(particles_.mass.size(), force_);
   addSpringForces(schedule_, particles_.x, particles_.v, force_);
   bending_.addForces(particles_.x, particles_.v, force_);
-  if (now.controls.wind) addWind(now.model, *now.controls.wind);
+  if (now.controls.hasLoads()) addLoads(now.model, now.controls);
 }
 
 void ForceSolver::kick(const Substep& now) {

@@ -25,7 +25,7 @@ ImplicitSolver::ImplicitSolver(const Model& model, const SolverParameters& param
 void ImplicitSolver::findWind(const Substep& now) {
   const std::size_t n = particles_.mass.size();
   setZero(n, force_);
-  if (now.controls.wind) addWind(now.model, *now.controls.wind);
+  if (now.controls.hasLoads()) addLoads(now.model, now.controls);
   wind_ = force_;
 }
 

@@ -160,6 +160,14 @@ void PackedSolver::addForcesToReactions(double h) {
   }
 }
 
+void PackedSolver::addLoads(const Model& model, const Controls& controls) {
+  if (controls.wind) addWind(model, *controls.wind);
+  for (const PointForce& load : controls.forces) {
+    const auto k = static_cast<std::size_t>(particles_.slotOf[load.vertex]);
+    force_.set(k, force_.at(k) + load.force);
+  }
+}
+
 void PackedSolver::addWind(const Model& model, const Wind& wind) {
   const PackedVectors& x = particles_.x;
   const PackedVectors& v = particles_.v;

@@ -46,7 +46,7 @@ class Pbd final : public PackedSolver {
   void predict(const Substep& now) {
     const std::size_t n = particles_.mass.size();
     setZero(n, force_);
-    if (now.controls.wind) addWind(now.model, *now.controls.wind);
+    if (now.controls.hasLoads()) addLoads(now.model, now.controls);
     addForcesToReactions(now.h);
     const double keep = keep_ * std::exp(-now.controls.drag * now.h);
     for (std::size_t k = 0; k < n; ++k) {

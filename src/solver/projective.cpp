@@ -86,7 +86,7 @@ class Projective final : public PackedSolver {
 
   void findWind(const Substep& now) {
     setZero(particles_.mass.size(), force_);
-    if (now.controls.wind) addWind(now.model, *now.controls.wind);
+    if (now.controls.hasLoads()) addLoads(now.model, now.controls);
     wind_ = force_;
   }
 

@@ -8,9 +8,9 @@
 namespace cloth_sim {
 
 /// A symmetric matrix M + sum over springs of (S p)^T (a n n^T + t (1 - n n^T)) (S p), S p the
-/// difference of the ends: what linearised springs and dashpots do; and a bending energy's. Rows and columns of particles
-/// with prescribed motion count as absent. It is never assembled: a product is one sweep over the
-/// springs, in the order and on the threads of all other sweeps.
+/// difference of the ends: what linearised springs and dashpots do; and a bending energy's. Rows
+/// and columns of particles with prescribed motion count as absent. It is never assembled: a
+/// product is one sweep over the springs, in the order and on the threads of all other sweeps.
 class SpringMatrix {
  public:
   /// What it is made of; the same in every call from `linearise` on.
@@ -24,8 +24,8 @@ class SpringMatrix {
   /// springs are compressed (Choi & Ko 2002).
   /// The bending energy is there as (elastic + viscous retardation) K.
   /// \param diagonal  M, one value for the three coordinates of each particle; 0: prescribed.
-  void linearise(const Elements& elements, const PackedVectors& x, double elastic,
-                 double viscous, const std::vector<double>& diagonal);
+  void linearise(const Elements& elements, const PackedVectors& x, double elastic, double viscous,
+                 const std::vector<double>& diagonal);
 
   /// q = A p.
   void multiply(const Elements& elements, const PackedVectors& p, PackedVectors& q) const;
@@ -33,8 +33,8 @@ class SpringMatrix {
   /// Solves A p = r by conjugate gradients, preconditioned with the 3 x 3 blocks on the diagonal,
   /// to |A p - r| <= tolerance |r|.
   /// \return iterations.
-  int solve(const Elements& elements, const PackedVectors& r, double tolerance,
-            int maxIterations, PackedVectors& p);
+  int solve(const Elements& elements, const PackedVectors& r, double tolerance, int maxIterations,
+            PackedVectors& p);
 
  private:
   void factoriseBlocks(const Elements& elements);

@@ -129,7 +129,7 @@ class Xpbd final : public PackedSolver {
   void computeGains(double h);
   void takeAttachments();
   void predict(const Substep& now);
-  void applyWind(const Substep& now);
+  void applyLoads(const Substep& now);
   void sweep();
   void solveAttachments(double h);
   void solveBending(double h);
@@ -138,7 +138,7 @@ class Xpbd final : public PackedSolver {
   Gains gains_;
   std::vector<Attachment> attachments_;
   BendSweep bending_;
-  double retardation_ = 0.0;         ///< of bending [s]
+  double retardation_ = 0.0;          ///< of bending [s]
   std::vector<std::int32_t> target_;  ///< kinematic target by slot, or kNone
 };
 
@@ -199,7 +199,7 @@ void Xpbd::substep(const Substep& now) {
   solveAttachments(now.h);
   if (!bending_.empty()) solveBending(now.h);
   now.contacts.project(particles_.view(), now.time, now.h);
-  if (now.fraction == 1.0 || now.controls.wind) {
+  if (now.fraction == 1.0 || now.controls.hasLoads()) {
     const auto n = static_cast<std::size_t>(particles_.slots);
     const double rate = 1.0 / now.h;
     const PackedVectors& x = particles_.x;
@@ -214,20 +214,20 @@ void Xpbd::predict(const Substep& now) {
   const auto n = static_cast<std::size_t>(particles_.slots);
   const double decay = std::exp(-now.controls.drag * now.h);
   const Vec3 fall = now.h * now.h * now.controls.gravity;
-  if (now.controls.wind) {
+  if (now.controls.hasLoads()) {
     for (std::vector<double>* axis : {&force_.x, &force_.y, &force_.z}) {
       axis->assign(axis->size(), 0.0);
     }
-    addWind(now.model, *now.controls.wind);
+    addLoads(now.model, now.controls);
   }
   const double* w = particles_.inverseMass.data();
   predictAxis(n, decay, fall.x(), w, particles_.x.x.data(), particles_.start.x.data());
   predictAxis(n, decay, fall.y(), w, particles_.x.y.data(), particles_.start.y.data());
   predictAxis(n, decay, fall.z(), w, particles_.x.z.data(), particles_.start.z.data());
-  if (now.controls.wind) applyWind(now);
+  if (now.controls.hasLoads()) applyLoads(now);
 }
 
-void Xpbd::applyWind(const Substep& now) {
+void Xpbd::applyLoads(const Substep& now) {
   for (std::size_t k = 0; k < particles_.inverseMass.size(); ++k) {
     const double scale = now.h * now.h * particles_.inverseMass[k];
     particles_.x.set(k, particles_.x.at(k) + scale * force_.at(k));

@@ -42,8 +42,14 @@ void disturb(Simulation& simulation) {
   const Stroke across = strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, Vec3(0.0, 0.0, -1.0), 1.0);
   EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}).success);
   EXPECT_TRUE(simulation.apply(CutAlong{across}).success);
-  const Pose away{Vec3(-0.7, 0.0, 0.4)};
-  EXPECT_TRUE(simulation.apply(SetClampTarget{"left", away}).success);
+  const MovingPose away{Pose{Vec3(-0.7, 0.0, 0.4)}, Vec3(-0.5, 0.0, 0.0), Vec3::UnitZ(), 0.1};
+  EXPECT_TRUE(simulation.apply(GuideClamp{"left", away}).success);
+  EXPECT_TRUE(simulation.apply(SetGripForce{"right", 0.05}).success);  // it slips
+  const MovingPose hand{Pose{Vec3(0.0, 0.3, 0.1)}, Vec3(0.0, 0.4, 0.0), Vec3::Zero(), 0.2};
+  EXPECT_TRUE(simulation.apply(GuideObstacle{"table", hand}).success);
+  ClampSpec more;
+  more.name = "more";
+  EXPECT_TRUE(simulation.apply(CreateClamp{more}).success);
 }
 
 /// Both do the same from here on, step for step; at the end everything about them is the same.

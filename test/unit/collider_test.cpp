@@ -32,6 +32,7 @@ const double kMargin = 0.004;
 
 std::vector<Collider> oneOfEach(double margin = kMargin) {
   return {Collider(obstacle(PlaneShape{}), margin), Collider(obstacle(SphereShape{0.3}), margin),
+          Collider(obstacle(CapsuleShape{0.1, 0.4}), margin),
           Collider(obstacle(BoxShape{kSize}), margin),
           Collider(obstacle(BoundsShape{Vec3(1.0, 0.8, 0.9)}), margin)};
 }
@@ -131,6 +132,18 @@ TEST(Collider, NormalTurnsContinuouslyAroundTheEdgeOfABoard) {
   EXPECT_LT((last - Vec3::UnitX()).norm(), 1e-12);
 }
 
+TEST(Collider, GapOfCapsuleIsTheDistanceToItsSegmentLessItsRadius) {
+  const Collider capsule(obstacle(CapsuleShape{0.1, 0.4}), kMargin);
+  const Pose pose = capsule.poseAt(0.0);
+  const auto gapAt = [&](const Vec3& local) { return capsule.gap(pose.toWorld(local), 0.0); };
+  EXPECT_NEAR(gapAt(Vec3(0.3, 0.4, 0.15)), 0.5 - 0.1 - kMargin, 1e-14) << "beside it";
+  EXPECT_NEAR(gapAt(Vec3(0.0, 0.3, 0.6)), 0.5 - 0.1 - kMargin, 1e-14) << "beyond its end";
+  EXPECT_NEAR(gapAt(Vec3(0.0, 0.0, 0.1)), -0.1 - kMargin, 1e-14) << "on its axis";
+  const Vec3 inside = pose.toWorld(Vec3(0.0, 0.0, 0.1));
+  EXPECT_NEAR(capsule.normal(inside, 0.0).norm(), 1.0, 1e-14);
+  EXPECT_NEAR(capsule.normal(inside, 0.0).dot(pose.orientation * Vec3::UnitZ()), 0.0, 1e-14);
+}
+
 TEST(Collider, MovesWithItsVelocityFromWhereItWasPlaced) {
   Collider sphere(obstacle(SphereShape{0.3}), 0.0);
   Pose pose;
@@ -145,6 +158,8 @@ TEST(Collider, RefusesNonsense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(Collider(obstacle(SphereShape{0.0}), 0.0), std::invalid_argument);
   EXPECT_THROW(Collider(obstacle(SphereShape{nan}), 0.0), std::invalid_argument);
+  EXPECT_THROW(Collider(obstacle(CapsuleShape{0.1, 0.0}), 0.0), std::invalid_argument);
+  EXPECT_THROW(Collider(obstacle(CapsuleShape{-0.1, 1.0}), 0.0), std::invalid_argument);
   EXPECT_THROW(Collider(obstacle(BoxShape{Vec3(1.0, -1.0, 1.0)}), 0.0), std::invalid_argument);
   EXPECT_THROW(Collider(obstacle(BoundsShape{Vec3::Zero()}), 0.0), std::invalid_argument);
   EXPECT_THROW(Collider(obstacle(PlaneShape{}), -1e-3), std::invalid_argument);

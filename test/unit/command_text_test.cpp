@@ -22,7 +22,17 @@ std::vector<Command> someCommands() {
   Stroke stroke = strokeAlong({Vec3(third, 0.0, 0.0), Vec3::Ones()}, Vec3::UnitZ(), third);
   stroke.firstLayerOnly = true;
   stroke.halfWidth = third;
+  const MovingPose moving{pose, Vec3(third, 0.0, 0.0), Vec3::UnitZ(), third};
+  ClampSpec spec;
+  spec.name = "third";
+  spec.gripForce = third;
   return {SetClampTarget{"left", pose},
+          GuideClamp{"left", moving},
+          SetGripForce{"left", std::nullopt},
+          SetGapWidth{"left", third},
+          CreateClamp{spec},
+          DeleteClamp{"third"},
+          GuideObstacle{"sphere", moving},
           SetGrasp{"right", false},
           SetPhase{"pull"},
           SetGravity{Vec3(0.0, third, -9.81)},

@@ -114,6 +114,19 @@ TEST_P(ContactTunnelling, NotThroughASphere) {
   expectNothingPasses(Collider(sphere, 0.001), {Vec3::Zero(), Vec3(0.0, 0.015, 0.01)}, GetParam());
 }
 
+TEST_P(ContactTunnelling, NotThroughACapsule) {
+  Obstacle rod;
+  rod.shape = CapsuleShape{0.01, 0.2};
+  rod.pose.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3(1.0, -1.0, 0.5).normalized()));
+  rod.friction = 0.0;
+  std::vector<Vec3> inside;
+  for (const Vec3& p : {Vec3(0.0, 0.0, 0.0), Vec3(0.005, 0.0, 0.09), Vec3(0.0, 0.004, -0.105)}) {
+    inside.push_back(rod.pose.toWorld(p));
+  }
+  expectNothingPasses(Collider(rod, 0.0), inside, GetParam());
+  expectNothingPasses(Collider(rod, 0.001), inside, GetParam());
+}
+
 TEST_P(ContactTunnelling, NotThroughAPlane) {
   expectNothingPasses(incline(0.3, 0.0), {Vec3(0.0, 0.0, -0.01)}, GetParam());
 }
@@ -224,6 +237,26 @@ TEST(ContactFriction, AMovingTableTakesTheParticleAlong) {
   EXPECT_NEAR(particle.v.x(), 0.5, 1e-10);
   // It lags by what it slid until it was as fast, v^2 / (2 mu g), to the first order in h.
   EXPECT_NEAR(particle.x.x(), 0.5 - 0.25 / (2.0 * 0.3 * kGravity), 0.5 * h);
+}
+
+/// On top of a level rod the law is that of a plane: below atan(mu) to the rod's tangent it sticks.
+TEST(ContactFriction, HoldsOnARodUpToTheAngleOfFriction) {
+  const double mu = 0.3;
+  for (const double tilt : {0.0, 0.9, 1.1}) {
+    Obstacle rod;
+    rod.shape = CapsuleShape{0.1, 1.0};
+    rod.pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitX());
+    rod.friction = mu;
+    const Collider collider(rod, 0.0);
+    Contacts contacts = contactsWith(collider);
+    const double angle = tilt * std::atan(mu);
+    Particle particle;
+    particle.x = 0.1 * Vec3(0.0, std::sin(angle), std::cos(angle)) + Vec3(0.2, 0.0, 0.0);
+    const Vec3 start = particle.x;
+    for (int k = 0; k < 300; ++k) substep(particle, contacts, 1.0 / 600.0);
+    EXPECT_EQ(tilt < 1.0, (particle.x - start).norm() < 1e-9) << tilt;
+    EXPECT_GE(collider.gap(particle.x, 0.0), -1e-9);
+  }
 }
 
 TEST(ContactMoving, ASpherePushesAParticleInFrontOfIt) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cloth_sim/clamp/moving_pose.h"
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/solver/solver.h"
 
@@ -37,13 +38,16 @@ struct ClampSpec {
   double maxAngularSpeed = 2.0;       ///< [rad/s], > 0
   /// [m/s^2], > 0. The angular acceleration is limited to this over kClampArm.
   double maxLinearAcceleration = 10.0;
+  /// The most that it can hold against, > 0 [N]; absent: any force. Where the cloth pulls harder,
+  /// it slides through the plates.
+  std::optional<double> gripForce;
   /// Particles to grasp, wherever they are; absent: whatever is between the plates.
   std::optional<ClampPatch> patch;
 
   template <class Archive>
   void serialize(Archive& archive) {
     archive(name, pose, plateSize, gapOpen, gapClosed, closingSpeed);
-    archive(maxLinearSpeed, maxAngularSpeed, maxLinearAcceleration, patch);
+    archive(maxLinearSpeed, maxAngularSpeed, maxLinearAcceleration, patch, gripForce);
   }
 };
 
@@ -79,8 +83,16 @@ const char* toString(ClampState state);  ///< "open", "closing", "closed"
 /// that nothing jumps. A patch is grasped likewise but wherever it is, also beside the plates; what
 /// of it lies beyond a plate is held as soon as closing begins.
 ///
+/// Slip: a grip of limited force holds as long as what it must bear, |the sum of the reactions|, is
+/// within its limit. Beyond, all that it holds slides as one: the particles are free, and the grip
+/// brakes them by exactly its limit, against their mean velocity relative to the clamp, each by
+/// its share of their mass (dry friction of a patch). What leaves the region between the open
+/// plates is let go. When the sliding turns round, the clamp tries to hold again. So the wrench of
+/// a step never exceeds the limit.
+///
 /// Order of use in a step: `clearWrench`; then once, or for each of its equal parts: `advance`,
-/// `appendTargets`, (solver), `addReactions`. `follow` after every edit of the mesh.
+/// `appendTargets`, `appendForces`, (solver), `yield` (and, if that says so, the solver again),
+/// `addReactions`. `follow` after every edit of the mesh.
 class Clamp {
  public:
   /// \throws std::invalid_argument unless every length, speed and acceleration is finite and > 0,
@@ -89,7 +101,7 @@ class Clamp {
 
   const ClampSpec& spec() const { return spec_; }
   const Pose& pose() const { return pose_; }
-  const Pose& target() const { return target_; }
+  const Pose& target() const { return target_.pose; }
   const Vec3& linearVelocity() const { return linearVelocity_; }
   const Vec3& angularVelocity() const { return angularVelocity_; }
   double gap() const { return gap_; }  ///< between the plates [m]
@@ -100,7 +112,12 @@ class Clamp {
   const Wrench& wrench() const { return wrench_; }
 
   /// Commands a pose (finite, with a unit quaternion); the clamp goes there within its limits.
-  void setTarget(const Pose& target) { target_ = target; }
+  void setTarget(const Pose& target) { target_ = {target, Vec3::Zero(), Vec3::Zero(), 0.0}; }
+  /// Commands a pose that moves; the clamp goes along with it, without lag once it is there. Its
+  /// velocities are limited to the clamp's own.
+  void guide(const MovingPose& target);
+  /// Changes the grip force, > 0 [N]; absent: any force.
+  void setGripForce(std::optional<double> force) { spec_.gripForce = force; }
   /// Limits the linear speed further [m/s], > 0; absent: back to the spec's limit. A clamp that is
   /// faster brakes within its acceleration limit.
   void setSpeedLimit(std::optional<double> speed) { speedLimit_ = speed; }
@@ -121,19 +138,35 @@ class Clamp {
   /// step.
   void advance(const Model& model, const State& state, double dt);
 
-  /// Where the held particles shall be at the end of the step, ascending by vertex.
+  /// Where the held particles shall be at the end of the step, ascending by vertex; none while
+  /// they slip.
   void appendTargets(std::vector<KinematicTarget>& out) const;
+
+  /// The friction on held particles that slip; none while they do not.
+  void appendForces(const Model& model, std::vector<PointForce>& out) const;
+
+  /// Whether the held particles slide through the plates.
+  bool isSlipping() const { return slip_.on; }
+  /// How far they have slid since they were grasped [m].
+  double slipped() const { return slip_.distance; }
+
+  /// If holding takes more than the grip force, lets the cloth slip. The step must then be solved
+  /// again from its start.
+  /// \param targets, reactions  as for `addReactions`, of a part of the step.
+  bool yield(const std::vector<KinematicTarget>& targets, const std::vector<Vec3>& reactions);
 
   void clearWrench() { wrench_ = Wrench(); }
 
   /// Adds to the wrench `reactions[k]`, the force that the particle `targets[k]` puts on its
   /// holder, over what this clamp holds. Held particles that are not among the targets count as
-  /// zero.
+  /// zero. While they slip: `addSlipWrench`.
   /// \param targets  ascending by vertex; of the step that the reactions are of.
   /// \param share  of the step that the reactions are the mean over.
   /// \throws std::invalid_argument if there are not as many reactions as targets.
   void addReactions(const std::vector<KinematicTarget>& targets, const std::vector<Vec3>& reactions,
                     double share = 1.0);
+  /// Adds the friction of a clamp that slips to its wrench. `state` is the one after the step.
+  void addSlipWrench(const Model& model, const State& state, double share = 1.0);
 
   /// Copies of held particles are held too, at the same place; so is a particle that an edit put
   /// between held ones. Held particles must not be moved within the surface.
@@ -156,9 +189,23 @@ class Clamp {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(spec_, pose_, target_, linearVelocity_, angularVelocity_, speedLimit_);
-    archive(gap_, state_, grips_, held_, wrench_);
+    archive(gap_, state_, grips_, held_, wrench_, slip_, targetLinear_, targetAngular_);
   }
 
+  /// How what is held slides.
+  struct Slip {
+    bool on = false;
+    Vec3 direction = Vec3::Zero();  ///< unit vector, of the cloth relative to the clamp
+    Vec3 box = Vec3::Zero();        ///< half the region beyond which the clamp lets go [m]
+    double distance = 0.0;          ///< since the grasp [m]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(on, direction, box, distance);
+    }
+  };
+
+  void moveTarget(double dt);
   void movePose(double dt);
   void moveGap(double dt);
   void grasp(const Model& model, const State& state, double gapBefore, double dt);
@@ -166,6 +213,9 @@ class Clamp {
   void graspRegion(const State& state, double gapBefore, double dt);
   void take(VertexId vertex, const Vec3& local);
   void squeeze(double dt);
+  void slide(const Model& model, const State& state, double dt);
+  Vec3 slidingVelocity(const Model& model, const State& state) const;
+  double heldMass(const Model& model) const;
   const Grip* findGrip(VertexId vertex) const;
   void holdNew(const VertexEdit& edit);
   void replaceHeld(const VertexEdit& edit);
@@ -173,7 +223,9 @@ class Clamp {
 
   ClampSpec spec_;
   Pose pose_;
-  Pose target_;
+  MovingPose target_;
+  Vec3 targetLinear_ = Vec3::Zero();   ///< velocity of the target in this step [m/s]
+  Vec3 targetAngular_ = Vec3::Zero();  ///< [rad/s]
   Vec3 linearVelocity_ = Vec3::Zero();
   Vec3 angularVelocity_ = Vec3::Zero();
   std::optional<double> speedLimit_;
@@ -181,6 +233,7 @@ class Clamp {
   ClampState state_ = ClampState::kOpen;
   std::vector<Grip> grips_;     ///< ascending by vertex
   std::vector<VertexId> held_;  ///< the vertices of grips_
+  Slip slip_;
   Wrench wrench_;
 };
 

@@ -25,6 +25,17 @@ struct SphereShape {
     archive(radius);
   }
 };
+/// All points nearer than the radius to a segment of the collider's z axis around its position: a
+/// rod, a finger, a hanger.
+struct CapsuleShape {
+  double radius = 0.05;  ///< [m], > 0
+  double length = 0.2;   ///< of the segment, between the middles of the round ends [m], > 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(radius, length);
+  }
+};
 /// A solid board (table top): a box around the collider's position.
 struct BoxShape {
   Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
@@ -44,7 +55,7 @@ struct BoundsShape {
     archive(size);
   }
 };
-using Shape = std::variant<PlaneShape, SphereShape, BoxShape, BoundsShape>;
+using Shape = std::variant<PlaneShape, SphereShape, CapsuleShape, BoxShape, BoundsShape>;
 
 /// What a scene or a command says of an obstacle.
 struct Obstacle {

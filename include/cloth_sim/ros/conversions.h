@@ -13,6 +13,7 @@
 #include "cloth_sim/ClothFrame.h"
 #include "cloth_sim/ClothState.h"
 #include "cloth_sim/ClothTopology.h"
+#include "cloth_sim/GraspEvent.h"
 #include "cloth_sim/PhaseInfo.h"
 #include "cloth_sim/TearEvents.h"
 #include "cloth_sim/ros/observation.h"
@@ -29,6 +30,8 @@ Quat fromQuaternion(const geometry_msgs::Quaternion& value);
 
 /// A wrench about the clamp's origin in the clamp's axes [N, N m]; the core has the world's axes.
 geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp);
+/// The same of another wrench of the clamp than its last.
+geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp, const Wrench& worldAxes);
 
 /// "cloth/clamp_left" for the clamp "left" of the node "/cloth".
 std::string clampFrameId(const std::string& nodeName, const std::string& clamp);
@@ -39,6 +42,7 @@ void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFr
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header);
 ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Header& header);
 PhaseInfo toPhaseInfo(const PhaseRecord& record);
+GraspEvent toGraspEventMessage(const GripEvent& event, const std_msgs::Header& header);
 TearEvents toEventsMessage(const std::vector<FailureEvent>& events, const std_msgs::Header& header);
 geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,
                                             const std::string& world, const std::string& frame);

@@ -1,11 +1,9 @@
 #pragma once
-/// \file The node's command topics. Bad input is warned about, not more often than twice a second,
-/// and has no effect.
+/// \file The node's command topics but those of clamps. Bad input is warned about, not more often
+/// than twice a second, and has no effect.
 
-#include <geometry_msgs/PoseStamped.h>
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
-#include <std_msgs/Bool.h>
 #include <std_msgs/String.h>
 
 #include <vector>
@@ -24,8 +22,6 @@ class Inputs {
   void onCutStroke(const CutStroke& stroke);
   void onDrag(const DragRay& ray);
   void onPhase(const std_msgs::String& phase);
-  /// \param topic  for messages to people.
-  void submit(const std::string& topic, const Request& request);
 
   const RequestChecker& checker_;
   SimulationThread& simulation_;

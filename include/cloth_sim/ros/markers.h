@@ -47,6 +47,7 @@ class MarkerBuilder {
   void addTornEdges(const Snapshot& snapshot);
   void addSurroundings(const Snapshot& snapshot);
   void addObstacle(const Obstacle& obstacle);
+  void addCapsule(const Pose& pose, const CapsuleShape& capsule);
   void addBounds(const Obstacle& obstacle, const Vec3& size);
   void addClamp(const ClampSnapshot& clamp);
   void addText(const Snapshot& snapshot);
@@ -55,6 +56,7 @@ class MarkerBuilder {
   visualization_msgs::MarkerArray array_;
   ros::Time stamp_;
   std::size_t used_ = 0;
+  std::size_t mostUsed_ = 0;  ///< ever
   std::vector<Eigen::Vector3f> normals_;
   std::vector<float> strain_;                  ///< per vertex, largest of its links
   std::vector<std_msgs::ColorRGBA> colours_;   ///< per vertex, of the side at work

@@ -12,12 +12,20 @@
 #include <optional>
 #include <thread>
 
+#include "cloth_sim/ros/clamp_ports.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
+#include "cloth_sim/ros/obstacle_followers.h"
 #include "cloth_sim/ros/parameters.h"
 #include "cloth_sim/ros/simulation_thread.h"
 
 namespace cloth_sim {
+
+/// What moves by commands from outside: for its topics, and to report how it gets on.
+struct Followers {
+  ClampPorts& clamps;
+  const ObstacleFollowers& obstacles;
+};
 
 /// Sends every topic of the node, tf and diagnostics, each at its rate. What nobody subscribes to
 /// is not computed.
@@ -25,7 +33,7 @@ class Publishers {
  public:
   /// \param scene  its text, for whoever records.
   Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
-             const std::string& scene, SimulationThread& simulation);
+             const std::string& scene, SimulationThread& simulation, const Followers& followers);
   ~Publishers();
   Publishers(const Publishers&) = delete;
   Publishers& operator=(const Publishers&) = delete;
@@ -52,17 +60,20 @@ class Publishers {
   void sendCommands();
   void sendTopology(const Observation& observation);
   void sendEvents(const Observation& observation);
+  void sendGraspEvents();
   void sendPhase(const Observation& observation);
   void sendState(const Observation& observation);
   void sendClamps(const Observation& observation);
   void sendFrame(const Observation& observation);
   void sendMarkers(const Observation& observation);
   void sendSceneMarkers(const Observation& observation);
+  void diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
 
   NodeParameters parameters_;
   SimulationThread& simulation_;
+  Followers followers_;
   std::string nodeName_;
   ros::Publisher markers_;
   ros::Publisher sceneMarkers_;
@@ -74,7 +85,7 @@ class Publishers {
   ros::Publisher phase_;
   ros::Publisher commands_;
   ros::Publisher scene_;
-  std::vector<ros::Publisher> wrenches_;  ///< by clamp, in the scene's order
+  ros::Publisher graspEvents_;
   tf2_ros::TransformBroadcaster broadcaster_;
   diagnostic_updater::Updater updater_;
 
@@ -82,6 +93,7 @@ class Publishers {
   Schedule sceneMarkersSchedule_;
   Schedule frameSchedule_;
   Schedule stateSchedule_;
+  Schedule wrenchSchedule_;
   MarkerBuilder builder_;
   MarkerBuilder sceneBuilder_;
   ClothFrame frameMessage_;

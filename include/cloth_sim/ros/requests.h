@@ -9,8 +9,10 @@
 #include <variant>
 #include <vector>
 
+#include "cloth_sim/AddClamp.h"
 #include "cloth_sim/CutStroke.h"
 #include "cloth_sim/DragRay.h"
+#include "cloth_sim/GripperCommand.h"
 #include "cloth_sim/Refine.h"
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/scene/scene.h"
@@ -28,13 +30,18 @@ using Request = std::variant<Command, Refusal>;
 /// \throws std::runtime_error if the frame is unknown at the asked time.
 using WorldTransform = std::function<Pose(const Pose&, const std_msgs::Header&)>;
 
-/// Checks requests against what a scene has.
+/// Checks requests against what a scene has. Clamps come and go: whether one is there, only the
+/// simulation can say.
 class RequestChecker {
  public:
   RequestChecker(const Scene& scene, WorldTransform toWorld);
 
   Request clampPose(const std::string& clamp, const geometry_msgs::PoseStamped& pose) const;
   Request grasp(const std::string& clamp, bool grasp) const;
+  /// The force limit first, if there is one, then the width; or a single refusal.
+  std::vector<Request> gripper(const std::string& clamp, const GripperCommand& command) const;
+  Request gripWidth(const std::string& clamp, double width) const;
+  Request newClamp(const AddClamp::Request& message) const;
   Request phase(const std::string& phase) const;
   Request reset(std::uint8_t scope) const;
   /// Empty if `factor` can be a real-time factor.
@@ -47,11 +54,9 @@ class RequestChecker {
   /// Empty if `name` can be the name of a saved state: no path, nothing hidden.
   std::string stateName(const std::string& name) const;
 
-  const std::vector<std::string>& clamps() const { return clamps_; }
   const std::vector<std::string>& phases() const { return phases_; }
 
  private:
-  std::vector<std::string> clamps_;
   std::vector<std::string> phases_;
   WorldTransform toWorld_;
 };

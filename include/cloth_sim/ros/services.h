@@ -6,18 +6,22 @@
 
 #include <vector>
 
+#include "cloth_sim/AddClamp.h"
 #include "cloth_sim/Cut.h"
+#include "cloth_sim/Follow.h"
 #include "cloth_sim/GetState.h"
 #include "cloth_sim/Grasp.h"
 #include "cloth_sim/LoadState.h"
 #include "cloth_sim/Pause.h"
 #include "cloth_sim/Refine.h"
+#include "cloth_sim/RemoveClamp.h"
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/SaveState.h"
 #include "cloth_sim/SetClampPose.h"
 #include "cloth_sim/SetRealTimeFactor.h"
 #include "cloth_sim/StartPhase.h"
 #include "cloth_sim/Step.h"
+#include "cloth_sim/ros/clamp_ports.h"
 #include "cloth_sim/ros/requests.h"
 #include "cloth_sim/ros/simulation_thread.h"
 #include "cloth_sim/ros/state_directory.h"
@@ -37,7 +41,7 @@ struct SceneFacts {
 class Services {
  public:
   Services(ros::NodeHandle& privateNode, SceneFacts facts, const RequestChecker& checker,
-           SimulationThread& simulation);
+           SimulationThread& simulation, ClampPorts& clamps);
 
  private:
   template <typename Service>
@@ -49,6 +53,9 @@ class Services {
 
   void setClampPose(const SetClampPose::Request& request, SetClampPose::Response& reply);
   void grasp(const Grasp::Request& request, Grasp::Response& reply);
+  void addClamp(const AddClamp::Request& request, AddClamp::Response& reply);
+  void removeClamp(const RemoveClamp::Request& request, RemoveClamp::Response& reply);
+  void follow(const Follow::Request& request, Follow::Response& reply);
   void cut(const Cut::Request& request, Cut::Response& reply);
   void refine(const Refine::Request& request, Refine::Response& reply);
   void setPhase(const StartPhase::Request& request, StartPhase::Response& reply);
@@ -65,6 +72,7 @@ class Services {
   StateDirectory states_;
   const RequestChecker& checker_;
   SimulationThread& simulation_;
+  ClampPorts& clamps_;
   std::vector<ros::ServiceServer> servers_;
 };
 

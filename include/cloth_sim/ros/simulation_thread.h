@@ -89,6 +89,8 @@ class SimulationThread {
 
   /// Springs that failed since the last call and the last reset. One caller only.
   FailureBatch takeEvents();
+  /// What became of grasps since the last call. One caller only.
+  std::vector<GripEvent> takeGripEvents();
 
   /// Commands that were carried out since the last call. One caller only.
   std::vector<CommandRecord> takeCommands();
@@ -174,6 +176,7 @@ class SimulationThread {
   FailureBatch failures_;
   std::vector<CommandRecord> commands_;
   std::uint64_t commandCount_ = 0;
+  std::vector<GripEvent> gripEvents_;
 
   std::thread thread_;  // last: starts when everything above is there
 };

@@ -17,4 +17,8 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known);
 
+/// Clamps give their names to topics and frames. Empty if `name` will do, otherwise what was
+/// expected.
+std::string clampNameDefect(const std::string& name);
+
 }  // namespace cloth_sim

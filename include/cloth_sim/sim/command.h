@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/clamp/drag.h"
 #include "cloth_sim/solver/solver.h"
 #include "cloth_sim/surgery/settings.h"
@@ -22,6 +23,54 @@ struct SetClampTarget {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(clamp, pose);
+  }
+};
+/// As SetClampTarget, with a target that moves: what a robot's hand does.
+struct GuideClamp {
+  std::string clamp;
+  MovingPose target;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(clamp, target);
+  }
+};
+struct SetGripForce {
+  std::string clamp;
+  std::optional<double> force;  ///< > 0 [N]; absent: any
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(clamp, force);
+  }
+};
+/// What a hand's width says: up to halfway between closed and open the clamp closes, beyond it lets
+/// go.
+struct SetGapWidth {
+  std::string clamp;
+  double width = 0.0;  ///< [m]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(clamp, width);
+  }
+};
+/// A clamp more, until it is removed or the scene is reset.
+struct CreateClamp {
+  ClampSpec spec;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(spec);
+  }
+};
+/// Lets go and takes the clamp away, until the scene is reset.
+struct DeleteClamp {
+  std::string clamp;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(clamp);
   }
 };
 struct SetGrasp {
@@ -59,6 +108,20 @@ struct MoveObstacle {
     archive(obstacle, pose, velocity);
   }
 };
+/// The obstacle goes along with a target that moves, and is where that is at the end of every step.
+/// It goes there at once if that took more than kFastestObstacle. `velocity` of a phase or of
+/// MoveObstacle ends it.
+struct GuideObstacle {
+  std::string obstacle;
+  MovingPose target;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(obstacle, target);
+  }
+};
+/// An obstacle that would have to be faster to reach its target jumps there [m/s].
+constexpr double kFastestObstacle = 10.0;
 struct SetTearing {
   bool enabled = false;
   TearRatios ratio{};
@@ -128,8 +191,10 @@ struct Restore {
   }
 };
 
-using Command = std::variant<SetClampTarget, SetGrasp, SetPhase, SetGravity, MoveObstacle,
-                             SetTearing, SetWind, SetStiffness, PullParticle, CutAlong, RefineNear, Reset, Restore>;
+using Command =
+    std::variant<SetClampTarget, GuideClamp, SetGripForce, SetGapWidth, CreateClamp, DeleteClamp,
+                 SetGrasp, SetPhase, SetGravity, MoveObstacle, GuideObstacle, SetTearing, SetWind,
+                 SetStiffness, PullParticle, CutAlong, RefineNear, Reset, Restore>;
 
 /// Whether a command makes the cloth another one, so that what was known of it is void.
 inline bool beginsAnew(const Command& command) {

@@ -3,8 +3,10 @@
 
 #include <memory>
 
+#include "cloth_sim/clamp/grip_event.h"
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/command.h"
+#include "cloth_sim/sim/obstacle_guides.h"
 #include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/sim/step_watch.h"
 #include "cloth_sim/solver/solver.h"
@@ -55,6 +57,8 @@ class Simulation {
   const std::vector<FailureEvent>& failures() const { return failures_; }
   /// Those since the last call.
   std::vector<FailureEvent> takeEvents();
+  /// What became of grasps since the last call, in order.
+  std::vector<GripEvent> takeGripEvents();
 
   /// Everything that the future of this simulation depends on, as bytes (see sim/saved_state.h).
   std::string save() const;
@@ -73,6 +77,9 @@ class Simulation {
   void runScript();
   void advance(const StepLength& length);
   void moveClamps(double dt);
+  void gatherControls();
+  bool letSlip();
+  void watchGrips();
   void detectContacts(double dt);
   void solve(const StepLength& length);
   bool attempt(const StepLength& length);
@@ -95,10 +102,16 @@ class Simulation {
   void fail(const std::string& why);
 
   CommandResult carryOut(const SetClampTarget& command);
+  CommandResult carryOut(const GuideClamp& command);
+  CommandResult carryOut(const SetGripForce& command);
+  CommandResult carryOut(const SetGapWidth& command);
+  CommandResult carryOut(const CreateClamp& command);
+  CommandResult carryOut(const DeleteClamp& command);
   CommandResult carryOut(const SetGrasp& command);
   CommandResult carryOut(const SetPhase& command);
   CommandResult carryOut(const SetGravity& command);
   CommandResult carryOut(const MoveObstacle& command);
+  CommandResult carryOut(const GuideObstacle& command);
   CommandResult carryOut(const SetTearing& command);
   CommandResult carryOut(const SetWind& command);
   CommandResult carryOut(const SetStiffness& command);
@@ -126,7 +139,10 @@ class Simulation {
   std::vector<KinematicTarget> pins_;
   std::vector<Clamp> clamps_;
   Drag drag_;
+  GripWatch grips_;
+  std::vector<GripEvent> gripEvents_;
   ColliderSet colliders_;
+  ObstacleGuides guides_;
   Contacts contacts_;
   std::unique_ptr<Solver> solver_;
   StepReport report_;

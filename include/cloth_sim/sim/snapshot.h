@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "cloth_sim/clamp/clamp.h"
+#include "cloth_sim/clamp/grip_event.h"
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/solver/step_guard.h"
 #include "cloth_sim/surgery/tearing.h"
@@ -34,7 +34,10 @@ struct ClampSnapshot {
   Vec2 plateSize = Vec2::Zero();  ///< [m]
   double gap = 0.0;               ///< [m]
   ClampState state = ClampState::kOpen;
-  int held = 0;  ///< particles
+  GripContents contents;  ///< now
+  bool slipping = false;
+  double slipped = 0.0;             ///< how far the cloth has slid since it was grasped [m]
+  std::optional<double> gripForce;  ///< [N]; absent: any
   Wrench wrench;
 };
 

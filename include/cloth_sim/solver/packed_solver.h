@@ -59,8 +59,8 @@ class PackedSolver : public Solver {
   void addForcesToReactions(double h);
   /// Adds an impulse [N s] on the k-th kinematic target to its reaction.
   void addReaction(std::size_t k, const Vec3& impulse) { report_.reactions[k] += impulse; }
-  /// Adds the pressure of the wind on every face to `force_`.
-  void addWind(const Model& model, const Wind& wind);
+  /// Adds the pressure of the wind on every face, and the forces on single particles, to `force_`.
+  void addLoads(const Model& model, const Controls& controls);
   /// Pushes particles out of obstacles; their velocities change by the displacement over h.
   void enforceContacts(const Substep& now);
   /// Takes from velocities what would carry particles into obstacles in the next h, and the slip
@@ -80,6 +80,7 @@ class PackedSolver : public Solver {
   void followModel(const Model& model, const SpringChanges& changes);
   template <typename Visit>
   void forFreeCandidates(const Contacts& contacts, const Visit& visit) const;
+  void addWind(const Model& model, const Wind& wind);
   void loadKinematics(const Model& model, const Controls& controls);
   void keepOutOf(const Contacts& contacts, const Controls& controls, const StepLength& length,
                  double time);

@@ -44,16 +44,31 @@ struct Wind {
   }
 };
 
+/// A force on one particle, constant during a step.
+struct PointForce {
+  VertexId vertex = kNone;
+  Vec3 force = Vec3::Zero();  ///< [N]
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(vertex, force);
+  }
+};
+
 /// Everything that acts on the cloth in a step except its own springs and contacts.
 struct Controls {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);    ///< [m/s^2]
   double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
   std::optional<Wind> wind;                ///< absent: no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
+  std::vector<PointForce> forces;          ///< in any order; none: not looked at
+
+  /// Whether anything presses or pulls on particles, besides gravity and drag.
+  bool hasLoads() const { return wind.has_value() || !forces.empty(); }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(gravity, drag, wind, kinematic);
+    archive(gravity, drag, wind, kinematic, forces);
   }
 };
 

@@ -172,7 +172,9 @@ TEST(Markers, ClampPlatesStandAtTheirGap) {
 TEST(Markers, ObstaclesHaveTheirShapes) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(3);
-  Obstacle sphere, board, plane, bounds;
+  Obstacle sphere, board, plane, bounds, rod;
+  rod.shape = CapsuleShape{0.05, 0.3};
+  rod.pose.position = Vec3(1.0, 0.0, 0.0);
   sphere.shape = SphereShape{0.1};
   board.shape = BoxShape{Vec3(1.6, 1.6, 0.05)};
   plane.shape = PlaneShape{};
@@ -182,6 +184,29 @@ TEST(Markers, ObstaclesHaveTheirShapes) {
   EXPECT_EQ(count(array, "obstacles"), 3);
   EXPECT_EQ(find(array, "obstacles")->scale.x, 0.2);
   EXPECT_EQ(find(array, "bounds")->points.size(), 24u);  // twelve edges
+
+  snapshot.obstacles = {rod};
+  const auto& round = builder.build(snapshot, ros::Time(2.0));
+  EXPECT_EQ(count(round, "obstacles"), 3) << "a cylinder and two balls";
+  const Marker* cylinder = find(round, "obstacles");
+  EXPECT_EQ(cylinder->type, Marker::CYLINDER);
+  EXPECT_EQ(cylinder->scale.x, 0.1);
+  EXPECT_EQ(cylinder->scale.z, 0.3);
+  EXPECT_EQ((cylinder + 1)->pose.position.z, -0.15);
+  EXPECT_EQ((cylinder + 1)->type, Marker::SPHERE);
+}
+
+TEST(Markers, OfAClampThatWentAreDeleted) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(3);
+  snapshot.clamps.resize(2);
+  const std::size_t both = builder.build(snapshot, ros::Time(1.0)).markers.size();
+  snapshot.clamps.pop_back();
+  const auto& array = builder.build(snapshot, ros::Time(2.0));
+  ASSERT_EQ(array.markers.size(), both);
+  EXPECT_EQ(array.markers[both - 1].action, Marker::DELETE);
+  EXPECT_EQ(array.markers[both - 2].action, Marker::DELETE);
+  EXPECT_EQ(array.markers[both - 3].action, Marker::ADD);
 }
 
 TEST(Markers, TextTellsPhaseCountsAndTime) {

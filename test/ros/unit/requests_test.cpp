@@ -88,7 +88,6 @@ TEST_F(RequestsTest, GoodPoseBecomesACommandInTheWorldFrame) {
 }
 
 TEST_F(RequestsTest, BadPosesAreRefused) {
-  EXPECT_THAT(refusal(checker_.clampPose("lift", pose_)), HasSubstr("left, right"));
   geometry_msgs::PoseStamped bad = pose_;
   bad.pose.position.y = kNan;
   EXPECT_THAT(refusal(checker_.clampPose("left", bad)), HasSubstr("finite"));
@@ -113,10 +112,44 @@ TEST_F(RequestsTest, NearlyUnitQuaternionIsNormalised) {
 }
 
 TEST_F(RequestsTest, UnknownNamesAreRefusedWithTheKnownOnes) {
-  EXPECT_THAT(refusal(checker_.grasp("", true)), HasSubstr("left, right"));
   EXPECT_THAT(refusal(checker_.phase("push")), HasSubstr("pull"));
   EXPECT_EQ(refusal(checker_.phase("pull")), "");
-  EXPECT_EQ(refusal(checker_.grasp("left", false)), "");
+}
+
+TEST_F(RequestsTest, AGripperCommandIsAForceAndAWidth) {
+  GripperCommand message;
+  message.position = 0.01;
+  EXPECT_EQ(checker_.gripper("left", message).size(), 1U) << "no effort: the force stays";
+  message.max_effort = 12.0;
+  const std::vector<Request> both = checker_.gripper("left", message);
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(std::get<SetGripForce>(std::get<Command>(both[0])).force, 12.0);
+  EXPECT_EQ(std::get<SetGapWidth>(std::get<Command>(both[1])).width, 0.01);
+  message.max_effort = -1.0;
+  ASSERT_EQ(checker_.gripper("left", message).size(), 1U);
+  EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("max_effort"));
+  message.position = kNan;
+  EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("finite"));
+}
+
+TEST_F(RequestsTest, ANewClampTakesDefaultsWhereNumbersAreZero) {
+  AddClamp::Request message;
+  message.name = "third";
+  message.pose = pose_;
+  message.plate_size[1] = 0.5;
+  message.grip_force = 3.0;
+  const Request request = checker_.newClamp(message);
+  const ClampSpec& spec = std::get<CreateClamp>(std::get<Command>(request)).spec;
+  const ClampSpec usual;
+  EXPECT_EQ(spec.name, "third");
+  EXPECT_EQ(spec.plateSize, Vec2(usual.plateSize.x(), 0.5));
+  EXPECT_EQ(spec.gapOpen, usual.gapOpen);
+  EXPECT_EQ(spec.gripForce, 3.0);
+  message.name = "all";
+  EXPECT_THAT(refusal(checker_.newClamp(message)), HasSubstr("name"));
+  message.name = "third";
+  message.pose.pose.orientation.w = 2.0;
+  EXPECT_THAT(refusal(checker_.newClamp(message)), HasSubstr("unit quaternion"));
 }
 
 TEST_F(RequestsTest, StepsHaveARange) {

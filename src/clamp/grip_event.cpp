@@ -1,0 +1,69 @@
+#include "cloth_sim/clamp/grip_event.h"
+
+#include <algorithm>
+
+namespace cloth_sim {
+
+const char* toString(GripEvent::Kind kind) {
+  switch (kind) {
+    case GripEvent::Kind::kClosed:
+      return "closed";
+    case GripEvent::Kind::kSlipping:
+      return "slipping";
+    case GripEvent::Kind::kHolding:
+      return "holding";
+    case GripEvent::Kind::kLost:
+      return "lost";
+    case GripEvent::Kind::kReleased:
+      return "released";
+  }
+  return "";
+}
+
+GripContents gripContents(const Clamp& clamp, const Model& model, const State& state,
+                          const ColliderSet& colliders) {
+  GripContents contents;
+  for (const VertexId v : clamp.held()) {
+    ++contents.held;
+    contents.area += areaAround(model.mesh, v) / 3.0;
+    const auto touches = [&](const Collider& c) { return c.gap(state.x[v], state.t) <= kTouching; };
+    const std::vector<Collider>& all = colliders.all();
+    if (std::any_of(all.begin(), all.end(), touches)) ++contents.onObstacle;
+  }
+  return contents;
+}
+
+GripWatch::Seen& GripWatch::find(const std::string& clamp) {
+  const auto named = [&](const Seen& seen) { return seen.clamp == clamp; };
+  const auto found = std::find_if(seen_.begin(), seen_.end(), named);
+  if (found != seen_.end()) return *found;
+  seen_.emplace_back().clamp = clamp;
+  return seen_.back();
+}
+
+std::vector<GripEvent::Kind> GripWatch::update(const Clamp& clamp) {
+  Seen& before = find(clamp.spec().name);
+  std::vector<GripEvent::Kind> kinds;
+  const bool held = !clamp.held().empty();
+  const bool closed = clamp.state() == ClampState::kClosed;
+  if (closed && before.state != ClampState::kClosed) kinds.push_back(GripEvent::Kind::kClosed);
+  if (clamp.isSlipping() && !before.slipping) kinds.push_back(GripEvent::Kind::kSlipping);
+  if (clamp.state() == ClampState::kOpen && before.state != ClampState::kOpen) {
+    kinds.push_back(GripEvent::Kind::kReleased);
+  } else if (before.held && !held) {
+    kinds.push_back(GripEvent::Kind::kLost);
+  } else if (before.slipping && !clamp.isSlipping()) {
+    kinds.push_back(GripEvent::Kind::kHolding);
+  }
+  before.state = clamp.state();
+  before.slipping = clamp.isSlipping();
+  before.held = held;
+  return kinds;
+}
+
+void GripWatch::forget(const std::string& clamp) {
+  const auto named = [&](const Seen& seen) { return seen.clamp == clamp; };
+  seen_.erase(std::remove_if(seen_.begin(), seen_.end(), named), seen_.end());
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,129 @@
+#include "cloth_sim/ros/clamp_ports.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <std_msgs/Bool.h>
+#include <std_msgs/Float64.h>
+
+#include <algorithm>
+
+#include "cloth_sim/ros/conversions.h"
+#include "submit.h"
+
+namespace cloth_sim {
+namespace {
+
+constexpr std::uint32_t kNewest = 1;  ///< only the newest pose or width counts
+constexpr std::uint32_t kEvery = 10;  ///< every grasp does
+
+}  // namespace
+
+ClampPorts::ClampPorts(ros::NodeHandle& node, const NodeParameters& parameters,
+                       const RequestChecker& checker, const WorldFrame& world,
+                       SimulationThread& simulation)
+    : node_(node),
+      parameters_(parameters),
+      checker_(checker),
+      world_(world),
+      simulation_(simulation) {
+  update(simulation.observe().snapshot->clamps);
+}
+
+template <typename Message, typename Check>
+ros::Subscriber ClampPorts::listen(const std::string& topic, std::uint32_t queue,
+                                   const Check& check) {
+  const boost::function<void(const Message&)> callback = [this, topic,
+                                                          check](const Message& message) {
+    for (const Request& request : check(message)) submit(topic, request, simulation_);
+  };
+  return node_.subscribe<Message, const Message&>(topic, queue, callback);
+}
+
+void ClampPorts::update(const std::vector<ClampSnapshot>& clamps) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (auto port = ports_.begin(); port != ports_.end();) {
+    const auto named = [&](const ClampSnapshot& clamp) { return clamp.name == port->first; };
+    const bool exists = std::any_of(clamps.begin(), clamps.end(), named);
+    port = exists ? std::next(port) : ports_.erase(port);
+  }
+  for (const ClampSnapshot& clamp : clamps) {
+    if (ports_.count(clamp.name) == 0) open(clamp.name);
+  }
+}
+
+void ClampPorts::open(const std::string& clamp) {
+  using Requests = std::vector<Request>;
+  Port& port = ports_.emplace(clamp, Port(parameters_.wrenchCutoff)).first->second;
+  const std::string base = "clamps/" + clamp;
+  port.wrench = node_.advertise<geometry_msgs::WrenchStamped>(base + "/wrench", 10);
+  port.commands.push_back(listen<geometry_msgs::PoseStamped>(
+      base + "/command", kNewest, [this, clamp](const geometry_msgs::PoseStamped& pose) {
+        return Requests{checker_.clampPose(clamp, pose)};
+      }));
+  port.commands.push_back(
+      listen<std_msgs::Bool>(base + "/grasp", kEvery, [this, clamp](const std_msgs::Bool& grasp) {
+        return Requests{checker_.grasp(clamp, grasp.data)};
+      }));
+  port.commands.push_back(listen<GripperCommand>(
+      base + "/gripper_command", kNewest,
+      [this, clamp](const GripperCommand& command) { return checker_.gripper(clamp, command); }));
+  const auto source = parameters_.follow.find(clamp);
+  if (source != parameters_.follow.end()) attach(clamp, source->second, port);
+}
+
+void ClampPorts::attach(const std::string& clamp, const FollowSource& source, Port& port) {
+  port.follower.reset();
+  port.width.shutdown();
+  if (source.kind != FollowSource::Kind::kNothing) {
+    const PoseFollower::Sink sink = [this, clamp](const MovingPose& target) {
+      submit("follow/" + clamp, Command{GuideClamp{clamp, target}}, simulation_);
+    };
+    port.follower = std::make_unique<PoseFollower>(node_, "clamp " + clamp, source, world_,
+                                                   parameters_.rateFollow, sink);
+  }
+  if (source.graspWidth.empty()) return;
+  port.width = listen<std_msgs::Float64>(
+      source.graspWidth, kNewest, [this, clamp](const std_msgs::Float64& width) {
+        return std::vector<Request>{checker_.gripWidth(clamp, width.data)};
+      });
+}
+
+CommandResult ClampPorts::follow(const std::string& clamp, const FollowSource& source) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto port = ports_.find(clamp);
+  if (port == ports_.end()) return {false, "unknown clamp '" + clamp + "'"};
+  attach(clamp, source, port->second);
+  return {true, "clamp " + clamp + " follows " + toString(source)};
+}
+
+std::vector<FollowStatus> ClampPorts::followers() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<FollowStatus> result;
+  for (const auto& [clamp, port] : ports_) {
+    if (port.follower) result.push_back(port.follower->status());
+  }
+  return result;
+}
+
+void ClampPorts::sendWrenches(const Snapshot& snapshot, const ros::Time& stamp,
+                              const std::string& nodeName) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const ClampSnapshot& clamp : snapshot.clamps) {
+    const auto found = ports_.find(clamp.name);
+    if (found == ports_.end() || found->second.wrench.getNumSubscribers() == 0) continue;
+    Port& port = found->second;
+    geometry_msgs::WrenchStamped message;
+    message.header.stamp = stamp;
+    message.header.frame_id = clampFrameId(nodeName, clamp.name);
+    message.wrench = clampFrameWrench(clamp, port.filter.filter(snapshot.time, clamp.wrench));
+    port.wrench.publish(message);
+  }
+}
+
+std::uint32_t ClampPorts::wrenchSubscribers() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::uint32_t count = 0;
+  for (const auto& [clamp, port] : ports_) count += port.wrench.getNumSubscribers();
+  return count;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,28 @@
+#pragma once
+/// \file What command topics do with what comes in.
+
+#include <ros/console.h>
+
+#include <string>
+
+#include "cloth_sim/ros/requests.h"
+#include "cloth_sim/ros/simulation_thread.h"
+
+namespace cloth_sim {
+
+/// Hands a request to the simulation. What is refused, here or there, is warned about, not more
+/// often than twice a second.
+/// \param topic  for messages to people.
+inline void submit(const std::string& topic, const Request& request, SimulationThread& simulation) {
+  constexpr double kWarnPeriod = 0.5;  // [s]
+  if (const auto* refusal = std::get_if<Refusal>(&request)) {
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "~" << topic << ": refused: " << refusal->message);
+    return;
+  }
+  simulation.post(std::get<Command>(request), [topic](const CommandResult& result) {
+    if (result.success) return;
+    ROS_WARN_STREAM_THROTTLE(kWarnPeriod, "~" << topic << ": refused: " << result.message);
+  });
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,35 @@
+#include "cloth_sim/sim/obstacle_guides.h"
+
+#include <algorithm>
+
+#include "cloth_sim/sim/command.h"
+
+namespace cloth_sim {
+
+void ObstacleGuides::set(const std::string& obstacle, const MovingPose& target) {
+  drop(obstacle);
+  guides_.push_back({obstacle, target});
+}
+
+void ObstacleGuides::drop(const std::string& obstacle) {
+  const auto named = [&](const Guide& guide) { return guide.obstacle == obstacle; };
+  guides_.erase(std::remove_if(guides_.begin(), guides_.end(), named), guides_.end());
+}
+
+void ObstacleGuides::steer(double time, double dt, ColliderSet& colliders) {
+  for (Guide& guide : guides_) {
+    Collider* collider = colliders.find(guide.obstacle);
+    if (collider == nullptr) continue;
+    guide.target.advance(dt);
+    const Pose& goal = guide.target.pose;
+    const Vec3 from = collider->poseAt(time).position;
+    const Vec3 velocity = (goal.position - from) / dt;
+    if (velocity.norm() > kFastestObstacle) {
+      collider->place(goal, Vec3::Zero(), time);
+    } else {
+      collider->place({from, goal.orientation}, velocity, time);
+    }
+  }
+}
+
+}  // namespace cloth_sim
