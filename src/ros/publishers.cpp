@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cloth_sim/ros/surface_messages.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -31,6 +33,8 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       frameSchedule_(parameters.rateFrame),
       stateSchedule_(parameters.rateState),
       wrenchSchedule_(parameters.rateWrench),
+      pointsSchedule_(parameters.rateSurface),
+      meshSchedule_(parameters.rateSurface),
       builder_([&] {
         MarkerStyle style;
         style.frame = parameters.worldFrame;
@@ -46,6 +50,8 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   brokenSprings_ = own.advertise<BrokenSprings>("broken_springs", 10, true);
   tearEvents_ = own.advertise<TearEvents>("tear_events", 1000);
   phase_ = own.advertise<std_msgs::String>("phase", 10, true);
+  points_ = own.advertise<sensor_msgs::PointCloud2>("points", 1);
+  mesh_ = own.advertise<shape_msgs::Mesh>("mesh", 1);
   graspEvents_ = own.advertise<GraspEvent>("grasp_events", 100);
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
@@ -79,6 +85,9 @@ double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
   if (markers_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateMarkers);
+  if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
+    rate = std::max(rate, parameters_.rateSurface);
+  }
   if (followers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
   return rate;
 }
@@ -117,6 +126,7 @@ void Publishers::tick() {
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
   if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
+  sendSurfaces(observation, now);
   diagnosed_ = observation;
   updater_.update();
 }
@@ -180,6 +190,16 @@ void Publishers::sendFrame(const Observation& observation) {
   frame_.publish(frameMessage_);
 }
 
+void Publishers::sendSurfaces(const Observation& observation, Clock::time_point now) {
+  const Snapshot& snapshot = *observation.snapshot;
+  if (pointsSchedule_.due(now, observation.number, points_.getNumSubscribers())) {
+    points_.publish(toPointCloud(snapshot, header_));
+  }
+  if (meshSchedule_.due(now, observation.number, mesh_.getNumSubscribers())) {
+    mesh_.publish(toMeshMessage(snapshot));
+  }
+}
+
 void Publishers::sendMarkers(const Observation& observation) {
   markers_.publish(builder_.build(*observation.snapshot, header_.stamp));
 }
@@ -220,6 +240,9 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("step time [s]", diagnosed_.stepTime);
   status.add("simulated time [s]", snapshot.time);
   status.add("max strain", snapshot.maxStretch - 1.0);
+  const double substep = diagnosed_.substep;
+  status.add("substep [s]", substep);
+  status.add("substep over the limit of explicit methods", substep / snapshot.topology->stableStep);
   status.add("phase", snapshot.phase);
   status.add("pieces", snapshot.pieces.size());
   status.add("broken springs", snapshot.broken.total);

@@ -39,8 +39,6 @@ class MarkerBuilder {
   using Marker = visualization_msgs::Marker;
 
   Marker& next(const char* space, int type);
-  void computeNormals(const Snapshot& snapshot);
-  void computeStrain(const Snapshot& snapshot);
   void addCloth(const Snapshot& snapshot);
   void addSide(const Snapshot& snapshot, bool front);
   void addTornEdges(const Snapshot& snapshot);

@@ -16,6 +16,7 @@ struct Observation {
   bool paused = false;
   double realTimeFactor = 0.0;        ///< simulated over wall time, lately [-]
   double stepTime = 0.0;              ///< wall time of one step, mean over the same time [s]
+  double substep = 0.0;               ///< of the method now [s]
   std::uint64_t resets = 0;           ///< since the start
   std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
   std::uint64_t number = 0;           ///< grows with every observation

@@ -59,6 +59,7 @@ class Publishers {
   void sendState(const Observation& observation);
   void sendClamps(const Observation& observation);
   void sendFrame(const Observation& observation);
+  void sendSurfaces(const Observation& observation, Clock::time_point now);
   void sendMarkers(const Observation& observation);
   void diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -76,6 +77,8 @@ class Publishers {
   ros::Publisher tearEvents_;
   ros::Publisher phase_;
   ros::Publisher graspEvents_;
+  ros::Publisher points_;
+  ros::Publisher mesh_;
   tf2_ros::TransformBroadcaster broadcaster_;
   diagnostic_updater::Updater updater_;
 
@@ -83,6 +86,8 @@ class Publishers {
   Schedule frameSchedule_;
   Schedule stateSchedule_;
   Schedule wrenchSchedule_;
+  Schedule pointsSchedule_;
+  Schedule meshSchedule_;
   MarkerBuilder builder_;
   ClothFrame frameMessage_;
   FailureLog failures_;

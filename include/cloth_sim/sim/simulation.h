@@ -37,6 +37,8 @@ class Simulation {
   const PhaseScript& script() const { return script_; }
   const BrokenCounts& broken() const { return broken_; }
   const StepReport& lastReport() const { return report_; }
+  /// Of the method, as the mesh is now [s].
+  double substep() const { return scene_.solver.dt / solver_->substeps(); }
   int pieces() const { return pieces_.count; }
   const DroppedScraps& dropped() const { return dropped_; }
   double time() const { return state_.t; }
