@@ -150,6 +150,12 @@ def ball(radius, position, parts=48):
                            np.stack([a, c, d], axis=2).reshape(-1, 3, 3)])
 
 
+def capsule(radius, length, position, rotation):
+    ends = ball(radius, np.zeros(3))
+    ends[..., 2] += np.where(ends[..., 2] > 1e-9, length / 2, -length / 2)
+    return ends @ rotation.T + position
+
+
 def rotation_of(entry):
     if 'rpy' in entry:
         r, p, y = entry['rpy']
@@ -190,7 +196,9 @@ class SceneFile:
         turn = rotation_of(entry)
         if entry['type'] == 'sphere':
             return [(ball(float(entry['radius']), where), BALL)]
-        if entry['type'] == 'board':
+        if entry['type'] == 'capsule':
+            return [(capsule(float(entry['radius']), float(entry['length']), where, turn), BALL)]
+        if entry['type'] in ('board', 'box'):
             return [(box(np.array(entry['size'], dtype=float), where, turn), BOARD)]
         if entry['type'] == 'plane':
             ground = np.array([3.0, 3.0, 0.01])

@@ -7,6 +7,7 @@
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
+#include "cloth_sim/ros/surface_messages.h"
 
 namespace cloth_sim {
 namespace {
@@ -110,32 +111,9 @@ Marker& MarkerBuilder::next(const char* space, int type) {
   return marker;
 }
 
-void MarkerBuilder::computeNormals(const Snapshot& snapshot) {
-  normals_.assign(snapshot.positions.size(), Eigen::Vector3f::Zero());
-  for (const Face& face : snapshot.topology->faces) {
-    const Vec3& a = snapshot.positions[face[0]];
-    const Vec3 normal = (snapshot.positions[face[1]] - a).cross(snapshot.positions[face[2]] - a);
-    for (const VertexId v : face) normals_[v] += normal.cast<float>();
-  }
-  for (Eigen::Vector3f& normal : normals_) {
-    const float length = normal.norm();
-    normal = length > 0.0f ? Eigen::Vector3f(normal / length) : Eigen::Vector3f::UnitZ();
-  }
-}
-
-void MarkerBuilder::computeStrain(const Snapshot& snapshot) {
-  strain_.assign(snapshot.positions.size(), 0.0f);
-  for (const Topology::Link& link : snapshot.topology->links) {
-    const double length = (snapshot.positions[link.b] - snapshot.positions[link.a]).norm();
-    const auto strain = static_cast<float>(length / link.restLength - 1.0);
-    strain_[link.a] = std::max(strain_[link.a], strain);
-    strain_[link.b] = std::max(strain_[link.b], strain);
-  }
-}
-
 void MarkerBuilder::addCloth(const Snapshot& snapshot) {
-  computeNormals(snapshot);
-  computeStrain(snapshot);
+  vertexNormals(snapshot, normals_);
+  vertexStrains(snapshot, strain_);
   addSide(snapshot, true);
   if (style_.twoSided) addSide(snapshot, false);
 }

@@ -178,6 +178,7 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("world_frame", result.worldFrame);
   reader.read("rate_markers", Range{0.0, kMaxRate}, result.rateMarkers);
   reader.read("rate_frame", Range{0.0, kMaxRate}, result.rateFrame);
+  reader.read("rate_surface", Range{0.0, kMaxRate}, result.rateSurface);
   reader.read("rate_state", Range{0.0, kMaxRate, false}, result.rateState);
   reader.read("rate_wrench", Range{0.0, kMaxRate}, result.rateWrench);
   reader.read("rate_follow", Range{0.0, kMaxRate, false}, result.rateFollow);

@@ -8,6 +8,7 @@
 
 #include "cloth_sim/ros/bag_writer.h"
 #include "cloth_sim/ros/clock_publisher.h"
+#include "cloth_sim/ros/surface_messages.h"
 
 namespace cloth_sim {
 namespace {
@@ -44,6 +45,8 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       frameSchedule_(parameters.rateFrame),
       stateSchedule_(parameters.rateState),
       wrenchSchedule_(parameters.rateWrench),
+      pointsSchedule_(parameters.rateSurface),
+      meshSchedule_(parameters.rateSurface),
       builder_(markerStyle(parameters)),
       sceneBuilder_(markerStyle(parameters)) {
   ros::NodeHandle& own = privateNode;
@@ -57,6 +60,8 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   phase_ = own.advertise<std_msgs::String>("phase", 10, true);
   commands_ = own.advertise<ClothCommand>("commands", 1000);
   scene_ = own.advertise<std_msgs::String>("scene", 1, true);
+  points_ = own.advertise<sensor_msgs::PointCloud2>("points", 1);
+  mesh_ = own.advertise<shape_msgs::Mesh>("mesh", 1);
   graspEvents_ = own.advertise<GraspEvent>("grasp_events", 100);
   sceneText_.data = scene;
   updater_.setHardwareID("none");
@@ -92,6 +97,9 @@ double Publishers::wantedRate() const {
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
   if (markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0) {
     rate = std::max(rate, parameters_.rateMarkers);
+  }
+  if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
+    rate = std::max(rate, parameters_.rateSurface);
   }
   if (followers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
   return rate;
@@ -136,6 +144,7 @@ void Publishers::tick() {
   if (sceneMarkersSchedule_.due(now, number, sceneMarkers_.getNumSubscribers())) {
     sendSceneMarkers(observation);
   }
+  sendSurfaces(observation, now);
   diagnosed_ = observation;
   updater_.update();
 }
@@ -228,6 +237,16 @@ void Publishers::sendFrame(const Observation& observation) {
   frame_.publish(frameMessage_);
 }
 
+void Publishers::sendSurfaces(const Observation& observation, Clock::time_point now) {
+  const Snapshot& snapshot = *observation.snapshot;
+  if (pointsSchedule_.due(now, observation.number, points_.getNumSubscribers())) {
+    points_.publish(toPointCloud(snapshot, header_));
+  }
+  if (meshSchedule_.due(now, observation.number, mesh_.getNumSubscribers())) {
+    mesh_.publish(toMeshMessage(snapshot));
+  }
+}
+
 void Publishers::sendMarkers(const Observation& observation) {
   markers_.publish(builder_.build(*observation.snapshot, header_.stamp));
 }
@@ -274,6 +293,9 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("step time [s]", diagnosed_.stepTime);
   status.add("simulated time [s]", snapshot.time);
   status.add("max strain", snapshot.maxStretch - 1.0);
+  const double substep = diagnosed_.substep;
+  status.add("substep [s]", substep);
+  status.add("substep over the limit of explicit methods", substep / snapshot.topology->stableStep);
   status.add("phase", snapshot.phase);
   status.add("pieces", snapshot.pieces.size());
   status.add("broken springs", snapshot.broken.total);

@@ -425,6 +425,7 @@ void SimulationThread::publish() {
   observation_.phases = simulation_.script().history();
   observation_.realTimeFactor = realTimeFactor_;
   observation_.stepTime = stepTime_;
+  observation_.substep = simulation_.substep();
   observation_.resets = resets_;
   ++observation_.number;
 }

@@ -14,9 +14,9 @@ inline const Keys kScene{"cloth",     "solver", "gravity", "wind",   "drag",
 
 inline const Keys kPose{"position", "rpy", "orientation"};
 
-inline const Keys kCloth{"size",     "particles", "pose",        "random_offset",
-                         "velocity", "fabric",    "raw_springs", "particle_mass",
-                         "shear",    "bending",   "pins",        "surgery"};
+inline const Keys kCloth{"obj",           "scale",         "uv_scale", "size",   "particles",
+                         "pose",          "random_offset", "velocity", "fabric", "raw_springs",
+                         "particle_mass", "shear",         "bending",  "pins",   "surgery"};
 inline const Keys kFabric{"preset",  "areal_density", "tensile_warp", "tensile_weft", "shear",
                           "bending", "damping",       "friction",     "thickness"};
 inline const Keys kRawSprings{"structural", "shear", "bend", "per_stretch", "dashpot"};

@@ -2,6 +2,7 @@
 #include <stdexcept>
 
 #include "keys.h"
+#include "obj_mesh.h"
 #include "readers.h"
 
 namespace cloth_sim {
@@ -28,6 +29,35 @@ void readGrid(const SceneNode& node, ClothSpec& cloth) {
     particles->refuse("expected at most " + std::to_string(kMaxParticlesInAll) +
                       " particles in all (got " + std::to_string(cloth.columns * cloth.rows) + ")");
   }
+}
+
+/// Relative to the folder of the scene file.
+std::string besideScene(const SceneNode& node, const std::string& file) {
+  const std::size_t slash = node.file().find_last_of('/');
+  if (file.front() == '/' || slash == std::string::npos) return file;
+  return node.file().substr(0, slash + 1) + file;
+}
+
+void readMesh(const SceneNode& node, ClothSpec& cloth) {
+  const auto obj = node.find("obj");
+  for (const char* key : {"scale", "uv_scale"}) {
+    const auto value = node.find(key);
+    if (value && !obj) value->refuse("expected only beside obj");
+  }
+  if (!obj) return;
+  for (const char* key : {"size", "particles"}) {
+    if (const auto value = node.find(key)) value->refuse("not beside obj, which says it");
+  }
+  ObjUnits units;
+  node.read("scale", units.scale, kPositive);
+  node.read("uv_scale", units.uvScale, kPositive);
+  const std::string file = obj->word("the name of an OBJ file");
+  if (file.empty()) obj->expected("the name of an OBJ file");
+  cloth.mesh = std::make_shared<ClothMesh>(readObj(besideScene(node, file), units));
+  Vec2 extent = Vec2::Zero();
+  for (const Vec2& uv : cloth.mesh->material) extent = extent.cwiseMax(uv);
+  cloth.width = extent.x();
+  cloth.height = extent.y();
 }
 
 void readStart(const SceneNode& node, ClothSpec& cloth) {
@@ -119,8 +149,15 @@ void addRange(int firstColumn, int lastColumn, int firstRow, int lastRow,
   }
 }
 
-/// Pins by a name: a side or a corner of the cloth.
+/// Pins by a name: a side or a corner of a grid; or by a number: a vertex of an OBJ file.
 void addNamedPins(const SceneNode& node, const ClothSpec& cloth, std::vector<PinSpec>& pins) {
+  if (cloth.mesh) {
+    const auto count = static_cast<std::int64_t>(cloth.mesh->positions.size());
+    PinSpec pin;
+    pin.vertex = static_cast<VertexId>(node.integer(1, count) - 1);
+    pins.push_back(pin);
+    return;
+  }
   struct Part {
     int firstColumn, lastColumn, firstRow, lastRow;
   };
@@ -152,6 +189,7 @@ void readPins(const SceneNode& node, ClothSpec& cloth) {
 void readCloth(const SceneNode& node, ClothSpec& cloth) {
   node.expectKeys(keys::kCloth);
   readGrid(node, cloth);
+  readMesh(node, cloth);
   readStart(node, cloth);
   const auto fabric = node.find("fabric");
   cloth.fabric = fabric ? readFabric(*fabric) : fabricPreset("cotton");
@@ -159,7 +197,8 @@ void readCloth(const SceneNode& node, ClothSpec& cloth) {
   node.read("particle_mass", cloth.particleMass, kPositive);
   selectSprings(node, cloth);
   if (const auto pins = node.find("pins")) readPins(*pins, cloth);
-  const int grid = cloth.columns * cloth.rows;
+  const int grid =
+      cloth.mesh ? static_cast<int>(cloth.mesh->positions.size()) : cloth.columns * cloth.rows;
   cloth.surgery.maxParticles = std::max(cloth.surgery.maxParticles, grid);
   if (const auto surgery = node.find("surgery")) readSurgery(*surgery, grid, cloth.surgery);
 }

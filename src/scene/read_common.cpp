@@ -27,8 +27,8 @@ Quat fromRollPitchYaw(const Vec3& rpy) {
 }
 
 void checkOnCloth(const SceneNode& node, const Vec2& point, const ClothSpec& cloth) {
-  const double cellU = cloth.width / (cloth.columns - 1);
-  const double cellV = cloth.height / (cloth.rows - 1);
+  const double cellU = cloth.mesh ? 0.05 * cloth.width : cloth.width / (cloth.columns - 1);
+  const double cellV = cloth.mesh ? 0.05 * cloth.height : cloth.height / (cloth.rows - 1);
   const bool inside = point.x() >= -cellU && point.x() <= cloth.width + cellU &&
                       point.y() >= -cellV && point.y() <= cloth.height + cellV;
   if (inside) return;
@@ -54,6 +54,7 @@ void readPose(const SceneNode& map, Pose& pose) {
 }
 
 PinSpec readParticle(const SceneNode& node, const ClothSpec& cloth) {
+  if (cloth.mesh) node.refuse("a cloth from an OBJ file has no columns and rows");
   const std::vector<SceneNode> indices = node.exactly(2, kNotNegative);
   return {static_cast<int>(indices[0].integer(0, cloth.columns - 1)),
           static_cast<int>(indices[1].integer(0, cloth.rows - 1))};

@@ -38,6 +38,8 @@ class SceneNode {
 
   const std::string& key() const { return value_->key; }
   const std::string& path() const { return path_; }
+  /// The scene file, as messages name it.
+  const std::string& file() const { return file_; }
   bool isMap() const { return value_->kind == YamlValue::Kind::kMap; }
   bool isList() const { return value_->kind == YamlValue::Kind::kList; }
   bool isScalar() const { return value_->kind == YamlValue::Kind::kScalar; }

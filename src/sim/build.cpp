@@ -18,12 +18,24 @@ Vec3 randomOffset(const Vec3& range, std::uint64_t seed) {
   return offset;
 }
 
+/// In the cloth's frame.
+Vec3 startPosition(const ClothSpec& spec, const Model& model, VertexId v) {
+  if (spec.mesh) return spec.mesh->positions[v];
+  Vec3 position = Vec3::Zero();
+  position.head<2>() = model.mesh.material(v) - 0.5 * Vec2(spec.width, spec.height);
+  return position;
+}
+
 }  // namespace
 
 Model buildModel(const ClothSpec& spec) {
   Model model;
-  model.grid = Grid{spec.columns, spec.rows, spec.width, spec.height};
-  model.mesh = makeGridMesh(*model.grid);
+  if (spec.mesh) {
+    model.mesh = TriangleMesh(spec.mesh->material, spec.mesh->faces);
+  } else {
+    model.grid = Grid{spec.columns, spec.rows, spec.width, spec.height};
+    model.mesh = makeGridMesh(*model.grid);
+  }
   model.fabric = spec.fabric;
   model.springs = spec.raw ? SpringNetwork(model.mesh, *spec.raw, spec.springs)
                            : SpringNetwork(model.mesh, spec.fabric, spec.springs);
@@ -43,8 +55,7 @@ State initialState(const ClothSpec& spec, const Model& model, std::uint64_t seed
   state.v = VertexData<Vec3>(count, spec.velocity);
   const Vec3 offset = randomOffset(spec.randomOffset, seed);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
-    const Vec2 centred = model.mesh.material(v) - 0.5 * Vec2(spec.width, spec.height);
-    state.x[v] = spec.pose.toWorld(Vec3(centred.x(), centred.y(), 0.0)) + offset;
+    state.x[v] = spec.pose.toWorld(startPosition(spec, model, v)) + offset;
   }
   return state;
 }
@@ -53,7 +64,7 @@ std::vector<KinematicTarget> pinTargets(const ClothSpec& spec, const Model& mode
                                         const State& state) {
   std::vector<KinematicTarget> pins;
   for (const PinSpec& pin : spec.pins) {
-    const VertexId v = model.grid->vertex(pin.column, pin.row);
+    const VertexId v = pin.vertex != kNone ? pin.vertex : model.grid->vertex(pin.column, pin.row);
     pins.push_back({v, state.x[v], Vec3::Zero()});
   }
   const auto before = [](const KinematicTarget& a, const KinematicTarget& b) {

@@ -732,7 +732,7 @@ std::map<std::string, std::set<std::string>> documentedKeys() {
 }
 
 TEST(SceneDocumentation, ListsEveryKeyAndNoOther) {
-  keys::Keys obstacle = keys::kSphere;
+  keys::Keys obstacle = keys::kCapsule;
   obstacle.push_back("size");
   const std::map<std::string, keys::Keys> known{
       {"Top level", keys::kScene},

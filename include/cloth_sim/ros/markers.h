@@ -40,8 +40,6 @@ class MarkerBuilder {
 
   void begin(const ros::Time& stamp);
   Marker& next(const char* space, int type);
-  void computeNormals(const Snapshot& snapshot);
-  void computeStrain(const Snapshot& snapshot);
   void addCloth(const Snapshot& snapshot);
   void addSide(const Snapshot& snapshot, bool front);
   void addTornEdges(const Snapshot& snapshot);

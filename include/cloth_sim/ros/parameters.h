@@ -25,6 +25,7 @@ struct NodeParameters {
   std::string worldFrame = "world";  ///< tf frame of all world quantities
   double rateMarkers = 30.0;         ///< of ~markers, >= 0; 0: never [Hz]
   double rateFrame = 60.0;           ///< of ~frame, >= 0; 0: never [Hz]
+  double rateSurface = 30.0;         ///< of ~points and ~mesh, >= 0; 0: never [Hz]
   double rateState = 30.0;           ///< of ~state and tf, > 0 [Hz]
   double rateWrench = 60.0;          ///< of the clamps' wrenches, >= 0; 0: never [Hz]
   double rateFollow = 100.0;         ///< at which tf is looked at for what is followed, > 0 [Hz]

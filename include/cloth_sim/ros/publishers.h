@@ -65,6 +65,7 @@ class Publishers {
   void sendState(const Observation& observation);
   void sendClamps(const Observation& observation);
   void sendFrame(const Observation& observation);
+  void sendSurfaces(const Observation& observation, Clock::time_point now);
   void sendMarkers(const Observation& observation);
   void sendSceneMarkers(const Observation& observation);
   void diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status);
@@ -86,6 +87,8 @@ class Publishers {
   ros::Publisher commands_;
   ros::Publisher scene_;
   ros::Publisher graspEvents_;
+  ros::Publisher points_;
+  ros::Publisher mesh_;
   tf2_ros::TransformBroadcaster broadcaster_;
   diagnostic_updater::Updater updater_;
 
@@ -94,6 +97,8 @@ class Publishers {
   Schedule frameSchedule_;
   Schedule stateSchedule_;
   Schedule wrenchSchedule_;
+  Schedule pointsSchedule_;
+  Schedule meshSchedule_;
   MarkerBuilder builder_;
   MarkerBuilder sceneBuilder_;
   ClothFrame frameMessage_;

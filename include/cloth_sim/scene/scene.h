@@ -17,10 +17,18 @@ namespace cloth_sim {
 /// How far a blade drawn along a path reaches to both sides of it, where nobody says [m].
 constexpr double kDefaultReach = 1.0;
 
-/// Which particles a pin holds where the cloth starts.
+/// A particle that is held where the cloth starts: of a grid, or of a mesh.
 struct PinSpec {
   int column = 0;
   int row = 0;
+  VertexId vertex = kNone;  ///< of a mesh
+};
+
+/// A cloth that is not a grid, as a file gave it.
+struct ClothMesh {
+  std::vector<Vec2> material;   ///< material coordinates of each vertex, the least are 0 [m]
+  std::vector<Vec3> positions;  ///< of each vertex in the cloth's frame [m]
+  std::vector<Face> faces;      ///< counter-clockwise in material coordinates
 };
 
 struct ClothSpec {
@@ -28,7 +36,11 @@ struct ClothSpec {
   int rows = 64;        ///< particles along v
   double width = 1.0;   ///< along u [m]
   double height = 1.0;  ///< along v [m]
-  /// Of the middle of the cloth. At the identity orientation u runs along x and v along y.
+  /// Instead of a grid; then columns and rows mean nothing, and width and height are its extent in
+  /// material coordinates.
+  std::shared_ptr<const ClothMesh> mesh;
+  /// Of the middle of a grid, where at the identity orientation u runs along x and v along y; of
+  /// the origin of a mesh.
   Pose pose;
   Vec3 randomOffset =
       Vec3::Zero();              ///< half-range of a seeded uniform shift of the whole cloth [m]

@@ -41,6 +41,8 @@ class Simulation {
   const GuardRecord& guard() const { return watch_.record(); }
   /// What may be turned by commands, as it is now.
   Tuning tuning() const;
+  /// Of the method, as the mesh is now [s].
+  double substep() const { return scene_.solver.dt / solver_->substeps(); }
   int pieces() const { return pieces_.count; }
   const DroppedScraps& dropped() const { return dropped_; }
   double time() const { return state_.t; }
