@@ -166,6 +166,7 @@ void Simulation::shiftTime(double by) {
   for (Collider& collider : colliders_.all()) collider.shiftTime(by);
   script_.shiftTime(by);
   tearing_.shiftTime(by);
+  drag_.shiftTime(by);
 }
 
 }  // namespace cloth_sim
