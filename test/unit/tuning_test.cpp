@@ -168,5 +168,20 @@ TEST(Tuning, APulledParticleFollowsAndIsFreeAfterwards) {
   EXPECT_FALSE(simulation.apply(miss).success);
 }
 
+TEST(Tuning, APullThatNobodyKeepsUpEndsAfterATimeResetToo) {
+  Simulation simulation(hanging(1.0));
+  const VertexId corner = 0;
+  const Vec3 start = simulation.state().x[corner];
+  const PullParticle pull{true, {start + Vec3(0.0, 0.0, 1.0), -Vec3::UnitZ()}};
+  for (int k = 0; k < 120; ++k) {
+    ASSERT_TRUE(simulation.apply(pull).success);
+    simulation.step();
+  }
+  EXPECT_NEAR((simulation.state().x[corner] - start).norm(), 0.0, 1e-6);
+  ASSERT_TRUE(simulation.apply(Reset{ResetScope::kTime}).success);
+  for (int k = 0; k < 90; ++k) simulation.step();  // 1.5 s, and it is held for 1 s
+  EXPECT_LT(simulation.state().x[corner].z(), start.z() - 0.05) << "it falls";
+}
+
 }  // namespace
 }  // namespace cloth_sim
