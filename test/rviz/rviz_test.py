@@ -110,7 +110,7 @@ class RvizTest(unittest.TestCase):
         self.screen.save(self.id().split('.')[-1] + '.png')
 
     def open(self, *arguments, **options):
-        """The view, as soon as the whole cloth is drawn in it as it hangs at the start. Starting rviz
+        """The view, as soon as the whole cloth is drawn as it hangs at the start. Starting rviz
         takes its time: tests, which run in the order of their names, go on with that of the one
         before if it has the same settings."""
         self.screen.open_rviz(config(*arguments, **options))
