@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The display and the tools in the real rviz, on a virtual screen: what is drawn where, and what
 the mouse does to the cloth."""
+import functools
 import math
 import os
 import sys
@@ -16,6 +17,8 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
 from screen import Screen, is_near, record_skipped, view_of, what_is_missing  # noqa: E402
+
+wait_until = functools.partial(wait_until, deadline=120.0)  # software GL on a busy machine
 
 LAUNCHER = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'cloth_rviz')
 BACKGROUND = (255, 0, 255)  # nothing else is magenta
@@ -53,7 +56,7 @@ Window Geometry:
 """
 
 
-def config(tool, display='', behind=False):
+def config(tool, display='Torn Width: 0.02', behind=False):
     return CONFIG % {'tool': tool, 'display': display, 'distance': DISTANCE, 'field': FIELD,
                      'middle': MIDDLE, 'yaw': math.pi / 2 * (1 if behind else 3)}
 
@@ -105,23 +108,23 @@ class RvizTest(unittest.TestCase):
 
     def tearDown(self):
         self.screen.save(self.id().split('.')[-1] + '.png')
-        self.screen.close_rviz()
 
     def open(self, *arguments, **options):
-        """The view, as soon as the cloth is drawn in it."""
+        """The view, as soon as the whole cloth is drawn as it hangs at the start. Starting rviz
+        takes its time: tests, which run in the order of their names, go on with that of the one
+        before if it has the same settings."""
         self.screen.open_rviz(config(*arguments, **options))
         view = View(self.screen)
-        wait_until(lambda: self.cloth_part(view) > 0.98, 'the cloth', deadline=60.0)
+        wait_until(lambda: self.is_whole(view), 'the cloth')
         return view
 
-    def cloth_part(self, view):
-        """How much of where the cloth hangs is not background."""
+    def is_whole(self, view):
         inside = view.part(self.screen.picture(), (-0.5, 0.5), (0.5, 1.5), grow=-2)
-        return 1.0 - is_near(inside, BACKGROUND, 2).mean()
+        return (is_near(inside, BACKGROUND, 2).mean() < 0.02 and not is_near(inside, CRIMSON).any())
 
     # ---- the display -----------------------------------------------------------------------------
 
-    def test_cloth_is_drawn_where_it_is_in_its_colours(self):
+    def test_display_draws_the_cloth_where_it_is_in_its_colours(self):
         view = self.open('Cut')
         picture = self.screen.picture()
         inside = view.part(picture, (-0.5, 0.5), (0.5, 1.5), grow=-2)
@@ -140,27 +143,27 @@ class RvizTest(unittest.TestCase):
         self.assertGreater(is_near(outside[-240:, :130], LAST_STRAIN).sum(), 40)
         self.assertGreater(is_near(outside[-240:, :130], (59, 82, 139)).sum(), 40)
 
-    def test_back_has_its_own_colour(self):
+    def test_look_of_the_back(self):
         view = self.open('Cut', 'Back: {Value: true, Color: 0; 200; 0}', behind=True)
         inside = view.part(self.screen.picture(), (-0.45, 0.55), (0.45, 1.45))
         self.assertGreater((inside[..., 1] > inside[..., [0, 2]].max(axis=2) + 40).mean(), 0.98)
 
-    def test_wireframe_shows_what_is_behind(self):
+    def test_look_of_the_wireframe(self):
         self.screen.open_rviz(config('Cut', 'Style: Wireframe'))
         view = View(self.screen)
 
         def lines():
             inside = view.part(self.screen.picture(), (-0.45, 0.55), (0.45, 1.45))
             return 0.1 < 1.0 - is_near(inside, BACKGROUND, 2).mean() < 0.9
-        wait_until(lines, 'a wireframe', deadline=60.0)
+        wait_until(lines, 'a wireframe')
 
-    def test_frames_are_drawn_as_they_come(self):
+    def test_display_draws_frames_as_they_come(self):
         view = self.open('Cut')
         before = self.screen.picture()
         call('cut', srv.Cut, stroke(0.8))
         call('step', srv.Step, 40)  # the lower part falls out of its place
         wait_until(lambda: is_near(view.part(self.screen.picture(), (-0.4, 0.62), (0.4, 0.72)),
-                                   BACKGROUND, 2).mean() > 0.9, 'the fall', deadline=60.0)
+                                   BACKGROUND, 2).mean() > 0.9, 'the fall')
         self.assertGreater((self.screen.picture() != before).sum(), 1000)
 
     # ---- what cloth.launch starts ----------------------------------------------------------------
@@ -174,9 +177,9 @@ class RvizTest(unittest.TestCase):
         """Starts what the launch file does, until it has subscribed to these; its name."""
         before = self.subscribers('/tf')
         self.screen.open([LAUNCHER], **variables)
-        new = wait_until(lambda: self.subscribers('/tf') - before, 'rviz', deadline=60.0)
+        new = wait_until(lambda: self.subscribers('/tf') - before, 'rviz')
         for topic in topics:
-            wait_until(lambda: self.subscribers(topic) >= new, topic, deadline=60.0)
+            wait_until(lambda: self.subscribers(topic) >= new, topic)
         return new
 
     def test_launcher_takes_the_plugin(self):
@@ -191,8 +194,8 @@ class RvizTest(unittest.TestCase):
 
     # ---- the tools -------------------------------------------------------------------------------
 
-    def test_stroke_of_the_mouse_cuts_there(self):
-        view = self.open('Cut', 'Torn Width: 0.02')
+    def test_cut_where_the_mouse_drew_a_stroke(self):
+        view = self.open('Cut')
         height = 0.8
         row = [view.pixel(x, height) for x in numpy.linspace(-0.65, 0.65, 27)]
         self.screen.drag(row)
@@ -211,7 +214,7 @@ class RvizTest(unittest.TestCase):
         self.assertAlmostEqual(areas[1], 0.3, delta=0.006)
         wait_until(lambda: crimson(self.screen.picture()).any(axis=0).mean() > 0.9, 'torn edges')
 
-    def test_stroke_that_is_given_up_cuts_nothing(self):
+    def test_cut_that_is_given_up_cuts_nothing(self):
         view = self.open('Cut')
         self.screen.drag([view.pixel(x, 0.8) for x in (-0.6, -0.2, 0.2, 0.6)])
         self.screen.mouse('click', 3)

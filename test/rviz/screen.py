@@ -55,6 +55,7 @@ class Screen:
         self.environment = dict(os.environ, DISPLAY=':' + number, LIBGL_ALWAYS_SOFTWARE='1',
                                 QT_X11_NO_MITSHM='1')
         self.rviz = None
+        self.config = None  # of rviz, as far as it is known
         self.folder = tempfile.mkdtemp()
 
     def close(self):
@@ -64,14 +65,18 @@ class Screen:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def open_rviz(self, config):
-        """Starts rviz with the text of a config file."""
+        """Has rviz run with the text of a config file, afresh unless it does already."""
+        if self.rviz is not None and self.config == config:
+            return
         path = os.path.join(self.folder, 'test.rviz')
         with open(path, 'w') as file:
             file.write(config)
         self.open(['rviz', '-d', path])
+        self.config = config
 
     def open(self, command, **variables):
         """Starts a command that becomes rviz, with some environment variables of its own."""
+        self.close_rviz()
         self.log = open(os.path.join(self.folder, 'rviz.log'), 'w+')
         self.rviz = subprocess.Popen(command, env=dict(self.environment, **variables),
                                      stdout=self.log, stderr=subprocess.STDOUT)
@@ -86,6 +91,7 @@ class Screen:
             self.rviz.kill()
             self.rviz.wait()
         self.rviz = None
+        self.config = None
 
     def picture(self):
         """What is on the screen now: red, green and blue of every pixel."""
@@ -131,4 +137,4 @@ def view_of(screen, background):
         if len(xs) < 0.1 * WIDTH * HEIGHT:
             return None
         return xs.min(), ys.min(), xs.max() + 1, ys.max() + 1
-    return wait_until(found, 'the 3D view of rviz', deadline=90.0)
+    return wait_until(found, 'the 3D view of rviz', deadline=120.0)
