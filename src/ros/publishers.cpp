@@ -109,7 +109,7 @@ void Publishers::tick() {
   const Observation observation = simulation_.observe();
   header_.stamp = ros::Time::now();
   header_.frame_id = parameters_.worldFrame;
-  followers_.clamps.update(observation.snapshot->clamps);
+  followers_.clamps.update(observation);
   sendTopology(observation);
   sendEvents(observation);
   sendGraspEvents();

@@ -514,7 +514,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "s.yaml:2: obstacles.a.type: missing, expected one of plane, sphere, board, "
                  "bounds"},
         BadScene{CLOTH "obstacles: {a: {type: cube}}",
-                 "s.yaml:2: obstacles.a.type: expected one of plane, sphere, board, bounds (got "
+                 "s.yaml:2: obstacles.a.type: expected one of plane, sphere, capsule, board, box, "
+                 "bounds (got "
                  "'cube')"},
         BadScene{CLOTH "obstacles: {a: {type: sphere, radius: -1}}",
                  "s.yaml:2: obstacles.a.radius: expected a number > 0 (got -1)"},
