@@ -180,7 +180,7 @@ class Capsule {
   double gap(const Vec3& p, Vec3& normal) const {
     const Vec3 away = fromSegment(p);
     const double distance = away.norm();
-    normal = distance > 0.0 ? Vec3(away / distance) : axis_.unitOrthogonal();
+    normal = distance > kOnAxis ? Vec3(away / distance) : axis_.unitOrthogonal();
     return distance - reach_;
   }
   /// The gap grows by no more than the way.
@@ -201,6 +201,8 @@ class Capsule {
   std::optional<Top> top() const { return std::nullopt; }
 
  private:
+  static constexpr double kOnAxis = 1e-12;  ///< nearer than this, round-off points anywhere [m]
+
   /// From the nearest point of the segment.
   Vec3 fromSegment(const Vec3& p) const {
     return p - std::clamp(axis_.dot(p), -half_, half_) * axis_;

@@ -25,7 +25,7 @@ ClampPorts::ClampPorts(ros::NodeHandle& node, const NodeParameters& parameters,
       checker_(checker),
       world_(world),
       simulation_(simulation) {
-  update(simulation.observe().snapshot->clamps);
+  update(simulation.observe());
 }
 
 template <typename Message, typename Check>
@@ -38,8 +38,11 @@ ros::Subscriber ClampPorts::listen(const std::string& topic, std::uint32_t queue
   return node_.subscribe<Message, const Message&>(topic, queue, callback);
 }
 
-void ClampPorts::update(const std::vector<ClampSnapshot>& clamps) {
+void ClampPorts::update(const Observation& observation) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (observation.number < seen_) return;
+  seen_ = observation.number;
+  const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
   for (auto port = ports_.begin(); port != ports_.end();) {
     const auto named = [&](const ClampSnapshot& clamp) { return clamp.name == port->first; };
     const bool exists = std::any_of(clamps.begin(), clamps.end(), named);

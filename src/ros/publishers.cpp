@@ -122,7 +122,7 @@ void Publishers::tick() {
   const Observation observation = simulation_.observe();
   header_.stamp = stampOf(observation);
   header_.frame_id = parameters_.worldFrame;
-  followers_.clamps.update(observation.snapshot->clamps);
+  followers_.clamps.update(observation);
   repeatLatched();
   sendCommands();
   sendTopology(observation);

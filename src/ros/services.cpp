@@ -88,13 +88,13 @@ void Services::grasp(const Grasp::Request& request, Grasp::Response& reply) {
 /// Its topics are there when the reply is.
 void Services::addClamp(const AddClamp::Request& request, AddClamp::Response& reply) {
   carryOut(checker_.newClamp(request), "clamp " + request.name + " is there", reply);
-  clamps_.update(simulation_.observe().snapshot->clamps);
+  clamps_.update(simulation_.observe());
 }
 
 void Services::removeClamp(const RemoveClamp::Request& request, RemoveClamp::Response& reply) {
   carryOut(Request{Command{DeleteClamp{request.clamp}}}, "clamp " + request.clamp + " is gone",
            reply);
-  clamps_.update(simulation_.observe().snapshot->clamps);
+  clamps_.update(simulation_.observe());
 }
 
 void Services::follow(const Follow::Request& request, Follow::Response& reply) {

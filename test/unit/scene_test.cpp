@@ -403,8 +403,9 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   EXPECT_EQ(complaint(yaml, {"drag=-1"}),
             "s.yaml: drag: expected a number >= 0 (got -1, by an override)");
   EXPECT_EQ(complaint(yaml, {"cloth.shaer=true"}),
-            "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of size, "
-            "particles, pose, random_offset, velocity, fabric, raw_springs, particle_mass, shear, "
+            "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of obj, scale, "
+            "uv_scale, size, particles, pose, random_offset, velocity, fabric, raw_springs, "
+            "particle_mass, shear, "
             "bending, pins, surgery");
   EXPECT_EQ(complaint(yaml, {"drag"}), "s.yaml: override 'drag': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"drag="}), "s.yaml: override 'drag=': expected dotted.key=value");
@@ -514,10 +515,11 @@ INSTANTIATE_TEST_SUITE_P(
     World, BadInput,
     testing::Values(
         BadScene{CLOTH "obstacles: {a: {radius: 1}}",
-                 "s.yaml:2: obstacles.a.type: missing, expected one of plane, sphere, board, "
-                 "bounds"},
+                 "s.yaml:2: obstacles.a.type: missing, expected one of plane, sphere, capsule, "
+                 "board, box, bounds"},
         BadScene{CLOTH "obstacles: {a: {type: cube}}",
-                 "s.yaml:2: obstacles.a.type: expected one of plane, sphere, board, bounds (got "
+                 "s.yaml:2: obstacles.a.type: expected one of plane, sphere, capsule, board, box, "
+                 "bounds (got "
                  "'cube')"},
         BadScene{CLOTH "obstacles: {a: {type: sphere, radius: -1}}",
                  "s.yaml:2: obstacles.a.radius: expected a number > 0 (got -1)"},

@@ -26,8 +26,9 @@ class ClampPorts {
   ClampPorts(ros::NodeHandle& node, const NodeParameters& parameters, const RequestChecker& checker,
              const WorldFrame& world, SimulationThread& simulation);
 
-  /// Opens and closes topics so that they are those of `clamps`.
-  void update(const std::vector<ClampSnapshot>& clamps);
+  /// Opens and closes topics so that they are those of the clamps that there are. An observation
+  /// older than one that was seen changes nothing.
+  void update(const Observation& observation);
 
   /// Has a clamp follow something else than before.
   CommandResult follow(const std::string& clamp, const FollowSource& source);
@@ -60,6 +61,7 @@ class ClampPorts {
   SimulationThread& simulation_;
   mutable std::mutex mutex_;
   std::map<std::string, Port> ports_;  ///< by the name of the clamp
+  std::uint64_t seen_ = 0;             ///< number of the newest observation
 };
 
 }  // namespace cloth_sim
