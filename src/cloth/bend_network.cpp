@@ -92,7 +92,8 @@ BendElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& w
 
 }  // namespace
 
-BendNetwork::BendNetwork(const TriangleMesh& mesh, double rigidity) : rigidity_(rigidity) {
+BendNetwork::BendNetwork(const TriangleMesh& mesh, double rigidity, double most)
+    : rigidity_(rigidity), most_(most) {
   elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
   for (FaceId f = 0; f < mesh.faceCount(); ++f) deriveOn(mesh, f);
 }
@@ -110,15 +111,18 @@ void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
   const double stiffness = rigidity_ * mesh.restArea(f);
   const double least = kRounding * weights.cwiseAbs().maxCoeff();
   for (std::size_t k = 0; k < kPerFace; ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    const double largest = weights.row(row).cwiseAbs().maxCoeff();
+    const double capped = largest > 0.0 ? std::min(stiffness, most_ / (largest * largest)) : 0.0;
     elements_[kPerFace * static_cast<std::size_t>(f) + k] =
-        makeElement(patch, weights.row(static_cast<Eigen::Index>(k)), least, stiffness);
+        makeElement(patch, weights.row(row), least, capped);
   }
 }
 
 void BendNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (empty()) return;
   if (!changes.removedFaces.empty()) {
-    *this = BendNetwork(mesh, rigidity_);
+    *this = BendNetwork(mesh, rigidity_, most_);
     return;
   }
   elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
@@ -137,6 +141,7 @@ void BendNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
 
 void BendNetwork::scaleBy(double factor) {
   rigidity_ *= factor;
+  most_ *= factor;
   for (BendElement& element : elements_) element.stiffness *= factor;
 }
 

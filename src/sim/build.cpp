@@ -39,7 +39,9 @@ Model buildModel(const ClothSpec& spec) {
   model.fabric = spec.fabric;
   model.springs = spec.raw ? SpringNetwork(model.mesh, *spec.raw, spec.springs)
                            : SpringNetwork(model.mesh, spec.fabric, spec.springs);
-  if (spec.hinge) model.bending = BendNetwork(model.mesh, spec.fabric.bending);
+  if (spec.hinge)
+    model.bending = BendNetwork(model.mesh, spec.fabric.bending,
+                                std::min(spec.fabric.tensileWarp, spec.fabric.tensileWeft));
   if (spec.particleMass) {
     setParticleMasses(*spec.particleMass, model);
   } else {

@@ -2,6 +2,7 @@
 /// \file Bending as an energy of curvature, in SI bending rigidity: an alternative to bend springs.
 
 #include <array>
+#include <limits>
 
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
@@ -38,7 +39,13 @@ class BendNetwork {
  public:
   BendNetwork() = default;
   /// \param rigidity  [N m], > 0.
-  BendNetwork(const TriangleMesh& mesh, double rigidity);
+  /// \param most  stiffness that an element may put between particles [N/m], > 0. With the
+  /// membrane's
+  ///              tensile stiffness K, faces below sqrt(2 rigidity / K) in size (a millimetre or
+  ///              less: about the thickness of the fabric) bend more easily, so that slivers beside
+  ///              cuts do not need shorter steps for their bending than for their threads.
+  BendNetwork(const TriangleMesh& mesh, double rigidity,
+              double most = std::numeric_limits<double>::infinity());
 
   bool empty() const { return elements_.empty(); }
   /// Three per face, of which some may be without stiffness.
@@ -58,13 +65,14 @@ class BendNetwork {
   friend class cereal::access;
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rigidity_, elements_);
+    archive(rigidity_, most_, elements_);
   }
 
   static constexpr std::size_t kPerFace = 3;
   void deriveOn(const TriangleMesh& mesh, FaceId f);
 
   double rigidity_ = 0.0;
+  double most_ = 0.0;  ///< [N/m]
   std::vector<BendElement> elements_;
 };
 
