@@ -95,6 +95,7 @@ void PoseFollower::miss(const std::string& reason) {
 void PoseFollower::watch() {
   if (source_.kind == FollowSource::Kind::kFrame) lookAtFrame();
   std::string reason;
+  std::optional<MovingPose> rest;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     const double silence = std::chrono::duration<double>(Clock::now() - lastNews_).count();
@@ -102,7 +103,9 @@ void PoseFollower::watch() {
     state_ = FollowStatus::State::kLost;
     if (complaint_.empty()) complaint_ = "it says nothing new";
     reason = complaint_;
+    rest = tracker_.rest();
   }
+  if (rest) sink_(*rest);
   ROS_WARN_STREAM(who_ << " holds its place: " << toString(source_) << " is lost (" << reason
                        << ")");
 }

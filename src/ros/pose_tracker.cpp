@@ -34,4 +34,11 @@ std::optional<MovingPose> PoseTracker::add(double stamp, const Pose& pose) {
   return target;
 }
 
+std::optional<MovingPose> PoseTracker::rest() const {
+  if (!last_) return std::nullopt;
+  MovingPose target;
+  target.pose = last_->pose;
+  return target;
+}
+
 }  // namespace cloth_sim

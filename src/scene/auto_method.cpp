@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 #include "scene_node.h"
 
 namespace cloth_sim {

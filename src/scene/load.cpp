@@ -1,12 +1,13 @@
 #include "cloth_sim/scene/load.h"
 
+#include <array>
 #include <cerrno>
-#include <cinttypes>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
+#include "cloth_sim/hash.h"
 #include "cloth_sim/scene/auto_method.h"
 #include "keys.h"
 #include "readers.h"
@@ -68,44 +69,30 @@ Scene readScene(const SceneNode& root) {
   return scene;
 }
 
-/// Fowler, Noll and Vo's hash (FNV-1a).
-class Hash {
- public:
-  void add(const std::string& text) {
-    for (const char c : text) add(static_cast<unsigned char>(c));
-    add(0U);  // so that "ab", "c" is not "a", "bc"
-  }
+void addText(const std::string& text, Hash& hash) {
+  hash.add(text.data(), text.size());
+  const std::uint64_t length = text.size();  // so that "ab", "c" is not "a", "bc"
+  hash.add(&length, sizeof length);
+}
 
-  void add(const YamlValue& value) {
-    add(static_cast<unsigned>(value.kind));
-    add(value.key);
-    add(value.text);
-    add(static_cast<unsigned>(value.quoted));
-    for (const YamlValue& item : value.items) add(item);
-    add(0xffU);
-  }
-
-  std::string hex() const {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016" PRIx64, value_);
-    return text;
-  }
-
- private:
-  void add(unsigned byte) { value_ = (value_ ^ byte) * 0x100000001b3U; }
-
-  std::uint64_t value_ = 0xcbf29ce484222325U;
-};
+void addValue(const YamlValue& value, Hash& hash) {
+  const std::array<std::uint64_t, 3> shape{static_cast<std::uint64_t>(value.kind),
+                                           value.quoted ? 1U : 0U, value.items.size()};
+  hash.add(shape.data(), sizeof shape);
+  addText(value.key, hash);
+  addText(value.text, hash);
+  for (const YamlValue& item : value.items) addValue(item, hash);
+}
 
 std::string contentKey(const YamlValue& tree, double dt) {
   Hash hash;
   for (const YamlValue& item : tree.items) {
-    if (item.key != "solver") hash.add(item);
+    if (item.key != "solver") addValue(item, hash);
   }
   char step[32];
   std::snprintf(step, sizeof step, "%.9g", dt);
-  hash.add(std::string(step));
-  return hash.hex();
+  addText(step, hash);
+  return hashText(hash.value());
 }
 
 void resolve(const SceneNode& root, Scene& scene) {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "cloth_sim/mesh/quality.h"
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 
 namespace cloth_sim {
 namespace {
@@ -193,33 +193,29 @@ void Simulation::detectContacts(double dt) {
   colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
 }
 
-/// Where a clamp cannot bear what the step would put on it, the step is taken back and solved with
-/// that clamp slipping: each time one clamp more at least, so it ends.
 void Simulation::solve(const StepLength& length) {
   lastGood_ = state_;
   watch_.begin(model_, state_, controls_, colliders_, length.dt);
-  int times = 1;
-  for (int k = 0; k < (watch_.redoes() ? StepWatch::kAttempts : 1);) {
-    if (!attempt({length.dt, times * length.substepFactor})) {
-      state_ = lastGood_;
-      ++k;
-      times *= 2;
-      if (watch_.redoes()) watch_.noteRedone(time(), times);
-    } else if (letSlip()) {
-      state_ = lastGood_;
-      gatherControls();
-    } else {
-      return;
-    }
+  for (int times = 1; times <= watch_.mostTimes(); times *= 2) {
+    if (times > 1) watch_.noteRedone(time(), times);
+    if (attempt({length.dt, times * length.substepFactor})) return watch_.accept();
+    state_ = lastGood_;
   }
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
 }
 
+/// Where a clamp cannot bear what the step would put on it, the step is taken back and solved with
+/// that clamp slipping: each time one clamp more at least, so it ends.
 bool Simulation::attempt(const StepLength& length) {
-  detectContacts(length.dt);
-  report_ = solver_->step(model_, state_, controls_, contacts_, length);
-  return watch_.isSound(model_, state_);
+  while (true) {
+    detectContacts(length.dt);
+    report_ = solver_->step(model_, state_, controls_, contacts_, length);
+    if (!watch_.isSound(model_, state_)) return false;
+    if (!letSlip()) return true;
+    state_ = lastGood_;
+    gatherControls();
+  }
 }
 
 bool Simulation::letSlip() {

@@ -70,9 +70,12 @@ bool StepWatch::isSound(const Model& model, const State& state) {
   const double root = std::sqrt(budget_ + std::max(0.0, height_ - e.gravity)) + input_;
   const bool agrees = found_ > 0.0 && std::max(energy, found_) <= kAgree * std::min(energy, found_);
   found_ = energy;
-  if (energy > kSwing * root * root && !agrees) return false;
-  budget_ = std::max(root * root, agrees ? energy : 0.0);
-  return true;
+  reached_ = std::max(root * root, agrees ? energy : 0.0);
+  return energy <= kSwing * root * root || agrees;
+}
+
+void StepWatch::accept() {
+  if (weighs_) budget_ = reached_;
 }
 
 void StepWatch::noteRedone(double time, int times) {

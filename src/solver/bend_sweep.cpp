@@ -92,35 +92,33 @@ void BendSweep::setStep(double h, double retardation, const std::vector<double>&
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     Element& element = elements_[e];
     double sum = 0.0;
-    bool held = false;
+    element.held = false;
     for (int k = 0; k < element.count; ++k) {
       const auto i = static_cast<std::size_t>(k);
       const double w = inverseMass[static_cast<std::size_t>(element.slot[i])];
       sum += w * element.weight[i] * element.weight[i];
-      held = held || w == 0.0;
+      element.held = element.held || w == 0.0;
     }
-    const double gain = 1.0 / ((1.0 + lag_) * sum + 1.0 / (element.stiffness * h * h));
-    element.gain = held ? 0.0 : gain;
-    element.heldGain = held && sum > 0.0 ? gain : 0.0;
-    if (element.heldGain > 0.0) held_.push_back(e);
+    element.gain = 1.0 / ((1.0 + lag_) * sum + 1.0 / (element.stiffness * h * h));
+    if (element.held && sum > 0.0) held_.push_back(e);
   }
 }
 
-Vec3 BendSweep::apply(const Element& element, double gain, double lag, PackedParticles& p) {
+Vec3 BendSweep::apply(const Element& element, PackedParticles& p) const {
   Vec3 curvature = Vec3::Zero();
   for (int k = 0; k < element.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     curvature += element.weight[i] * p.x.at(static_cast<std::size_t>(element.slot[i]));
   }
-  if (lag > 0.0) {
+  if (lag_ > 0.0) {
     Vec3 before = Vec3::Zero();
     for (int k = 0; k < element.count; ++k) {
       const auto i = static_cast<std::size_t>(k);
       before += element.weight[i] * p.start.at(static_cast<std::size_t>(element.slot[i]));
     }
-    curvature += lag * (curvature - before);
+    curvature += lag_ * (curvature - before);
   }
-  const Vec3 multiplier = -gain * curvature;
+  const Vec3 multiplier = -element.gain * curvature;
   for (int k = 0; k < element.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const auto slot = static_cast<std::size_t>(element.slot[i]);
@@ -136,14 +134,10 @@ void BendSweep::projectFree(PackedParticles& particles) const {
                 [&](std::int32_t begin, std::int32_t end) {
                   for (std::int32_t e = first + begin; e < first + end; ++e) {
                     const Element& element = elements_[static_cast<std::size_t>(e)];
-                    if (element.gain > 0.0) apply(element, element.gain, lag_, particles);
+                    if (!element.held) apply(element, particles);
                   }
                 });
   }
-}
-
-Vec3 BendSweep::projectOne(const Element& element, PackedParticles& particles) const {
-  return apply(element, element.heldGain, lag_, particles);
 }
 
 }  // namespace cloth_sim

@@ -25,7 +25,7 @@ class BendSweep {
   void project(PackedParticles& particles, const OnHeld& onHeld) const {
     projectFree(particles);
     for (const std::size_t e : held_) {
-      const Vec3 multiplier = projectOne(elements_[e], particles);
+      const Vec3 multiplier = apply(elements_[e], particles);
       for (int k = 0; k < elements_[e].count; ++k) {
         const auto i = static_cast<std::size_t>(k);
         const auto slot = static_cast<std::size_t>(elements_[e].slot[i]);
@@ -39,20 +39,19 @@ class BendSweep {
     std::array<std::int32_t, BendElement::kMostVertices> slot;
     std::array<double, BendElement::kMostVertices> weight;  ///< [1/m^2]
     double stiffness;                                       ///< [N m^3]
-    double gain;  ///< 1 / ((1 + lag) sum of w weight^2 + 1 / (k h^2)) [kg m^4]; 0: in held_
-    double heldGain;
-    std::int32_t count;
+    double gain;         ///< 1 / ((1 + lag) sum of w weight^2 + 1 / (k h^2)) [kg m^4]
+    std::int32_t count;  ///< of vertices
+    bool held;           ///< some particle of it has prescribed motion
   };
 
   void projectFree(PackedParticles& particles) const;
-  Vec3 projectOne(const Element& element, PackedParticles& particles) const;
   /// Moves the particles of an element; returns the multiplier: times a weight, what mass times
   /// displacement that particle gets [kg m^3].
-  static Vec3 apply(const Element& element, double gain, double lag, PackedParticles& particles);
+  Vec3 apply(const Element& element, PackedParticles& particles) const;
 
   std::vector<Element> elements_;            ///< colour by colour
   std::vector<std::int32_t> firstOfColour_;  ///< and one more
-  std::vector<std::size_t> held_;            ///< elements with a particle of prescribed motion
+  std::vector<std::size_t> held_;            ///< held elements that have a free particle, too
   double lag_ = 0.0;                         ///< retardation over h
 };
 

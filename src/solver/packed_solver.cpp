@@ -106,6 +106,11 @@ void PackedSolver::loadKinematics(const Model& model, const Controls& controls) 
     previousKinematic_ = kinematicSlots_;
     layoutChanged_ = true;
   }
+  if (!layoutChanged_) return;
+  targetOf_.assign(static_cast<std::size_t>(particles_.slots), kNone);
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    targetOf_[static_cast<std::size_t>(kinematicSlots_[k])] = static_cast<std::int32_t>(k);
+  }
 }
 
 /// Nobody can hold a particle inside an obstacle: the target is then where it leaves it again.

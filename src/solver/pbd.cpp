@@ -97,24 +97,9 @@ class Pbd final : public PackedSolver {
     }
   }
 
-  /// A spring's impulse on a particle with prescribed motion.
-  void bear(std::size_t slot, const Vec3& impulse) {
-    if (target_.empty() || target_[slot] == kNone) return;
-    addReaction(static_cast<std::size_t>(target_[slot]), impulse);
-  }
-
-  void prepare(const Controls& /*controls*/, double /*h*/) override {
-    if (!layoutChanged_) return;
-    target_.assign(static_cast<std::size_t>(particles_.slots), kNone);
-    for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
-      target_[static_cast<std::size_t>(kinematicSlots_[k])] = static_cast<std::int32_t>(k);
-    }
-  }
-
   int passes_;
   double stiffness_;
   double keep_;
-  std::vector<std::int32_t> target_;  ///< kinematic target by slot, or kNone
 };
 
 SolverParameter part(const std::string& name, double value, const std::string& description) {

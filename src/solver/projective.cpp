@@ -1,4 +1,4 @@
-#include <Eigen/SparseCholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "bend_matrix.h"
@@ -6,14 +6,18 @@
 #include "cloth_sim/solver/packed_solver.h"
 #include "methods.h"
 #include "packed_ops.h"
+#include "updatable_factor.h"
 
 namespace cloth_sim {
 namespace {
 
 /// Keeps the direction of a spring of no length from being 0/0 [m^2].
 constexpr double kTinySquare = 1e-300;
-/// Conjugate gradients after which a new factorisation is cheaper.
+/// Conjugate gradients after which rounding has spoilt the factorisation.
 constexpr int kStale = 6;
+/// On the diagonal for a particle that is held, relative to the largest entry there: what is left
+/// of its motion is taken out of the solution, and letting it go costs six digits out of sixteen.
+constexpr double kHold = 1e6;
 constexpr int kMostLinear = 200;
 constexpr double kLinearTolerance = 0.1;  ///< of the residual, per iteration
 
@@ -24,10 +28,9 @@ constexpr double kLinearTolerance = 0.1;  ///< of the residual, per iteration
 /// motion in the substep on its part across the spring. A bending energy is quadratic already: its
 /// matrix is part of the global step's.
 ///
-/// After cuts and tears, and while clamps hold other particles, the old factorisation goes on as
-/// the preconditioner of conjugate gradients on the new matrix: exact but for the rows that
-/// changed, so it takes about as many iterations as the change has rank. Only when they become too
-/// many is it made anew.
+/// After cuts and tears, and when clamps take or leave particles, the factorisation is updated
+/// (UpdatableFactor); only when that would cost more is it made anew. Conjugate gradients with the
+/// factorisation before them take one iteration then, and say if rounding has spoilt it.
 class Projective final : public PackedSolver {
  public:
   Projective(const Model& model, const SolverParameters& parameters)
@@ -36,8 +39,6 @@ class Projective final : public PackedSolver {
         tolerance_(parameters.at("tolerance")) {}
 
  private:
-  using Matrix = Eigen::SparseMatrix<double>;
-
   void loadBending(const Model& model) override { bending_.build(model, particles_); }
 
   void prepare(const Controls& controls, double h) override {
@@ -52,7 +53,12 @@ class Projective final : public PackedSolver {
     for (std::size_t p = 0; p < weight_.size(); ++p) {
       weight_[p] = h * h * schedule_.stiffness[p] + h * schedule_.damping[p];
     }
-    if (scaled || factorised() == 0) factorise();
+    if (scaled || factor_.rows() == 0) {
+      factorise();
+    } else {
+      const UpdatableFactor::Matrix matrix = globalMatrix();
+      if (!factor_.follow(matrix)) factor_.compute(matrix);
+    }
   }
 
   void substep(const Substep& now) override {
@@ -176,20 +182,8 @@ class Projective final : public PackedSolver {
   /// What the matrix of the bending energy counts in the global step's.
   double bendWeight() const { return step_ * (step_ + bending_.retardation()); }
 
-  /// preconditioned = (old factorisation)^-1 rest; the diagonal for particles that came later.
   void precondition() {
-    const Eigen::Index n = matrix_.rows();
-    preconditioned_.resize(diagonal_.size());
-    forAxes(
-        [&](const auto& from, auto& to) {
-          right_ = Eigen::Map<const Eigen::VectorXd>(from.data(), n);
-          solution_ = factor_.solve(right_);
-          Eigen::Map<Eigen::VectorXd>(to.data(), n) = solution_;
-          for (std::size_t k = factorised(); k < to.size(); ++k) {
-            to[k] = diagonal_[k] > 0.0 ? from[k] / diagonal_[k] : 0.0;
-          }
-        },
-        rest_, preconditioned_);
+    factor_.solve(rest_, preconditioned_);
     hold(preconditioned_);
   }
 
@@ -201,63 +195,43 @@ class Projective final : public PackedSolver {
   }
 
   void factorise() {
-    const auto n = static_cast<Eigen::Index>(diagonal_.size());
+    const double largest = *std::max_element(diagonal_.begin(), diagonal_.end());
+    const double stiffest =
+        weight_.empty() ? 0.0 : *std::max_element(weight_.begin(), weight_.end());
+    holdWeight_ = kHold * std::max({largest, stiffest, kTinySquare});
+    factor_.compute(globalMatrix());
+    linear_ = 0;
+  }
+
+  /// The matrix of the global step; a particle that is held is tied to its place.
+  UpdatableFactor::Matrix globalMatrix() const {
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(diagonal_.size() + 4 * weight_.size());
+    entries.reserve(diagonal_.size() + 3 * weight_.size());
+    const auto n = static_cast<Eigen::Index>(diagonal_.size());
     for (Eigen::Index k = 0; k < n; ++k) {
       const double m = diagonal_[static_cast<std::size_t>(k)];
-      entries.emplace_back(k, k, m > 0.0 ? m : 1.0);
+      entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
     }
     for (std::size_t p = 0; p < weight_.size(); ++p) {
       if (weight_[p] == 0.0) continue;
       const std::int32_t a = schedule_.endA[p];
       const std::int32_t b = schedule_.endB[p];
-      const bool heldA = diagonal_[static_cast<std::size_t>(a)] <= 0.0;
-      const bool heldB = diagonal_[static_cast<std::size_t>(b)] <= 0.0;
-      if (!heldA) entries.emplace_back(a, a, weight_[p]);
-      if (!heldB) entries.emplace_back(b, b, weight_[p]);
-      if (!heldA && !heldB) entries.emplace_back(std::max(a, b), std::min(a, b), -weight_[p]);
+      entries.emplace_back(a, a, weight_[p]);
+      entries.emplace_back(b, b, weight_[p]);
+      entries.emplace_back(std::max(a, b), std::min(a, b), -weight_[p]);
     }
     bending_.forLower([&](std::size_t row, std::int32_t column, double value) {
-      const bool held = diagonal_[row] <= 0.0 || diagonal_[static_cast<std::size_t>(column)] <= 0.0;
-      if (!held) entries.emplace_back(row, column, bendWeight() * value);
+      entries.emplace_back(row, column, bendWeight() * value);
     });
-    matrix_.resize(n, n);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
-    factor_.compute(matrix_);
-    linear_ = 0;
+    UpdatableFactor::Matrix matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
   }
 
-  /// The old factorisation, as the matrix that it is of.
   void saveMemory(StateWriter& archive) const override {
-    archive(step_, drag_, static_cast<std::int64_t>(matrix_.rows()));
-    std::vector<std::int32_t> row, column;
-    std::vector<double> value;
-    for (Eigen::Index k = 0; k < matrix_.outerSize(); ++k) {
-      for (Matrix::InnerIterator entry(matrix_, k); entry; ++entry) {
-        row.push_back(static_cast<std::int32_t>(entry.row()));
-        column.push_back(static_cast<std::int32_t>(entry.col()));
-        value.push_back(entry.value());
-      }
-    }
-    archive(row, column, value);
+    archive(step_, drag_, holdWeight_, factor_);
   }
-
-  void loadMemory(StateReader& archive) override {
-    std::int64_t n = 0;
-    std::vector<std::int32_t> row, column;
-    std::vector<double> value;
-    archive(step_, drag_, n, row, column, value);
-    std::vector<Eigen::Triplet<double>> entries;
-    for (std::size_t k = 0; k < value.size(); ++k)
-      entries.emplace_back(row[k], column[k], value[k]);
-    matrix_.resize(n, n);
-    matrix_.setFromTriplets(entries.begin(), entries.end());
-    if (n > 0) factor_.compute(matrix_);
-  }
-
-  /// Particles that factor_ knows.
-  std::size_t factorised() const { return static_cast<std::size_t>(matrix_.rows()); }
+  void loadMemory(StateReader& archive) override { archive(step_, drag_, holdWeight_, factor_); }
 
   BendMatrix bending_;
   int iterations_;
@@ -266,12 +240,11 @@ class Projective final : public PackedSolver {
   double drag_ = 0.0;
   std::vector<double> diagonal_;  ///< mass (1 + drag h) by particle; 0: prescribed [kg]
   std::vector<double> weight_;    ///< h^2 k + h c by position of the schedule [kg]
-  Matrix matrix_;                 ///< that factor_ is of
-  Eigen::SimplicialLDLT<Matrix> factor_;
+  double holdWeight_ = 0.0;       ///< on the diagonal, for particles that are held [kg]
+  UpdatableFactor factor_;
   int linear_ = 0;          ///< iterations of the last solve
   PackedVectors velocity_;  ///< at the start of the substep [m/s]
   PackedVectors wind_, residual_, change_, rest_, preconditioned_, search_, product_, moved_;
-  Eigen::VectorXd right_, solution_;
 };
 
 }  // namespace

@@ -138,8 +138,7 @@ class Xpbd final : public PackedSolver {
   Gains gains_;
   std::vector<Attachment> attachments_;
   BendSweep bending_;
-  double retardation_ = 0.0;          ///< of bending [s]
-  std::vector<std::int32_t> target_;  ///< kinematic target by slot, or kNone
+  double retardation_ = 0.0;  ///< of bending [s]
 };
 
 void Xpbd::loadBending(const Model& model) {
@@ -175,18 +174,14 @@ void Xpbd::computeGains(double h) {
 void Xpbd::takeAttachments() {
   attachments_.clear();
   if (kinematicSlots_.empty()) return;
-  target_.assign(static_cast<std::size_t>(particles_.slots), kNone);
-  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
-    target_[static_cast<std::size_t>(kinematicSlots_[k])] = static_cast<std::int32_t>(k);
-  }
   for (std::int32_t p = 0; p < schedule_.size(); ++p) {
     const std::int32_t a = schedule_.endA[p];
     const std::int32_t b = schedule_.endB[p];
-    const bool heldA = target_[a] != kNone;
-    const bool heldB = target_[b] != kNone;
+    const bool heldA = targetOf()[a] != kNone;
+    const bool heldB = targetOf()[b] != kNone;
     if (heldA == heldB) continue;
     const std::int32_t held = heldA ? a : b;
-    attachments_.push_back({p, heldA ? b : a, held, static_cast<std::size_t>(target_[held]),
+    attachments_.push_back({p, heldA ? b : a, held, static_cast<std::size_t>(targetOf()[held]),
                             gains_.gain[p], gains_.lag[p]});
     gains_.gain[p] = 0.0;
   }
@@ -270,9 +265,8 @@ void Xpbd::solveAttachments(double h) {
 }
 
 void Xpbd::solveBending(double h) {
-  bending_.project(particles_, [&](std::size_t slot, const Vec3& impulse) {
-    if (target_[slot] != kNone) addReaction(static_cast<std::size_t>(target_[slot]), impulse / h);
-  });
+  bending_.project(particles_,
+                   [&](std::size_t slot, const Vec3& impulse) { bear(slot, impulse / h); });
 }
 
 }  // namespace

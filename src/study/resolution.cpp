@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/study/reference.h"
 #include "cpu_clock.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 #include "cloth_sim/study/run.h"
 
 namespace cloth_sim {

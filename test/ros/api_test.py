@@ -3,7 +3,6 @@
 import math
 import os
 import sys
-import unittest
 
 import rospy
 import rostest
@@ -17,6 +16,7 @@ from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, connected, wait_until  # noqa: E402
+from services import ServiceTest  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
                 set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
@@ -61,21 +61,15 @@ BAD_STROKES = dict(empty=stroke(points=()), single=stroke(points=((0, 0, 0),)),
                    no_frame=stroke(frame=''), negative=stroke(half_width=-0.1))
 
 
-class ApiTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.call = {}
-        for name, kind in SERVICES.items():
-            rospy.wait_for_service('/cloth/' + name, 30.0)
-            cls.call[name] = rospy.ServiceProxy('/cloth/' + name, kind, persistent=True)
+class ApiTest(ServiceTest):
+    SERVICES = SERVICES
 
     def setUp(self):
         self.accepted('pause', True)
         self.accepted('reset')
 
     def accepted(self, name, *arguments):
-        reply = self.call[name](*arguments)
-        self.assertTrue(reply.success, '%s: %s' % (name, reply.message))
+        reply = super().accepted(name, *arguments)
         self.assertNotEqual(reply.message, '')
         return reply
 
@@ -90,9 +84,6 @@ class ApiTest(unittest.TestCase):
         before.header = after.header
         self.assertEqual(before, after)
         return reply.message
-
-    def state(self):
-        return self.call['get_state']().state
 
     def now(self, topologies):
         """The topology of the cloth as it is: a latched one may be of the run before."""

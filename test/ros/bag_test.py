@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import unittest
 from xmlrpc.client import ServerProxy
 
 import rosbag
@@ -21,6 +20,7 @@ from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, connected, wait_until  # noqa: E402
+from services import ServiceTest  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
                 set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
@@ -59,25 +59,12 @@ def replay(bag):
     return subprocess.run([CLOTH_RUN, '--replay', bag], capture_output=True, text=True, timeout=120)
 
 
-class BagTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.call = {}
-        for name, kind in SERVICES.items():
-            rospy.wait_for_service('/cloth/' + name, 30.0)
-            cls.call[name] = rospy.ServiceProxy('/cloth/' + name, kind, persistent=True)
+class BagTest(ServiceTest):
+    SERVICES = SERVICES
 
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
-
-    def accepted(self, name, *arguments):
-        reply = self.call[name](*arguments)
-        self.assertTrue(reply.success, '%s: %s' % (name, reply.message))
-        return reply
-
-    def state(self):
-        return self.call['get_state']().state
 
     def stroke(self):
         message = msg.CutStroke()

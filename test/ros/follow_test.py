@@ -27,6 +27,7 @@ class Mover:
     def __init__(self, say, start=START, velocity=0.0):
         self.say, self.start, self.velocity = say, start, velocity
         self.begun = time.monotonic()
+        self.last = start  # place that it said
         self.stopping = threading.Event()
         self.thread = threading.Thread(target=self.run)
 
@@ -36,7 +37,8 @@ class Mover:
 
     def run(self):
         while not self.stopping.is_set() and not rospy.is_shutdown():
-            self.say(self.place())
+            self.last = self.place()
+            self.say(self.last)
             self.stopping.wait(0.02)
 
     def __enter__(self):
@@ -90,10 +92,10 @@ class FollowTest(unittest.TestCase):
     def hand(self, name='hand'):
         return next(clamp for clamp in self.state().clamps if clamp.name == name)
 
-    def arrives(self, place, name='hand'):
+    def arrives(self, place, name='hand', within=1e-3):
         def there():
             p = self.hand(name).pose.position
-            return max(abs(p.x - place[0]), abs(p.y - place[1]), abs(p.z - place[2])) < 1e-3
+            return max(abs(p.x - place[0]), abs(p.y - place[1]), abs(p.z - place[2])) < within
         wait_until(there, '%s at %s' % (name, (place,)))
 
     def test_1_a_static_and_then_a_moving_frame_tear_the_cloth(self):
@@ -111,11 +113,12 @@ class FollowTest(unittest.TestCase):
     def test_a_source_that_is_gone_is_held_and_reported_and_found_again(self):
         frame = broadcaster('lift_link')
         with Listener('/diagnostics', DiagnosticArray) as diagnostics:
-            with Mover(frame, velocity=0.02):
+            with Mover(frame, velocity=0.02) as mover:
                 self.follows(clamp='hand', tf='lift_link')
                 wait_until(lambda: self.hand().pose.position.x > START[0] + 0.01, 'motion')
             lost = self.follower_says(diagnostics, 'lost')
             self.assertIn('lift_link', lost)
+            self.arrives(mover.last, within=1e-9)  # and not where it would have been by now
             place = self.hand().pose.position.x
             step = self.state().step
             wait_until(lambda: self.state().step > step + 30, 'steps')

@@ -14,22 +14,12 @@ from visualization_msgs.msg import (InteractiveMarkerFeedback, InteractiveMarker
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, connected, wait_until  # noqa: E402
+from services import call, state  # noqa: E402
 
 SCENE = {'gravity': 9.81, 'wind_x': 0.0, 'wind_y': 0.0, 'wind_z': 0.0, 'tearing': True,
          'tear_strain': 2.0, 'stiffness': 1.0}  # of bench.yaml
 
 ROUND_OFF = 1e-20  # of a kinetic energy: (1e-9 m/s)^2 times the 17 g of the cloth, and less [J]
-
-
-def call(name, kind, *arguments):
-    rospy.wait_for_service('/cloth/' + name, 30.0)
-    reply = rospy.ServiceProxy('/cloth/' + name, kind)(*arguments)
-    assert reply.success, reply.message
-    return reply
-
-
-def state():
-    return call('get_state', srv.GetState).state
 
 
 def clamp(name):

@@ -3,7 +3,6 @@
 import os
 import shutil
 import sys
-import unittest
 
 import rospy
 import rostest
@@ -12,19 +11,19 @@ from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, wait_until  # noqa: E402
+from services import ServiceTest  # noqa: E402
 
 SERVICES = dict(grasp=srv.Grasp, set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step,
                 reset=srv.ResetScene, save_state=srv.SaveState, load_state=srv.LoadState,
                 get_state=srv.GetState)
 
 
-class StateTest(unittest.TestCase):
+class StateTest(ServiceTest):
+    SERVICES = SERVICES
+
     @classmethod
     def setUpClass(cls):
-        cls.call = {}
-        for name, kind in SERVICES.items():
-            rospy.wait_for_service('/cloth/' + name, 30.0)
-            cls.call[name] = rospy.ServiceProxy('/cloth/' + name, kind, persistent=True)
+        super().setUpClass()
         cls.folder = rospy.get_param('/cloth/state_directory')
 
     @classmethod
@@ -35,11 +34,6 @@ class StateTest(unittest.TestCase):
         self.accepted('pause', True)
         self.accepted('reset')
 
-    def accepted(self, name, *arguments):
-        reply = self.call[name](*arguments)
-        self.assertTrue(reply.success, '%s: %s' % (name, reply.message))
-        return reply
-
     def refused(self, name, *arguments, says=''):
         before = self.state()
         reply = self.call[name](*arguments)
@@ -48,9 +42,6 @@ class StateTest(unittest.TestCase):
         self.assertNotEqual(reply.message, '')
         self.assertNotIn('\n', reply.message)
         self.assertEqual(self.state().state_hash, before.state_hash)
-
-    def state(self):
-        return self.call['get_state']().state
 
     def path(self, name):
         return os.path.join(self.folder, name + '.state')

@@ -4,7 +4,6 @@ import os
 import sys
 import threading
 import time
-import unittest
 
 import rospy
 import rostest
@@ -16,6 +15,7 @@ from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, wait_until  # noqa: E402
+from services import ServiceTest  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, set_phase=srv.StartPhase, pause=srv.Pause,
                 step=srv.Step, reset=srv.ResetScene, get_state=srv.GetState,
@@ -36,13 +36,13 @@ class Goal:
         return self.handle.get_goal_status(), self.handle.get_result()
 
 
-class TimeTest(unittest.TestCase):
+class TimeTest(ServiceTest):
+    SERVICES = SERVICES
+    DEADLINE = None  # it would be one of simulated time
+
     @classmethod
     def setUpClass(cls):
-        cls.call = {}
-        for name, kind in SERVICES.items():
-            rospy.wait_for_service('/cloth/' + name)  # a deadline would be one of simulated time
-            cls.call[name] = rospy.ServiceProxy('/cloth/' + name, kind, persistent=True)
+        super().setUpClass()
         cls.run_for = cls.action('run_for', msg.RunForAction)
         cls.run_to_phase = cls.action('run_to_phase', msg.RunToPhaseAction)
 
@@ -58,14 +58,6 @@ class TimeTest(unittest.TestCase):
         self.accepted('pause', True)
         self.accepted('set_real_time_factor', 0.0)
         self.accepted('reset')
-
-    def accepted(self, name, *arguments):
-        reply = self.call[name](*arguments)
-        self.assertTrue(reply.success, '%s: %s' % (name, reply.message))
-        return reply
-
-    def state(self):
-        return self.call['get_state']().state
 
     @staticmethod
     def since_start(clock):

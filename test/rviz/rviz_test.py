@@ -16,6 +16,7 @@ from cloth_sim import msg, srv
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
+from services import call, state  # noqa: E402
 from screen import Screen, is_near, record_skipped, view_of, what_is_missing  # noqa: E402
 
 wait_until = functools.partial(wait_until, deadline=120.0)  # software GL on a busy machine
@@ -59,17 +60,6 @@ Window Geometry:
 def config(tool, display='Torn Width: 0.02', behind=False):
     return CONFIG % {'tool': tool, 'display': display, 'distance': DISTANCE, 'field': FIELD,
                      'middle': MIDDLE, 'yaw': math.pi / 2 * (1 if behind else 3)}
-
-
-def call(name, kind, *arguments):
-    rospy.wait_for_service('/cloth/' + name, 30.0)
-    reply = rospy.ServiceProxy('/cloth/' + name, kind)(*arguments)
-    assert reply.success, reply.message
-    return reply
-
-
-def state():
-    return call('get_state', srv.GetState).state
 
 
 class View:

@@ -1,7 +1,7 @@
 #pragma once
 /// \file Where a cut or tear lies, and what it has to leave.
 
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 #include "cloth_sim/surgery/material_path.h"
 #include "cloth_sim/surgery/operation.h"
 #include "unit/core_support.h"

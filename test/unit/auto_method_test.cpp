@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/scene/build.h"
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/build.h"
 
 namespace cloth_sim {
 namespace {

@@ -11,8 +11,8 @@
 
 #include "cloth_sim/mesh/mesh_editor.h"
 #include "cloth_sim/mesh/quality.h"
+#include "cloth_sim/scene/build.h"
 #include "cloth_sim/scene/scene.h"
-#include "cloth_sim/sim/build.h"
 #include "cloth_sim/solver/registry.h"
 
 namespace cloth_sim::testing_support {

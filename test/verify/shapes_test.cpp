@@ -239,8 +239,9 @@ TEST_P(Shapes, BendSpringsMissTheHeavyElastica) {
 
 TEST_P(Shapes, TheBendingEnergyBendsLikeTheHeavyElastica) {
   // Six cells: second differences know the moment in the middle of a cell, so the chord is off by
-  // (1/6)^2 / 12 or so of itself, 0.1 degrees of 41; stiff threads (0.4 % of strain) and what a large
-  // step leaves of balance are less. The shape does not depend on the length: nor does the angle.
+  // (1/6)^2 / 12 or so of itself, 0.1 degrees of 41; stiff threads (0.4 % of strain) and what a
+  // large step leaves of balance are less. The shape does not depend on the length: nor does the
+  // angle.
   if (!isConsistent(info())) GTEST_SKIP() << "refuses a bending energy";
   const Elastica exact(8.0);
   const double right = std::atan2(exact.drop(), exact.reach()) * 180.0 / M_PI;

@@ -20,7 +20,7 @@ namespace cloth_sim {
 constexpr double kSourceTimeout = 0.5;
 
 /// Turns what a source says into targets in the world. While the source says nothing, is unknown to
-/// tf, or makes no sense, nothing is sent: so what follows holds its place. It warns once, and says
+/// tf, or makes no sense, what follows holds the last place that was said. It warns once, and says
 /// so when the source is back.
 class PoseFollower {
  public:

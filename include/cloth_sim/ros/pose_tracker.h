@@ -13,13 +13,16 @@ constexpr double kLongestPeriod = 0.1;
 constexpr double kHorizonPeriods = 2.0;
 
 /// Gives each new pose the velocity of the way from the one before. So a target that is sampled
-/// moves evenly, and one whose source is gone stands still soon.
+/// moves evenly.
 class PoseTracker {
  public:
   /// \param stamp  of the pose [s]; 0: it holds for all time.
   /// \return the new target; nothing if the pose is the one that was there already. A stamp that is
   ///         older than the last one begins a new sequence.
   std::optional<MovingPose> add(double stamp, const Pose& pose);
+
+  /// The last pose, standing still, if there is one: where a target belongs whose source is gone.
+  std::optional<MovingPose> rest() const;
 
  private:
   struct Sample {

@@ -14,14 +14,17 @@ class StepWatch {
   /// \param substeps  that the method has after the guard looked at the scene.
   StepWatch(const SolverSpec& solver, int substeps);
 
-  /// Whether steps that end badly shall be redone.
-  bool redoes() const { return redoes_; }
+  /// How many times the substeps a step that ends badly is tried with at most; each attempt has
+  /// twice those of the one before. 1: it is not redone.
+  int mostTimes() const { return redoes_ ? kMostTimes : 1; }
 
   /// Notes what a step starts from.
   void begin(const Model& model, const State& state, const Controls& controls,
              const ColliderSet& colliders, double dt);
   /// Whether the step that led to `state` ended well.
   bool isSound(const Model& model, const State& state);
+  /// Notes that the step stays as it was last looked at.
+  void accept();
   /// Notes that an attempt was rolled back, and that the next one is divided `times` further.
   void noteRedone(double time, int times);
 
@@ -32,17 +35,17 @@ class StepWatch {
     archive(budget_, record_);
   }
 
-  /// Attempts at a step, at most; each has twice the substeps of the one before.
-  static constexpr int kAttempts = 7;
-
  private:
+  static constexpr int kMostTimes = 64;
+
   bool redoes_;
   bool weighs_;           ///< looks at the energy
   double budget_ = -1.0;  ///< that the cloth can have by now; negative: no step yet [J]
   double input_ = 0.0;    ///< root of what may come in during the step [J^1/2]
   double height_ = 0.0;   ///< energy of weight at the start of the step [J]
   Vec3 gravity_ = Vec3::Zero();
-  double found_ = 0.0;  ///< by the attempt before; 0: none [J]
+  double reached_ = 0.0;  ///< what the budget is if the step is accepted [J]
+  double found_ = 0.0;    ///< by the attempt before; 0: none [J]
   GuardRecord record_;
 };
 

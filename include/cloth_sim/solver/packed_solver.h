@@ -57,6 +57,13 @@ class PackedSolver : public Solver {
   }
   /// Adds `force_` for the time h to the reactions of the kinematic targets.
   void addForcesToReactions(double h);
+  /// Adds an impulse [N s] on the particle in a slot to the reaction of its kinematic target, if it
+  /// has one.
+  void bear(std::size_t slot, const Vec3& impulse) {
+    if (targetOf_[slot] != kNone) addReaction(static_cast<std::size_t>(targetOf_[slot]), impulse);
+  }
+  /// Index of the kinematic target by slot, or kNone.
+  const std::vector<std::int32_t>& targetOf() const { return targetOf_; }
   /// Adds an impulse [N s] on the k-th kinematic target to its reaction.
   void addReaction(std::size_t k, const Vec3& impulse) { report_.reactions[k] += impulse; }
   /// Adds the pressure of the wind on every face, and the forces on single particles, to `force_`.
@@ -97,6 +104,7 @@ class PackedSolver : public Solver {
   std::vector<VertexId> touching_;     ///< which kinematic targets are near an obstacle
   std::vector<Vec3> kinematicStartVelocity_;
   std::vector<std::int32_t> previousKinematic_;
+  std::vector<std::int32_t> targetOf_;
 };
 
 }  // namespace cloth_sim

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 
 namespace cloth_sim {
 namespace {

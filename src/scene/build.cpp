@@ -1,4 +1,4 @@
-#include "cloth_sim/sim/build.h"
+#include "cloth_sim/scene/build.h"
 
 #include <algorithm>
 #include <random>

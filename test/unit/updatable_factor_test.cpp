@@ -1,0 +1,209 @@
+// A factorisation that follows its matrix, against one made anew.
+#include "../../src/solver/updatable_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <map>
+#include <random>
+#include <set>
+#include <sstream>
+
+#include "cloth_sim/sim/archive.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Point masses tied by springs, as a global step has them.
+struct Network {
+  std::vector<double> mass;
+  std::map<std::pair<int, int>, double> springs;  ///< by lower and higher end
+
+  UpdatableFactor::Matrix matrix() const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t k = 0; k < mass.size(); ++k) entries.emplace_back(k, k, mass[k]);
+    for (const auto& [ends, weight] : springs) {
+      entries.emplace_back(ends.first, ends.first, weight);
+      entries.emplace_back(ends.second, ends.second, weight);
+      entries.emplace_back(ends.second, ends.first, -weight);
+    }
+    const auto n = static_cast<Eigen::Index>(mass.size());
+    UpdatableFactor::Matrix result(n, n);
+    result.setFromTriplets(entries.begin(), entries.end());
+    return result;
+  }
+
+  void tie(int a, int b, double weight) { springs[{std::min(a, b), std::max(a, b)}] += weight; }
+};
+
+Network grid(int side) {
+  Network network;
+  network.mass.assign(static_cast<std::size_t>(side * side), 1.0);
+  for (int row = 0; row < side; ++row) {
+    for (int column = 0; column < side; ++column) {
+      const int k = row * side + column;
+      if (column + 1 < side) network.tie(k, k + 1, 20.0);
+      if (row + 1 < side) network.tie(k, k + side, 30.0);
+      if (row + 1 < side && column + 1 < side) network.tie(k, k + side + 1, 5.0);
+    }
+  }
+  return network;
+}
+
+PackedVectors someVectors(std::size_t n) {
+  PackedVectors result;
+  result.resize(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto t = static_cast<double>(k);
+    result.set(k, Vec3(std::sin(t), std::cos(3.0 * t), std::sin(7.0 * t) + 0.5));
+  }
+  return result;
+}
+
+/// Largest difference from what a dense factorisation gives, relative to the largest coordinate.
+double errorOf(UpdatableFactor& factor, const UpdatableFactor::Matrix& matrix) {
+  const auto n = static_cast<std::size_t>(matrix.rows());
+  const PackedVectors right = someVectors(n);
+  PackedVectors x;
+  factor.solve(right, x);
+  Eigen::MatrixXd b(matrix.rows(), 3), got(matrix.rows(), 3);
+  for (std::size_t k = 0; k < n; ++k) {
+    b.row(static_cast<Eigen::Index>(k)) = right.at(k).transpose();
+    got.row(static_cast<Eigen::Index>(k)) = x.at(k).transpose();
+  }
+  const Eigen::MatrixXd whole = Eigen::MatrixXd(matrix).selfadjointView<Eigen::Lower>();
+  const Eigen::MatrixXd expected = whole.llt().solve(b);
+  return (got - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
+}
+
+/// Entries are of order 1 to 100 in at most 300 rows: rounding of a few hundred updates stays
+/// below.
+constexpr double kClose = 1e-11;
+
+TEST(UpdatableFactor, SolvesWhatItFactorised) {
+  const UpdatableFactor::Matrix matrix = grid(9).matrix();
+  UpdatableFactor factor;
+  factor.compute(matrix);
+  EXPECT_LT(errorOf(factor, matrix), kClose);
+}
+
+TEST(UpdatableFactor, RefusesWhatIsIndefinite) {
+  Network network = grid(4);
+  network.mass[3] = -1e6;
+  UpdatableFactor factor;
+  EXPECT_THROW(factor.compute(network.matrix()), std::runtime_error);
+}
+
+TEST(UpdatableFactor, FollowsSpringsThatGo) {
+  Network network = grid(15);
+  UpdatableFactor factor;
+  factor.compute(network.matrix());
+  for (int k = 0; k < 4; ++k) network.springs.erase({7 * 15 + k, 8 * 15 + k});
+  ASSERT_TRUE(factor.follow(network.matrix()));
+  EXPECT_LT(errorOf(factor, network.matrix()), kClose);
+}
+
+/// A tear: a new particle takes over some springs of an old one, and part of its mass.
+TEST(UpdatableFactor, FollowsAParticleThatIsSplit) {
+  Network network = grid(15);
+  UpdatableFactor factor;
+  factor.compute(network.matrix());
+  const int old = 7 * 15 + 7;
+  const int fresh = static_cast<int>(network.mass.size());
+  network.mass.push_back(0.4);
+  network.mass[old] = 0.6;
+  for (const int neighbour : {old + 1, old + 15, old + 16}) {
+    network.tie(fresh, neighbour, network.springs.at({old, neighbour}));
+    network.springs.erase({old, neighbour});
+  }
+  ASSERT_TRUE(factor.follow(network.matrix()));
+  EXPECT_EQ(factor.rows(), network.mass.size());
+  EXPECT_LT(errorOf(factor, network.matrix()), kClose);
+}
+
+/// As a clamp does: an entry that ties a particle to its place comes and goes.
+TEST(UpdatableFactor, FollowsAParticleThatIsHeldAndLetGo) {
+  Network network = grid(15);
+  const UpdatableFactor::Matrix before = network.matrix();
+  UpdatableFactor factor;
+  factor.compute(before);
+  network.mass[100] += 1e8;
+  ASSERT_TRUE(factor.follow(network.matrix()));
+  EXPECT_LT(errorOf(factor, network.matrix()), kClose);
+  ASSERT_TRUE(factor.follow(before));
+  // The entry was a million times its neighbours: six digits of sixteen are gone.
+  EXPECT_LT(errorOf(factor, before), 1e-7);
+}
+
+/// Many changes of all kinds, one after the other; every one is checked.
+TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
+  Network network = grid(12);
+  UpdatableFactor factor;
+  factor.compute(network.matrix());
+  std::mt19937 random(7);
+  const auto upTo = [&](std::size_t n) {
+    return static_cast<int>(random() % static_cast<unsigned>(n));
+  };
+  int followed = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (int change = 0; change < 3; ++change) {
+      const int a = upTo(network.mass.size());
+      const int b = upTo(network.mass.size());
+      switch (upTo(4)) {
+        case 0:
+          if (a != b) network.tie(a, b, 1.0 + upTo(50));
+          break;
+        case 1:
+          network.springs.erase(std::next(network.springs.begin(), upTo(network.springs.size())));
+          break;
+        case 2:
+          network.mass.push_back(0.5);
+          network.tie(a, static_cast<int>(network.mass.size()) - 1, 10.0);
+          break;
+        default:
+          network.mass[static_cast<std::size_t>(a)] *= 1.5;
+      }
+    }
+    if (factor.follow(network.matrix())) {
+      ++followed;
+    } else {
+      factor.compute(network.matrix());
+    }
+    ASSERT_LT(errorOf(factor, network.matrix()), kClose) << "round " << round;
+  }
+  EXPECT_GT(followed, 50);
+}
+
+TEST(UpdatableFactor, SaysWhenAllOfItChanged) {
+  Network network = grid(12);
+  UpdatableFactor factor;
+  factor.compute(network.matrix());
+  for (auto& [ends, weight] : network.springs) weight *= 2.0;
+  EXPECT_FALSE(factor.follow(network.matrix()));
+}
+
+TEST(UpdatableFactor, GoesOnFromWhatWasSaved) {
+  Network network = grid(12);
+  UpdatableFactor factor;
+  factor.compute(network.matrix());
+  network.springs.erase({30, 31});
+  ASSERT_TRUE(factor.follow(network.matrix()));
+  std::stringstream file;
+  StateWriter{file}(factor);
+  UpdatableFactor loaded;
+  StateReader{file}(loaded);
+  for (UpdatableFactor* one : {&factor, &loaded}) {
+    network.springs.erase({30, 42});
+    ASSERT_TRUE(one->follow(network.matrix()));
+  }
+  const PackedVectors right = someVectors(network.mass.size());
+  PackedVectors x, y;
+  factor.solve(right, x);
+  loaded.solve(right, y);
+  EXPECT_EQ(x.x, y.x);
+  EXPECT_EQ(x.y, y.y);
+  EXPECT_EQ(x.z, y.z);
+}
+
+}  // namespace
+}  // namespace cloth_sim
