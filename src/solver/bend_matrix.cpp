@@ -106,6 +106,22 @@ void BendMatrix::addForces(const PackedVectors& x, const PackedVectors& v,
   if (retardation_ > 0.0) addProduct(-retardation_, v, force);
 }
 
+void BendMatrix::addForce(std::size_t slot, const PackedVectors& x, const PackedVectors& v,
+                          PackedVectors& force) const {
+  if (slot + 1 >= start_.size()) return;
+  Vec3 sum = rowProduct(slot, x);
+  if (retardation_ > 0.0) sum += retardation_ * rowProduct(slot, v);
+  force.set(slot, force.at(slot) - sum);
+}
+
+Vec3 BendMatrix::rowProduct(std::size_t row, const PackedVectors& x) const {
+  Vec3 product = Vec3::Zero();
+  for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
+    product += value_[k] * x.at(static_cast<std::size_t>(column_[k]));
+  }
+  return product;
+}
+
 double BendMatrix::potential(const PackedVectors& x, const PackedVectors& v, double tau) const {
   const double viscous = retardation_ > 0.0 ? tau * retardation_ * quadraticForm(v) : 0.0;
   return 0.5 * (quadraticForm(x) + viscous);
@@ -114,11 +130,7 @@ double BendMatrix::potential(const PackedVectors& x, const PackedVectors& v, dou
 double BendMatrix::quadraticForm(const PackedVectors& x) const {
   double sum = 0.0;
   for (std::size_t row = 0; row + 1 < start_.size(); ++row) {
-    Vec3 product = Vec3::Zero();
-    for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
-      product += value_[k] * x.at(static_cast<std::size_t>(column_[k]));
-    }
-    sum += x.at(row).dot(product);
+    sum += x.at(row).dot(rowProduct(row, x));
   }
   return sum;
 }

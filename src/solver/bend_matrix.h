@@ -17,6 +17,9 @@ class BendMatrix {
   void addProduct(double s, const PackedVectors& x, PackedVectors& out) const;
   /// force -= K (x + retardation v) [N].
   void addForces(const PackedVectors& x, const PackedVectors& v, PackedVectors& force) const;
+  /// The same for one slot.
+  void addForce(std::size_t slot, const PackedVectors& x, const PackedVectors& v,
+                PackedVectors& force) const;
   /// 1/2 x^T K x + tau/2 retardation v^T K v: see springPotential [J].
   double potential(const PackedVectors& x, const PackedVectors& v, double tau) const;
   double retardation() const { return retardation_; }
@@ -36,6 +39,7 @@ class BendMatrix {
   }
 
  private:
+  Vec3 rowProduct(std::size_t row, const PackedVectors& x) const;
   double quadraticForm(const PackedVectors& x) const;
 
   std::vector<std::size_t> start_;  ///< by slot, and one more

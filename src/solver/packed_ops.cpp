@@ -40,6 +40,14 @@ void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVect
           a, b, c);
 }
 
+void scale(double s, PackedVectors& a) {
+  forAxes(
+      [s](auto& axis) {
+        for (double& value : axis) value *= s;
+      },
+      a);
+}
+
 void addScaled(double s, const PackedVectors& b, PackedVectors& a) { setSum(a, s, b, a); }
 
 double dot(const PackedVectors& a, const PackedVectors& b) {

@@ -17,6 +17,8 @@ void forAxes(const Body& body, Vectors&... vectors) {
 void setZero(std::size_t n, PackedVectors& a);
 /// a = b + s c.
 void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVectors& a);
+/// a *= s.
+void scale(double s, PackedVectors& a);
 /// a += s b.
 void addScaled(double s, const PackedVectors& b, PackedVectors& a);
 /// Sum over all coordinates of a b, in an order that depends on nothing but the size.

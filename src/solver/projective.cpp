@@ -1,25 +1,58 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "bend_matrix.h"
 #include "cloth_sim/sim/archive.h"
 #include "cloth_sim/solver/packed_solver.h"
+#include "cloth_sim/solver/vector_clones.h"
 #include "methods.h"
 #include "packed_ops.h"
+#include "spring_forces.h"
 #include "updatable_factor.h"
 
 namespace cloth_sim {
 namespace {
 
-/// Keeps the direction of a spring of no length from being 0/0 [m^2].
-constexpr double kTinySquare = 1e-300;
-/// Conjugate gradients after which rounding has spoilt the factorisation.
-constexpr int kStale = 6;
-/// On the diagonal for a particle that is held, relative to the largest entry there: what is left
-/// of its motion is taken out of the solution, and letting it go costs six digits out of sixteen.
+/// On the diagonal for a particle that is held, relative to the largest entry there; letting it go
+/// costs six digits out of sixteen.
 constexpr double kHold = 1e6;
-constexpr int kMostLinear = 200;
-constexpr double kLinearTolerance = 0.1;  ///< of the residual, per iteration
+
+/// What the residual of one coordinate is made of.
+struct Terms {
+  const double* mass;         ///< [kg]
+  const double* inverseMass;  ///< 0: prescribed motion
+  const double* velocity;     ///< at the start of the substep [m/s]
+  const double* force;        ///< [N]
+  const double* start;        ///< [m]
+  const double* x;            ///< [m]
+};
+
+/// h^2 times the force that is out of balance, m (h v + h^2 g) + h^2 f - m (1 + drag h) (x -
+/// start), of free particles; the sum of its squares over the masses, in an order of its own.
+CLOTH_SIM_VECTOR_CLONES
+double residualAxis(std::size_t n, double h, double g, double drag, const Terms& terms,
+                    double* residual) {
+  constexpr std::size_t kLanes = 8;
+  const Terms t = terms;
+  const double held = 1.0 + h * drag;
+  const auto at = [&](std::size_t k) {
+    const double aim = h * t.velocity[k] + h * h * g - held * (t.x[k] - t.start[k]);
+    const double r = t.inverseMass[k] > 0.0 ? t.mass[k] * aim + h * h * t.force[k] : 0.0;
+    residual[k] = r;
+    return r * r * t.inverseMass[k];
+  };
+  std::array<double, kLanes> part{};
+  std::size_t k = 0;
+  for (; k + kLanes <= n; k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) part[lane] += at(k + lane);
+  }
+  double sum = 0.0;
+  for (; k < n; ++k) sum += at(k);
+  for (double value : part) sum += value;
+  return sum;
+}
 
 /// Projective dynamics for springs (Liu, Bargteil, O'Brien & Kavan 2013): backward Euler,
 /// alternating between the direction of each spring (local) and the positions given the directions
@@ -29,8 +62,7 @@ constexpr double kLinearTolerance = 0.1;  ///< of the residual, per iteration
 /// matrix is part of the global step's.
 ///
 /// After cuts and tears, and when clamps take or leave particles, the factorisation is updated
-/// (UpdatableFactor); only when that would cost more is it made anew. Conjugate gradients with the
-/// factorisation before them take one iteration then, and say if rounding has spoilt it.
+/// (UpdatableFactor); only when that would cost more is it made anew.
 class Projective final : public PackedSolver {
  public:
   Projective(const Model& model, const SolverParameters& parameters)
@@ -46,19 +78,11 @@ class Projective final : public PackedSolver {
     const bool scaled = h != step_ || controls.drag != drag_;
     step_ = h;
     drag_ = controls.drag;
-    const std::size_t n = particles_.mass.size();
-    diagonal_.resize(n);
-    for (std::size_t k = 0; k < n; ++k) diagonal_[k] = particles_.mass[k] * (1.0 + h * drag_);
-    weight_.resize(static_cast<std::size_t>(schedule_.size()));
-    for (std::size_t p = 0; p < weight_.size(); ++p) {
-      weight_[p] = h * h * schedule_.stiffness[p] + h * schedule_.damping[p];
-    }
-    if (scaled || factor_.rows() == 0) {
-      factorise();
-    } else {
-      const UpdatableFactor::Matrix matrix = globalMatrix();
-      if (!factor_.follow(matrix)) factor_.compute(matrix);
-    }
+    freeMass_ = std::accumulate(particles_.mass.begin(), particles_.mass.end(), 0.0);
+    listHeldSprings();
+    if (scaled || factor_.rows() == 0) return factorise();
+    const UpdatableFactor::Matrix matrix = globalMatrix();
+    if (!factor_.follow(matrix)) factor_.compute(matrix);
   }
 
   void substep(const Substep& now) override {
@@ -68,162 +92,155 @@ class Projective final : public PackedSolver {
     setSum(particles_.start, now.h, particles_.v, particles_.x);
     placeKinematic(now.fraction);
     int k = 0;
-    double residual = findResidual(now);
-    for (; k < iterations_ && residual > tolerance_; ++k) {
-      solveGlobal();
-      forAxes(
-          [](auto& x, const auto& d) {
-            for (std::size_t i = 0; i < x.size(); ++i) x[i] += d[i];
-          },
-          particles_.x, change_);
+    double residual = 0.0;
+    for (; k < iterations_; ++k) {
       residual = findResidual(now);
+      if (residual <= tolerance_) break;
+      moveBySolution();
+      placeKinematic(now.fraction);
     }
     noteIterations(k, residual);
-    addForcesToReactions(now.h);
-    setSum(particles_.x, -1.0, particles_.start, particles_.v);
-    forAxes(
-        [&](auto& axis) {
-          for (double& v : axis) v /= now.h;
-        },
-        particles_.v);
+    findVelocity(now.h);
+    bearForces(now);
     enforceContacts(now);
-    if (linear_ > kStale) factorise();
   }
 
   void findWind(const Substep& now) {
+    if (!now.controls.hasLoads()) return;
     setZero(particles_.mass.size(), force_);
-    if (now.controls.hasLoads()) addLoads(now.model, now.controls);
+    addLoads(now.model, now.controls);
     wind_ = force_;
   }
 
+  /// v = (x - start) / h.
+  void findVelocity(double h) {
+    setSum(particles_.x, -1.0, particles_.start, particles_.v);
+    scale(1.0 / h, particles_.v);
+  }
+
   /// h^2 times the forces that are out of balance, in `residual_`; as a mean acceleration [m/s^2].
-  /// Forces of springs and dashpots, and the wind, in `force_` [N].
   double findResidual(const Substep& now) {
-    setZero(particles_.mass.size(), force_);
-    schedule_.sweep([&](std::int32_t p) { addPull(p, now.h); });
-    bending_.addProduct(-1.0, particles_.x, force_);
-    if (bending_.retardation() > 0.0) {
-      setSum(particles_.x, -1.0, particles_.start, moved_);
-      bending_.addProduct(-bending_.retardation() / now.h, moved_, force_);
+    if (now.controls.hasLoads()) {
+      force_ = wind_;
+    } else {
+      setZero(particles_.mass.size(), force_);
     }
-    addScaled(1.0, wind_, force_);
-    residual_.resize(particles_.mass.size());
-    double square = 0.0;
-    double total = 0.0;
-    const double h = now.h;
-    for (std::size_t k = 0; k < particles_.mass.size(); ++k) {
-      const double mass = particles_.mass[k];
-      if (mass <= 0.0) {
-        residual_.set(k, Vec3::Zero());
-        continue;
-      }
-      const Vec3 moved = particles_.x.at(k) - particles_.start.at(k);
-      const Vec3 aim = h * velocity_.at(k) + h * h * now.controls.gravity;
-      const Vec3 r = mass * aim + h * h * force_.at(k) - diagonal_[k] * moved;
-      residual_.set(k, r);
-      square += r.squaredNorm() / mass;
-      total += mass;
-    }
-    return total > 0.0 ? std::sqrt(square / total) / (h * h) : 0.0;
-  }
-
-  void addPull(std::int32_t p, double h) {
-    const auto a = static_cast<std::size_t>(schedule_.endA[p]);
-    const auto b = static_cast<std::size_t>(schedule_.endB[p]);
-    const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
-    const double length = std::sqrt(d.squaredNorm() + kTinySquare);
-    const Vec3 n = d / length;
-    const double moved = n.dot(d - (particles_.start.at(b) - particles_.start.at(a)));
-    const double f = schedule_.stiffness[p] * (length - schedule_.restLength[p]) +
-                     schedule_.damping[p] * moved / h;
-    force_.set(a, force_.at(a) + f * n);
-    force_.set(b, force_.at(b) - f * n);
-  }
-
-  /// Solves A change = residual by conjugate gradients with the factorisation before them.
-  void solveGlobal() {
+    // Dashpots: of the motion in the substep.
+    if (schedule_.damped || bending_.retardation() > 0.0) findVelocity(now.h);
+    addSpringForces(schedule_, particles_.x, particles_.v, force_);
+    bending_.addForces(particles_.x, particles_.v, force_);
     const std::size_t n = particles_.mass.size();
-    setZero(n, change_);
-    rest_ = residual_;
-    precondition();
-    search_ = preconditioned_;
-    double rz = dot(rest_, preconditioned_);
-    const double enough = kLinearTolerance * kLinearTolerance * dot(residual_, residual_);
-    for (linear_ = 1; linear_ <= kMostLinear; ++linear_) {
-      multiply();
-      const double curvature = dot(search_, product_);
-      if (!(curvature > 0.0)) return;
-      addScaled(rz / curvature, search_, change_);
-      addScaled(-rz / curvature, product_, rest_);
-      if (dot(rest_, rest_) <= enough) return;
-      precondition();
-      const double next = dot(rest_, preconditioned_);
-      setSum(preconditioned_, next / rz, search_, search_);
-      rz = next;
-    }
+    residual_.resize(n);
+    const double* const m = particles_.mass.data();
+    const double* const w = particles_.inverseMass.data();
+    const Vec3& g = now.controls.gravity;
+    double square = 0.0;
+    int axis = 0;
+    forAxes(
+        [&](const auto& v, const auto& f, const auto& start, const auto& x, auto& r) {
+          square += residualAxis(n, now.h, g[axis++], now.controls.drag,
+                                 {m, w, v.data(), f.data(), start.data(), x.data()}, r.data());
+        },
+        velocity_, force_, particles_.start, particles_.x, residual_);
+    return freeMass_ > 0.0 ? std::sqrt(square / freeMass_) / (now.h * now.h) : 0.0;
   }
 
-  /// product = A search.
-  void multiply() {
-    const std::size_t n = diagonal_.size();
-    product_.resize(n);
-    for (std::size_t k = 0; k < n; ++k) product_.set(k, diagonal_[k] * search_.at(k));
-    schedule_.sweep([&](std::int32_t p) {
-      const auto a = static_cast<std::size_t>(schedule_.endA[p]);
-      const auto b = static_cast<std::size_t>(schedule_.endB[p]);
-      const Vec3 f = weight_[p] * (search_.at(a) - search_.at(b));
-      product_.set(a, product_.at(a) + f);
-      product_.set(b, product_.at(b) - f);
-    });
-    bending_.addProduct(bendWeight(), search_, product_);
-    hold(product_);
+  /// x += A^-1 residual. Where nothing is held, the motion of the whole is kept out of the
+  /// solution, which is in single precision: so linear momentum is right to round-off.
+  void moveBySolution() {
+    const bool isFree = kinematicSlots_.empty();
+    const std::vector<double>& mass = particles_.mass;
+    const double inertia = freeMass_ * (1.0 + step_ * drag_);
+    std::array<double, 3> mean{};
+    int axis = 0;
+    if (isFree) {
+      forAxes(
+          [&](auto& r) {
+            const double whole = std::accumulate(r.begin(), r.end(), 0.0) / freeMass_;
+            for (std::size_t k = 0; k < r.size(); ++k) r[k] -= mass[k] * whole;
+            mean[axis++] = whole * freeMass_ / inertia;
+          },
+          residual_);
+    }
+    factor_.solve(residual_, change_);
+    if (isFree) {
+      axis = 0;
+      forAxes(
+          [&](auto& d) {
+            const double wrong = std::inner_product(d.begin(), d.end(), mass.begin(), 0.0);
+            for (double& value : d) value += mean[axis] - wrong / freeMass_;
+            ++axis;
+          },
+          change_);
+    }
+    addScaled(1.0, change_, particles_.x);
+  }
+
+  /// What kinematic targets bear: the forces on them where the substep ends.
+  void bearForces(const Substep& now) {
+    if (kinematicSlots_.empty()) return;
+    for (const std::int32_t k : kinematicSlots_) {
+      const auto slot = static_cast<std::size_t>(k);
+      force_.set(slot, now.controls.hasLoads() ? wind_.at(slot) : Vec3::Zero());
+    }
+    for (const std::int32_t p : heldSprings_) {
+      addSpringForce(schedule_, p, particles_.x, particles_.v, force_);
+    }
+    for (const std::int32_t k : kinematicSlots_) {
+      bending_.addForce(static_cast<std::size_t>(k), particles_.x, particles_.v, force_);
+    }
+    addForcesToReactions(now.h);
+  }
+
+  void listHeldSprings() {
+    const auto isHeld = [this](std::int32_t slot) {
+      return targetOf()[static_cast<std::size_t>(slot)] != kNone;
+    };
+    heldSprings_.clear();
+    for (std::int32_t p = 0; p < schedule_.size(); ++p) {
+      if (isHeld(schedule_.endA[p]) || isHeld(schedule_.endB[p])) heldSprings_.push_back(p);
+    }
   }
 
   /// What the matrix of the bending energy counts in the global step's.
   double bendWeight() const { return step_ * (step_ + bending_.retardation()); }
 
-  void precondition() {
-    factor_.solve(rest_, preconditioned_);
-    hold(preconditioned_);
-  }
-
-  /// Zero for particles with prescribed motion.
-  void hold(PackedVectors& q) const {
-    for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-      if (diagonal_[k] <= 0.0) q.set(k, Vec3::Zero());
-    }
-  }
-
   void factorise() {
-    const double largest = *std::max_element(diagonal_.begin(), diagonal_.end());
-    const double stiffest =
-        weight_.empty() ? 0.0 : *std::max_element(weight_.begin(), weight_.end());
-    holdWeight_ = kHold * std::max({largest, stiffest, kTinySquare});
+    double largest = 0.0;
+    for (double m : particles_.mass) largest = std::max(largest, m);
+    for (std::int32_t p = 0; p < schedule_.size(); ++p) largest = std::max(largest, weight(p));
+    holdWeight_ = kHold * (largest > 0.0 ? largest : 1.0);
     factor_.compute(globalMatrix());
-    linear_ = 0;
+  }
+
+  /// What a spring counts in the global step's matrix [kg].
+  double weight(std::int32_t p) const {
+    const auto k = static_cast<std::size_t>(p);
+    return step_ * step_ * schedule_.stiffness[k] + step_ * schedule_.damping[k];
   }
 
   /// The matrix of the global step; a particle that is held is tied to its place.
   UpdatableFactor::Matrix globalMatrix() const {
     std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(diagonal_.size() + 3 * weight_.size());
-    const auto n = static_cast<Eigen::Index>(diagonal_.size());
-    for (Eigen::Index k = 0; k < n; ++k) {
-      const double m = diagonal_[static_cast<std::size_t>(k)];
+    const std::size_t n = particles_.mass.size();
+    entries.reserve(n + 3 * static_cast<std::size_t>(schedule_.size()));
+    for (std::size_t k = 0; k < n; ++k) {
+      const double m = particles_.mass[k] * (1.0 + step_ * drag_);
       entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
     }
-    for (std::size_t p = 0; p < weight_.size(); ++p) {
-      if (weight_[p] == 0.0) continue;
+    for (std::int32_t p = 0; p < schedule_.size(); ++p) {
+      const double w = weight(p);
+      if (w == 0.0) continue;
       const std::int32_t a = schedule_.endA[p];
       const std::int32_t b = schedule_.endB[p];
-      entries.emplace_back(a, a, weight_[p]);
-      entries.emplace_back(b, b, weight_[p]);
-      entries.emplace_back(std::max(a, b), std::min(a, b), -weight_[p]);
+      entries.emplace_back(a, a, w);
+      entries.emplace_back(b, b, w);
+      entries.emplace_back(std::max(a, b), std::min(a, b), -w);
     }
     bending_.forLower([&](std::size_t row, std::int32_t column, double value) {
       entries.emplace_back(row, column, bendWeight() * value);
     });
-    UpdatableFactor::Matrix matrix(n, n);
+    UpdatableFactor::Matrix matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
   }
@@ -238,13 +255,12 @@ class Projective final : public PackedSolver {
   double tolerance_;  ///< of the residual [m/s^2]
   double step_ = 0.0;
   double drag_ = 0.0;
-  std::vector<double> diagonal_;  ///< mass (1 + drag h) by particle; 0: prescribed [kg]
-  std::vector<double> weight_;    ///< h^2 k + h c by position of the schedule [kg]
-  double holdWeight_ = 0.0;       ///< on the diagonal, for particles that are held [kg]
+  double holdWeight_ = 0.0;  ///< on the diagonal, for particles that are held [kg]
+  double freeMass_ = 0.0;    ///< of particles that are not held [kg]
   UpdatableFactor factor_;
-  int linear_ = 0;          ///< iterations of the last solve
-  PackedVectors velocity_;  ///< at the start of the substep [m/s]
-  PackedVectors wind_, residual_, change_, rest_, preconditioned_, search_, product_, moved_;
+  std::vector<std::int32_t> heldSprings_;  ///< positions of springs at kinematic particles
+  PackedVectors velocity_;                 ///< at the start of the substep [m/s]
+  PackedVectors wind_, residual_, change_;
 };
 
 }  // namespace

@@ -61,21 +61,6 @@ void pullRun(std::int32_t count, std::int32_t first, std::int32_t a, std::int32_
   }
 }
 
-void pullSingle(std::int32_t p, const SpringSchedule& s, const PackedVectors& x,
-                const PackedVectors& v, PackedVectors& force) {
-  const auto a = static_cast<std::size_t>(s.endA[p]);
-  const auto b = static_cast<std::size_t>(s.endB[p]);
-  const Pull pull =
-      springPull(x.x[b] - x.x[a], x.y[b] - x.y[a], x.z[b] - x.z[a], v.x[b] - v.x[a],
-                 v.y[b] - v.y[a], v.z[b] - v.z[a], s.restLength[p], s.stiffness[p], s.damping[p]);
-  force.x[a] += pull.x;
-  force.y[a] += pull.y;
-  force.z[a] += pull.z;
-  force.x[b] -= pull.x;
-  force.y[b] -= pull.y;
-  force.z[b] -= pull.z;
-}
-
 }  // namespace
 
 double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
@@ -94,13 +79,28 @@ double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
   return sum;
 }
 
+void addSpringForce(const SpringSchedule& s, std::int32_t p, const PackedVectors& x,
+                    const PackedVectors& v, PackedVectors& force) {
+  const auto a = static_cast<std::size_t>(s.endA[p]);
+  const auto b = static_cast<std::size_t>(s.endB[p]);
+  const Pull pull =
+      springPull(x.x[b] - x.x[a], x.y[b] - x.y[a], x.z[b] - x.z[a], v.x[b] - v.x[a],
+                 v.y[b] - v.y[a], v.z[b] - v.z[a], s.restLength[p], s.stiffness[p], s.damping[p]);
+  force.x[a] += pull.x;
+  force.y[a] += pull.y;
+  force.z[a] += pull.z;
+  force.x[b] -= pull.x;
+  force.y[b] -= pull.y;
+  force.z[b] -= pull.z;
+}
+
 void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
                      PackedVectors& force) {
   schedule.sweep(
       [&](std::int32_t first, std::int32_t count) {
         pullRun(count, first, schedule.endA[first], schedule.endB[first], schedule, x, v, force);
       },
-      [&](std::int32_t position) { pullSingle(position, schedule, x, v, force); });
+      [&](std::int32_t position) { addSpringForce(schedule, position, x, v, force); });
 }
 
 }  // namespace cloth_sim

@@ -15,6 +15,11 @@ constexpr double kRounding = 1e-12;
 /// much per entry that it passes, in the same unit (measured: docs/design_notes.md).
 constexpr double kCostOfEntry = 3.0;
 
+/// Changes after which rounding may have added up to something.
+constexpr std::int64_t kMostChanges = 100000;
+/// How many times as many entries as at first L may have.
+constexpr std::size_t kMostGrowth = 2;
+
 }  // namespace
 
 void UpdatableFactor::compute(const Matrix& matrix) {
@@ -26,23 +31,27 @@ void UpdatableFactor::compute(const Matrix& matrix) {
   const auto& l = factor.matrixL().nestedExpression();
   const auto n = static_cast<std::size_t>(l.cols());
   matrix_ = matrix;
-  row_.clear();
-  value_.clear();
-  column_.assign(n, {});
+  panelsFollow_ = false;
+  factor_.row.clear();
+  factor_.value.clear();
+  factor_.columns.assign(n, {});
   for (std::size_t j = 0; j < n; ++j) {
-    column_[j].begin = row_.size();
+    factor_.columns[j].begin = factor_.row.size();
     for (Matrix::InnerIterator entry(l, static_cast<Eigen::Index>(j)); entry; ++entry) {
       if (entry.row() <= entry.col()) continue;
-      row_.push_back(static_cast<std::int32_t>(entry.row()));
-      value_.push_back(entry.value());
+      factor_.row.push_back(static_cast<std::int32_t>(entry.row()));
+      factor_.value.push_back(entry.value());
     }
-    column_[j].count = static_cast<std::int32_t>(row_.size() - column_[j].begin);
-    column_[j].capacity = column_[j].count;
+    factor_.columns[j].count =
+        static_cast<std::int32_t>(factor_.row.size() - factor_.columns[j].begin);
+    factor_.columns[j].capacity = factor_.columns[j].count;
   }
-  diagonal_.assign(d.data(), d.data() + n);
+  factor_.diagonal.assign(d.data(), d.data() + n);
   const auto& order = factor.permutationP().indices();
   position_.assign(order.data(), order.data() + n);
   u_.assign(n, 0.0);
+  entriesAtFirst_ = factor_.row.size();
+  changes_ = 0;
 }
 
 bool UpdatableFactor::follow(const Matrix& matrix) {
@@ -64,6 +73,7 @@ bool UpdatableFactor::follow(const Matrix& matrix) {
     }
   }
   matrix_ = matrix;
+  panelsFollow_ = false;
   if (!isCheap(changes)) return false;
   std::stable_partition(changes.begin(), changes.end(),
                         [](const Change& change) { return change.weight > 0.0; });
@@ -112,29 +122,28 @@ std::vector<UpdatableFactor::Change> UpdatableFactor::changesTo(const Matrix& ma
 }
 
 void UpdatableFactor::append(double diagonal) {
-  column_.push_back({row_.size(), 0, 0});
-  diagonal_.push_back(diagonal);
+  factor_.columns.push_back({factor_.row.size(), 0, 0});
+  factor_.diagonal.push_back(diagonal);
   u_.push_back(0.0);
 }
 
-std::int32_t UpdatableFactor::parent(std::int32_t j) const {
-  const Column& column = column_[static_cast<std::size_t>(j)];
-  return column.count > 0 ? row_[column.begin] : kNone;
-}
-
 bool UpdatableFactor::isCheap(const std::vector<Change>& changes) const {
+  if (changes_ > kMostChanges || factor_.row.size() > kMostGrowth * entriesAtFirst_) return false;
   double anew = 0.0;
-  for (const Column& column : column_) anew += static_cast<double>(column.count) * column.count;
+  for (const SparseFactor::Column& column : factor_.columns)
+    anew += static_cast<double>(column.count) * column.count;
   double cost = 0.0;
   for (const Change& change : changes) {
     std::int32_t j = change.b == kNone ? change.a : std::min(change.a, change.b);
-    for (; j != kNone; j = parent(j)) cost += column_[static_cast<std::size_t>(j)].count;
+    for (; j != kNone; j = factor_.parent(j))
+      cost += factor_.columns[static_cast<std::size_t>(j)].count;
     if (kCostOfEntry * cost > anew) return false;
   }
   return true;
 }
 
 bool UpdatableFactor::apply(const Change& change) {
+  ++changes_;
   u_[static_cast<std::size_t>(change.a)] = 1.0;
   support_.clear();
   std::int32_t j = change.a;
@@ -149,27 +158,27 @@ bool UpdatableFactor::apply(const Change& change) {
     takeIn(j);
     const double first = u_[at];
     u_[at] = 0.0;
-    const double d = diagonal_[at] + weight * first * first;
+    const double d = factor_.diagonal[at] + weight * first * first;
     if (!(d > 0.0)) return false;
     const double step = weight * first / d;
-    weight *= diagonal_[at] / d;
-    diagonal_[at] = d;
-    const Column& column = column_[at];
+    weight *= factor_.diagonal[at] / d;
+    factor_.diagonal[at] = d;
+    const SparseFactor::Column& column = factor_.columns[at];
     for (std::int32_t k = 0; k < column.count; ++k) {
       const std::size_t entry = column.begin + static_cast<std::size_t>(k);
-      double& u = u_[static_cast<std::size_t>(row_[entry])];
-      u -= first * value_[entry];
-      value_[entry] += step * u;
+      double& u = u_[static_cast<std::size_t>(factor_.row[entry])];
+      u -= first * factor_.value[entry];
+      factor_.value[entry] += step * u;
     }
-    j = parent(j);
+    j = factor_.parent(j);
   }
   return true;
 }
 
 /// Column j gets the entries that u_ will fill; then they are what u_ reaches further down.
 void UpdatableFactor::takeIn(std::int32_t j) {
-  Column& column = column_[static_cast<std::size_t>(j)];
-  const auto begin = row_.begin() + static_cast<std::ptrdiff_t>(column.begin);
+  SparseFactor::Column& column = factor_.columns[static_cast<std::size_t>(j)];
+  const auto begin = factor_.row.begin() + static_cast<std::ptrdiff_t>(column.begin);
   const auto end = begin + column.count;
   const auto first = std::upper_bound(support_.begin(), support_.end(), j);
   if (!std::includes(begin, end, first, support_.end())) {
@@ -180,61 +189,36 @@ void UpdatableFactor::takeIn(std::int32_t j) {
     std::size_t from = column.begin + static_cast<std::size_t>(column.count);
     std::size_t to = column.begin + merged_.size();
     for (std::size_t k = merged_.size(); k-- > 0;) {
-      const bool had = from > column.begin && row_[from - 1] == merged_[k];
+      const bool had = from > column.begin && factor_.row[from - 1] == merged_[k];
       --to;
-      value_[to] = had ? value_[--from] : 0.0;
-      row_[to] = merged_[k];
+      factor_.value[to] = had ? factor_.value[--from] : 0.0;
+      factor_.row[to] = merged_[k];
     }
     column.count = static_cast<std::int32_t>(merged_.size());
   }
-  const auto now = row_.begin() + static_cast<std::ptrdiff_t>(column.begin);
+  const auto now = factor_.row.begin() + static_cast<std::ptrdiff_t>(column.begin);
   support_.assign(now, now + column.count);
 }
 
 /// Moves a column to where it has room for more.
 void UpdatableFactor::widen(std::int32_t j) {
-  Column& column = column_[static_cast<std::size_t>(j)];
-  const std::size_t begin = row_.size();
+  SparseFactor::Column& column = factor_.columns[static_cast<std::size_t>(j)];
+  const std::size_t begin = factor_.row.size();
   column.capacity = 2 * column.capacity + 8;
-  row_.resize(begin + static_cast<std::size_t>(column.capacity));
-  value_.resize(row_.size());
+  factor_.row.resize(begin + static_cast<std::size_t>(column.capacity));
+  factor_.value.resize(factor_.row.size());
   const auto count = static_cast<std::size_t>(column.count);
-  std::copy_n(row_.begin() + static_cast<std::ptrdiff_t>(column.begin), count,
-              row_.begin() + static_cast<std::ptrdiff_t>(begin));
-  std::copy_n(value_.begin() + static_cast<std::ptrdiff_t>(column.begin), count,
-              value_.begin() + static_cast<std::ptrdiff_t>(begin));
+  std::copy_n(factor_.row.begin() + static_cast<std::ptrdiff_t>(column.begin), count,
+              factor_.row.begin() + static_cast<std::ptrdiff_t>(begin));
+  std::copy_n(factor_.value.begin() + static_cast<std::ptrdiff_t>(column.begin), count,
+              factor_.value.begin() + static_cast<std::ptrdiff_t>(begin));
   column.begin = begin;
 }
 
 void UpdatableFactor::solve(const PackedVectors& right, PackedVectors& x) {
-  const std::size_t n = rows();
-  work_.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    work_[static_cast<std::size_t>(position_[k])] = {right.x[k], right.y[k], right.z[k], 0.0};
-  }
-  for (std::size_t j = 0; j < n; ++j) {
-    const std::array<double, 4> known = work_[j];
-    const Column& column = column_[j];
-    for (std::size_t k = column.begin; k < column.begin + column.count; ++k) {
-      std::array<double, 4>& below = work_[static_cast<std::size_t>(row_[k])];
-      for (std::size_t c = 0; c < 4; ++c) below[c] -= value_[k] * known[c];
-    }
-  }
-  for (std::size_t j = n; j-- > 0;) {
-    std::array<double, 4> sum = work_[j];
-    for (double& coordinate : sum) coordinate /= diagonal_[j];
-    const Column& column = column_[j];
-    for (std::size_t k = column.begin; k < column.begin + column.count; ++k) {
-      const std::array<double, 4>& below = work_[static_cast<std::size_t>(row_[k])];
-      for (std::size_t c = 0; c < 4; ++c) sum[c] -= value_[k] * below[c];
-    }
-    work_[j] = sum;
-  }
-  x.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::array<double, 4>& p = work_[static_cast<std::size_t>(position_[k])];
-    x.set(k, Vec3(p[0], p[1], p[2]));
-  }
+  if (!panelsFollow_) panels_.build(factor_, position_);
+  panelsFollow_ = true;
+  panels_.solve(right, x);
 }
 
 void UpdatableFactor::listEntries(std::vector<std::int32_t>& row, std::vector<std::int32_t>& column,
@@ -259,6 +243,7 @@ void UpdatableFactor::readEntries(const std::vector<std::int32_t>& row,
   matrix_.resize(n, n);
   matrix_.setFromTriplets(entries.begin(), entries.end());
   u_.assign(rows(), 0.0);
+  panelsFollow_ = false;
 }
 
 }  // namespace cloth_sim

@@ -2,9 +2,8 @@
 /// \file A sparse factorisation that follows small changes of its matrix.
 
 #include <Eigen/SparseCore>
-#include <array>
 
-#include "cloth_sim/solver/packed_particles.h"
+#include "panel_solver.h"
 
 namespace cloth_sim {
 
@@ -26,13 +25,17 @@ class UpdatableFactor {
   void compute(const Matrix& matrix);
 
   /// Goes from the matrix before to this one, which may have more rows but not fewer.
-  /// False: to compute it anew costs less, or rounding made it indefinite; then compute it.
+  /// False: to compute it anew costs less, or is due after many changes, or rounding made it
+  /// indefinite; then compute it.
   bool follow(const Matrix& matrix);
 
-  /// x = A^-1 right, of three right-hand sides.
+  /// x = A^-1 right, of three right-hand sides; see PanelSolver::solve.
   void solve(const PackedVectors& right, PackedVectors& x);
 
-  std::size_t rows() const { return diagonal_.size(); }
+  std::size_t rows() const { return factor_.size(); }
+  const SparseFactor& factor() const { return factor_; }
+  /// Row of L by row of the matrix.
+  const std::vector<std::int32_t>& position() const { return position_; }
 
   /// \tparam Archive StateWriter or StateReader
   template <class Archive>
@@ -40,23 +43,11 @@ class UpdatableFactor {
     std::vector<std::int32_t> row, column;
     std::vector<double> value;
     if constexpr (Archive::is_saving::value) listEntries(row, column, value);
-    archive(column_, row_, value_, diagonal_, position_, row, column, value);
+    archive(factor_, position_, entriesAtFirst_, changes_, row, column, value);
     if constexpr (Archive::is_loading::value) readEntries(row, column, value);
   }
 
  private:
-  /// The entries of a column of L below the diagonal: a stretch of row_ and value_, rows ascending.
-  struct Column {
-    std::size_t begin = 0;
-    std::int32_t count = 0;
-    std::int32_t capacity = 0;
-
-    template <class Archive>
-    void serialize(Archive& archive) {
-      archive(begin, count, capacity);
-    }
-  };
-
   /// weight u u^T, u being 1 at a and, if there is a b, -1 at b. These are columns of L.
   struct Change {
     std::int32_t a = 0;
@@ -70,22 +61,21 @@ class UpdatableFactor {
   bool apply(const Change& change);
   void takeIn(std::int32_t j);
   void widen(std::int32_t j);
-  std::int32_t parent(std::int32_t j) const;
   void listEntries(std::vector<std::int32_t>& row, std::vector<std::int32_t>& column,
                    std::vector<double>& value) const;
   void readEntries(const std::vector<std::int32_t>& row, const std::vector<std::int32_t>& column,
                    const std::vector<double>& value);
 
-  Matrix matrix_;               ///< that L and D are of
-  std::vector<Column> column_;  ///< of L
-  std::vector<std::int32_t> row_;
-  std::vector<double> value_;
-  std::vector<double> diagonal_;             ///< D
-  std::vector<std::int32_t> position_;       ///< column of L by row of the matrix
-  std::vector<double> u_;                    ///< by column of L; zeros between changes
-  std::vector<std::int32_t> support_;        ///< rows below the current one that u_ reaches
-  std::vector<std::int32_t> merged_;         ///< for takeIn
-  std::vector<std::array<double, 4>> work_;  ///< three coordinates by column of L
+  Matrix matrix_;  ///< that L and D are of
+  SparseFactor factor_;
+  std::vector<std::int32_t> position_;  ///< column of L by row of the matrix
+  std::size_t entriesAtFirst_ = 0;      ///< of L, when it was computed
+  std::int64_t changes_ = 0;            ///< since then
+  std::vector<double> u_;               ///< by column of L; zeros between changes
+  std::vector<std::int32_t> support_;   ///< rows below the current one that u_ reaches
+  std::vector<std::int32_t> merged_;    ///< for takeIn
+  PanelSolver panels_;                  ///< of factor_ ...
+  bool panelsFollow_ = false;           ///< ... as it is now
 };
 
 }  // namespace cloth_sim

@@ -85,7 +85,7 @@ Ladder quickLadder() {
   ladder.stepDivisions = {1, 4};
   ladder.substeps = {1, 2, 5, 10, 20, 40, 80, 160, 320};
   ladder.substepsWithIterations = {1, 2, 5, 10, 20, 40};
-  ladder.iterations = {1.0};
+  ladder.iterations = {0.1, 1.0};
   ladder.repetitions = 2;
   ladder.repeatBelow = 0.05;
   ladder.mostPerRun = 30.0;  // never, but on a machine that is ten times too slow
@@ -97,10 +97,10 @@ Ladder fullLadder() {
   ladder.stepDivisions = {1, 4};
   ladder.substeps = {1, 2, 4, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 1024, 2048};
   ladder.substepsWithIterations = {1, 2, 4, 8, 12, 16, 24, 32, 48, 64, 96, 128};
-  ladder.iterations = {0.25, 1.0, 4.0};
+  ladder.iterations = {0.1, 0.3, 1.0, 4.0};
   ladder.repetitions = 3;
   ladder.repeatBelow = 1.0;
-  ladder.mostPerRun = 15.0;
+  ladder.mostPerRun = 10.0;
   return ladder;
 }
 
