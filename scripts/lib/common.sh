@@ -81,7 +81,7 @@ packages_for() {
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
           python3-rostest python3-rosunit python3-matplotlib python3-numpy
         ;;
-      debian/bench) echo libbenchmark-dev ;;
+      debian/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
       debian/rviz) echo rviz librviz-dev qtbase5-dev ;;  # and what its plugin is built with
       debian/photo) echo xvfb xauth imagemagick xdotool ;;  # a screen, and a mouse on it
@@ -106,7 +106,7 @@ packages_for() {
         echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \
           python3-numpy
         ;;
-      noetic/bench) echo libbenchmark-dev ;;
+      noetic/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;
       noetic/rviz) echo ros-noetic-rviz qtbase5-dev ;;
       noetic/photo) echo xvfb xauth imagemagick xdotool ;;

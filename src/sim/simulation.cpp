@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "cloth_sim/mesh/quality.h"
@@ -169,23 +170,29 @@ void Simulation::moveClamps(double dt) {
   gatherControls();
 }
 
-/// What pins and clamps do in the next part of the step.
+/// What pins and clamps do in the next part of the step. Pins come first, then clamps in order,
+/// then what is dragged: the first to hold a particle keeps it.
 void Simulation::gatherControls() {
-  controls_.kinematic = pins_;
+  holders_ = pins_;
   controls_.forces.clear();
   for (const Clamp& clamp : clamps_) {
-    clamp.appendTargets(controls_.kinematic);
+    clamp.appendTargets(holders_);
     clamp.appendForces(model_, controls_.forces);
   }
-  drag_.appendTargets(controls_.kinematic);
-  // Pins come first, then clamps in order, then what is dragged: the first to hold a particle keeps
-  // it.
+  drag_.appendTargets(holders_);
+  // By vertex, then by who comes first (std::stable_sort would allocate).
+  const auto key = [this](std::size_t k) { return std::pair(holders_[k].vertex, k); };
+  holderOrder_.resize(holders_.size());
+  std::iota(holderOrder_.begin(), holderOrder_.end(), std::size_t{0});
+  std::sort(holderOrder_.begin(), holderOrder_.end(),
+            [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
   std::vector<KinematicTarget>& targets = controls_.kinematic;
-  std::stable_sort(targets.begin(), targets.end(),
-                   [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
-  targets.erase(std::unique(targets.begin(), targets.end(),
-                            [](const auto& a, const auto& b) { return a.vertex == b.vertex; }),
-                targets.end());
+  targets.clear();
+  for (const std::size_t k : holderOrder_) {
+    if (targets.empty() || targets.back().vertex != holders_[k].vertex) {
+      targets.push_back(holders_[k]);
+    }
+  }
 }
 
 void Simulation::detectContacts(double dt) {

@@ -139,6 +139,8 @@ class Simulation {
   State lastGood_;
   Controls controls_;
   std::vector<KinematicTarget> pins_;
+  std::vector<KinematicTarget> holders_;  ///< of pins, clamps and what is dragged, as they come
+  std::vector<std::size_t> holderOrder_;  ///< of them, by vertex
   std::vector<Clamp> clamps_;
   Drag drag_;
   GripWatch grips_;

@@ -1,0 +1,42 @@
+#include "scenes.h"
+
+#include <sstream>
+
+#include "cloth_sim/scene/load.h"
+
+namespace cloth_sim::bench {
+namespace {
+
+std::string clothOf(int n, const std::string& rest) {
+  std::ostringstream out;
+  out << "cloth:\n  particles: [" << n << ", " << n
+      << "]\n  fabric: {preset: cotton, areal_density: 0.2}\n"
+      << rest;
+  return out.str();
+}
+
+std::string solverOf(const std::string& method) { return "solver: {method: " + method + "}\n"; }
+
+}  // namespace
+
+Scene hanging(int n, const std::string& method, const std::string& more) {
+  return parseScene(clothOf(n,
+                            "  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}\n"
+                            "  pins: [corner_01, corner_11]\n") +
+                        "drag: 0.5\n" + solverOf(method) + more,
+                    "hanging");
+}
+
+Scene overSphere(int n, const std::string& method) {
+  return parseScene(clothOf(n, "  pose: {position: [0, 0, 0.27]}\n") + "drag: 0.5\n" +
+                        solverOf(method) +
+                        "obstacles:\n  ball: {type: sphere, radius: 0.25, position: [0, 0, 0]}\n",
+                    "over a sphere");
+}
+
+Warm::Warm(Scene scene, int steps) : simulation_(std::make_unique<Simulation>(std::move(scene))) {
+  for (int k = 0; k < steps; ++k) simulation_->step();
+  bytes_ = simulation_->save();
+}
+
+}  // namespace cloth_sim::bench

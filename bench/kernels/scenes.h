@@ -1,0 +1,30 @@
+#pragma once
+/// \file Simulations that the benchmarks measure.
+
+#include <string>
+
+#include "cloth_sim/sim/simulation.h"
+
+namespace cloth_sim::bench {
+
+/// A cloth of n x n particles on one metre that hangs from two corners; 0.2 kg.
+/// \param more  lines of YAML for the end of the scene.
+Scene hanging(int n, const std::string& method, const std::string& more = "");
+
+/// The same cloth, level, just above a sphere.
+Scene overSphere(int n, const std::string& method);
+
+/// A simulation that has gone on by some steps. Going back to that state takes what later steps
+/// left behind out of a measurement.
+class Warm {
+ public:
+  Warm(Scene scene, int steps);
+  Simulation& simulation() { return *simulation_; }
+  void goBack() { simulation_->load(bytes_); }
+
+ private:
+  std::unique_ptr<Simulation> simulation_;
+  std::string bytes_;
+};
+
+}  // namespace cloth_sim::bench

@@ -1,0 +1,57 @@
+// A whole step, by every method, over the size of the cloth; from the same state each time.
+
+#include <benchmark/benchmark.h>
+
+#include "cloth_sim/sim/parallel.h"
+#include "scenes.h"
+
+namespace cloth_sim::bench {
+namespace {
+
+constexpr int kWarmUp = 3;
+/// Steps from one return to the state after the warm-up to the next.
+constexpr int kStretch = 5;
+
+void step(benchmark::State& run, const std::string& method, int threads) {
+  const ThreadLimit limit(threads);
+  Warm warm(hanging(static_cast<int>(run.range(0)), method), kWarmUp);
+  Simulation& simulation = warm.simulation();
+  int since = 0;
+  for (auto _ : run) {
+    if (since++ == kStretch) {
+      run.PauseTiming();
+      warm.goBack();
+      simulation.step();  // what it derives from the state is there again
+      since = 1;
+      run.ResumeTiming();
+    }
+    simulation.step();
+  }
+  const double springs = simulation.model().springs.count();
+  run.counters["per_spring"] = benchmark::Counter(
+      springs, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  run.counters["substeps"] = simulation.lastReport().substeps;
+  run.counters["iterations"] = simulation.lastReport().iterations;
+}
+
+/// One benchmark a method, as the registry has them, with the defaults of its parameters.
+const bool registered = [] {
+  for (const SolverInfo& info : solverRegistry()) {
+    for (const int threads : {1, 2}) {
+      const std::string name = "step/" + info.name + "/threads:" + std::to_string(threads);
+      benchmark::RegisterBenchmark(
+          name.c_str(),
+          [method = info.name, threads](benchmark::State& run) { step(run, method, threads); })
+          ->RangeMultiplier(2)
+          ->Range(32, 1024)
+          ->ArgName("side")
+          ->MeasureProcessCPUTime()
+          ->UseRealTime()
+          ->Unit(benchmark::kMillisecond);
+    }
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace cloth_sim::bench

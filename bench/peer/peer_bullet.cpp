@@ -1,0 +1,191 @@
+// cloth_sim beside Bullet's soft body, in one run on one machine: what a frame costs and how well
+// the cloth holds together. `peer_bullet --help`.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "cloth.h"
+#include "cloth_sim/sim/parallel.h"
+
+namespace cloth_sim::bench {
+namespace {
+
+/// Parts of the run that are timed, each by itself; of these the median counts, and the least and
+/// the most are told.
+constexpr int kParts = 5;
+/// Deeper in the sphere, or under the ground, than this is fallen through [m].
+constexpr double kThrough = 0.02;
+
+struct Result {
+  std::string engine;
+  std::string setting;
+  double median = 0.0, least = 0.0, most = 0.0;  ///< CPU time of a frame [ms]
+  double column = 0.0;                           ///< stretch; of the columns of a hanging cloth
+  double edge = 0.0;                             ///< length over rest length
+  double speed = 0.0;                            ///< of the fastest particle [m/s]
+  int through = 0;                               ///< particles that are where they cannot be
+  bool finite = true;
+};
+
+Result measure(const Contender& contender, const Task& task) {
+  const std::unique_ptr<Cloth> cloth = contender.make(task);
+  const int frames = static_cast<int>(task.duration / task.frame + 0.5);
+  std::vector<double> times;
+  for (int part = 0; part < kParts; ++part) {
+    const int count = frames * (part + 1) / kParts - frames * part / kParts;
+    const double start = cpuTime();
+    for (int k = 0; k < count; ++k) cloth->advance();
+    times.push_back(1e3 * (cpuTime() - start) / count);
+  }
+  std::sort(times.begin(), times.end());
+  const Grid3 x = cloth->positions();
+  Result result;
+  result.engine = contender.engine;
+  result.setting = contender.setting;
+  result.median = times[kParts / 2];
+  result.least = times.front();
+  result.most = times.back();
+  result.column = columnStretch(x, task.particles, task.side);
+  result.edge = worstEdge(x, task.particles, task.side);
+  result.speed = fastest(cloth->velocities());
+  result.finite = std::all_of(x.begin(), x.end(), [](const Vec3& p) { return p.allFinite(); });
+  if (task.sphere) {
+    result.through = countInside(x, task.sphere->centre, task.sphere->radius, kThrough) +
+                     countBelow(x, -kThrough);
+  }
+  return result;
+}
+
+void print(const Result& r) {
+  std::printf("  %-10s %-34s %8.2f [%7.2f %7.2f] %8.2f %% %7.3f %9.4f %6d%s\n", r.engine.c_str(),
+              r.setting.c_str(), r.median, r.least, r.most, 100.0 * r.column, r.edge, r.speed,
+              r.through, r.finite ? "" : "  not finite");
+  std::fflush(stdout);
+}
+
+/// The cheapest that is at most so stretched; none if there is none.
+const Result* cheapest(const std::vector<Result>& results, double column, double edge) {
+  const Result* best = nullptr;
+  for (const Result& r : results) {
+    const bool holds = r.finite && r.through == 0 && r.column <= column && r.edge <= edge;
+    if (holds && (best == nullptr || r.median < best->median)) best = &r;
+  }
+  return best;
+}
+
+nlohmann::json toJson(const Result& r) {
+  return {{"engine", r.engine},   {"setting", r.setting}, {"ms_per_frame", r.median},
+          {"ms_least", r.least},  {"ms_most", r.most},    {"column_stretch", r.column},
+          {"worst_edge", r.edge}, {"speed", r.speed},     {"fallen_through", r.through},
+          {"finite", r.finite}};
+}
+
+struct Comparison {
+  std::string name;
+  Task task;
+  std::vector<Contender> peers;
+  std::vector<Contender> ours;
+  double ask = 0.0;  ///< stretch of a column at which a peer counts as holding the cloth
+};
+
+/// Prints both lists, and how many times faster ours is than the cheapest of the peer's settings
+/// that hold the cloth, at equal or smaller stretch.
+nlohmann::json compare(const Comparison& comparison) {
+  std::printf("%s: %d x %d particles, %.3g s, frames of 1/%.0f s, one thread\n",
+              comparison.name.c_str(), comparison.task.particles, comparison.task.particles,
+              comparison.task.duration, 1.0 / comparison.task.frame);
+  std::printf("  %-10s %-34s %8s [%7s %7s] %10s %7s %9s %6s\n", "engine", "setting", "ms/frame",
+              "least", "most", "column", "edge", "m/s", "fallen");
+  nlohmann::json json = {{"scene", comparison.name}, {"particles", comparison.task.particles}};
+  const auto measureAll = [&](const std::vector<Contender>& contenders) {
+    std::vector<Result> results;
+    for (const Contender& contender : contenders) {
+      results.push_back(measure(contender, comparison.task));
+      print(results.back());
+      json["rows"].push_back(toJson(results.back()));
+    }
+    return results;
+  };
+  const std::vector<Result> peers = measureAll(comparison.peers);
+  const std::vector<Result> ours = measureAll(comparison.ours);
+  const Result* peer = cheapest(peers, comparison.ask, std::numeric_limits<double>::infinity());
+  if (peer == nullptr) {
+    std::printf("  no setting of the peer keeps columns below %.3g %%\n\n", 100.0 * comparison.ask);
+    return json;
+  }
+  const Result* own = cheapest(ours, peer->column, peer->edge);
+  if (own == nullptr) {
+    std::printf("  none of ours is as little stretched as the peer's %s\n\n",
+                peer->setting.c_str());
+    return json;
+  }
+  json["ratio"] = peer->median / own->median;
+  json["peer"] = peer->setting;
+  json["own"] = own->setting;
+  std::printf("  %s costs %.1f times what %s costs, which is stretched no more\n\n",
+              ("Bullet " + peer->setting).c_str(), peer->median / own->median,
+              own->setting.c_str());
+  return json;
+}
+
+std::vector<Contender> settingsOfBullet(bool few) {
+  std::vector<Contender> result;
+  for (const auto& [substeps, iterations] :
+       std::vector<std::pair<int, int>>{{4, 4}, {4, 16}, {8, 4}, {12, 4}, {12, 8}, {20, 4}}) {
+    if (!few || substeps == 4) result.push_back(bullet(substeps, iterations));
+  }
+  return result;
+}
+
+std::vector<Contender> settingsOfOurs() {
+  return {own("projective", {"solver.substeps=1", "solver.iterations=1"}),
+          own("projective", {"solver.substeps=1", "solver.iterations=2"}),
+          own("xpbd", {"solver.substeps=20"})};
+}
+
+}  // namespace
+}  // namespace cloth_sim::bench
+
+int main(int argc, char** argv) {
+  using namespace cloth_sim::bench;
+  Task task;
+  bool few = false;
+  std::string file;
+  std::vector<std::string> only = {"hang", "sphere"};
+  CLI::App app{"Compares cloth_sim with Bullet's soft body: CPU time of a frame and stretch."};
+  app.add_option("--particles", task.particles, "along each side")
+      ->check(CLI::Range(8, 1024))
+      ->capture_default_str();
+  app.add_option("--duration", task.duration, "of the runs [s]")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->capture_default_str();
+  app.add_option("--scenes", only, "hang, sphere or both")->delimiter(',');
+  app.add_flag("--few", few, "only the cheapest settings of the peer");
+  app.add_option("--json", file, "writes the rows there, too");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const cloth_sim::ThreadLimit oneThread(1);
+    nlohmann::json all = nlohmann::json::array();
+    for (const std::string& name : only) {
+      Comparison comparison{name, task, settingsOfBullet(few), settingsOfOurs(), 0.05};
+      if (name == "sphere") {
+        comparison.task.sphere = Task::Sphere{{0.0, 0.0, 0.35}, 0.25};
+        comparison.task.height = 0.7;
+        comparison.ask = 0.10;
+      } else if (name != "hang") {
+        throw std::invalid_argument("--scenes: unknown scene '" + name + "' (hang, sphere)");
+      }
+      all.push_back(compare(comparison));
+    }
+    if (!file.empty()) std::ofstream(file) << all.dump(2) << '\n';
+  } catch (const std::exception& error) {
+    std::cerr << "peer_bullet: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}
