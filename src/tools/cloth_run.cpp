@@ -363,11 +363,12 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads > 0 ? options.threads : std::max(1, processors));
   const std::optional<Recording> recording = openRecording(options.replay);
   const std::unique_ptr<Simulation> simulation = buildSimulation(options, recording);
-  const InitialFigures initial = initialFigures(*simulation);
+  RunRecord record = startRecord(*simulation);
   const std::vector<CommandRecord> commands = commandsOf(options, recording);
   if (!recording && !commands.empty()) {
     const CommandResult loaded = simulation->apply(commands.front().command);
     if (!loaded.success) throw BadInput(options.loadState + ": " + loaded.message);
+    record.piecesAtStart = simulation->pieces();
   }
   for (const std::string& file : {options.summary, options.saveState}) {
     if (!file.empty() && file != "-") checkWritable(file);
@@ -383,7 +384,10 @@ int run(const Options& options) {
   EndOfRun end(options.duration, simulation->time());
   if (recorder) recorder->update(*simulation, 0.0);
   const auto afterStep = [&] {
-    if (!options.summary.empty()) simulation->observeMaxStretch();
+    if (!options.summary.empty()) {
+      simulation->observeMaxStretch();
+      observe(*simulation, record);
+    }
     if (recorder) recorder->update(*simulation, progress.wallTime());
     progress.update(*simulation);
     return caughtSignal == 0;
@@ -399,7 +403,7 @@ int run(const Options& options) {
   if (recorder) recorder->finish(*simulation, wallTime);
   if (!options.saveState.empty()) writeFileWhole(options.saveState, simulation->save());
   if (!options.summary.empty()) {
-    writeSummary(options.summary, summaryJson(*simulation, initial, wallTime, caughtSignal != 0));
+    writeSummary(options.summary, summaryJson(*simulation, record, wallTime, caughtSignal != 0));
   }
   return outcome ? report(options, *recording, *outcome) : report(options, *simulation);
 }
