@@ -79,7 +79,8 @@ BagWriter::BagWriter(const std::string& file, const std::string& scene) {
 
 BagWriter::~BagWriter() = default;
 
-void BagWriter::write(const Observation& observation, const std::vector<FailureEvent>& events) {
+void BagWriter::write(const Observation& observation, const std::vector<FailureEvent>& events,
+                      const std::vector<GripEvent>& grips) {
   const Snapshot& snapshot = *observation.snapshot;
   try {
     impl_->stamp(snapshot.time);
@@ -87,6 +88,9 @@ void BagWriter::write(const Observation& observation, const std::vector<FailureE
     impl_->writeShape(snapshot);
     impl_->writePhase(snapshot);
     impl_->writeFailures(snapshot, events);
+    for (const GripEvent& grip : grips) {
+      impl_->write("grasp_events", toGraspEventMessage(grip, impl_->header));
+    }
     impl_->writeClamps(snapshot);
     impl_->write("state", toStateMessage(observation, impl_->header));
   } catch (const rosbag::BagException& error) {
