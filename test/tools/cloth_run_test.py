@@ -2,6 +2,7 @@
 """The command line of cloth_run: exit statuses, messages, summary and bag. Needs no master."""
 import json
 import os
+import resource
 import signal
 import subprocess
 import tempfile
@@ -204,6 +205,24 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertLess(events[0].time, 0.5)
         self.assertAlmostEqual(events[3].time, 1.0, delta=0.03)  # when phase open says so
         self.assertEqual(last.clamps[0].held, 0)
+
+    def test_a_full_disk_while_recording_is_one_line_and_no_bag(self):
+        """A limit on the size of files stands for the disk: writing fails early, late, at the end."""
+        bag = self.path('run.bag')
+        self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)
+        whole = os.path.getsize(bag)
+        os.remove(bag)
+        for size, status in ((100, 2), (whole // 4, 1), (whole - 5000, 1), (whole - 1, 1)):
+            result = subprocess.run(
+                [CLOTH_RUN, self.scene, '--bag', bag, '--summary', self.path('run.json')],
+                capture_output=True, text=True, timeout=120, restore_signals=False,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
+            self.assertEqual(result.returncode, status, result.stderr)
+            self.assertRegex(result.stderr.splitlines()[-1], 'run.bag[.a-z]*: cannot be written')
+            self.assertNotIn('terminate', result.stderr)
+            self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag.active'])
+        self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)  # and now there is room
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag'])
 
     def test_interrupted_run_ends_cleanly(self):
         bag, summary = self.path('cut.bag'), self.path('cut.json')
