@@ -79,7 +79,8 @@ packages_for() {
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
-          python3-rostest python3-rosunit python3-matplotlib python3-numpy
+          python3-rostest python3-rosunit python3-matplotlib python3-numpy \
+          parallel openssh-server openssh-client slurm-wlm munge  # for sweeps
         ;;
       debian/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
@@ -104,7 +105,7 @@ packages_for() {
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
         echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \
-          python3-numpy
+          python3-numpy parallel openssh-server openssh-client slurm-wlm munge
         ;;
       noetic/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;

@@ -4,6 +4,8 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -35,16 +37,50 @@ boost::shared_ptr<ros::M_string> latchedHeader() {
 struct BagWriter::Impl {
   Impl(const std::string& path, std::string text)
       : file(path), active(path + ".active"), scene(std::move(text)) {
-    bag.open(active, rosbag::bagmode::Write);
+    try {
+      bag->open(active, rosbag::bagmode::Write);
+    } catch (...) {
+      bag.release();  // see close()
+      throw;
+    }
+  }
+  ~Impl() {
+    try {
+      close();
+    } catch (const std::exception&) {  // the ".active" file says that it is not whole
+    }
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  /// On a full disk the destructor of a bag throws too, which ends the program, and closing it
+  /// again closes its file twice: a bag that could not be closed is abandoned.
+  void close() {
+    rosbag::Bag* const last = bag.release();
+    if (last == nullptr) return;
+    last->close();
+    delete last;
+  }
+
+  /// Has `action` done. \throws std::runtime_error that says why the disk did not take it.
+  template <typename Action>
+  void attempt(const Action& action) {
+    errno = 0;
+    try {
+      action();
+    } catch (const std::exception& error) {
+      const std::string reason = errno == 0 ? error.what() : std::strerror(errno);
+      throw std::runtime_error(active + ": cannot be written (" + reason + ")");
+    }
   }
 
   template <typename Message>
   void write(const std::string& topic, const Message& message) {
-    bag.write(kNodeName + ("/" + topic), header.stamp, message);
+    bag->write(kNodeName + ("/" + topic), header.stamp, message);
   }
   template <typename Message>
   void writeLatched(const std::string& topic, const Message& message) {
-    bag.write(kNodeName + ("/" + topic), header.stamp, message, latchedHeader<Message>());
+    bag->write(kNodeName + ("/" + topic), header.stamp, message, latchedHeader<Message>());
   }
 
   void stamp(double time);
@@ -59,7 +95,7 @@ struct BagWriter::Impl {
   std::string active;
   std::string scene;
   std::optional<double> repeated;  ///< when everything latched was written last [s]
-  rosbag::Bag bag;
+  std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std_msgs::Header header;  ///< of everything written in this call
   std::shared_ptr<const Topology> topology;
   bool anyPhase = false;
@@ -79,37 +115,35 @@ BagWriter::BagWriter(const std::string& file, const std::string& scene) {
 
 BagWriter::~BagWriter() = default;
 
-void BagWriter::write(const Observation& observation, const std::vector<FailureEvent>& events) {
-  const Snapshot& snapshot = *observation.snapshot;
-  try {
+void BagWriter::write(const Observation& observation, const std::vector<FailureEvent>& events,
+                      const std::vector<GripEvent>& grips) {
+  impl_->attempt([&] {
+    const Snapshot& snapshot = *observation.snapshot;
     impl_->stamp(snapshot.time);
     impl_->repeat(snapshot.time);
     impl_->writeShape(snapshot);
     impl_->writePhase(snapshot);
     impl_->writeFailures(snapshot, events);
+    for (const GripEvent& grip : grips) {
+      impl_->write("grasp_events", toGraspEventMessage(grip, impl_->header));
+    }
     impl_->writeClamps(snapshot);
     impl_->write("state", toStateMessage(observation, impl_->header));
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(impl_->active + ": cannot be written (" + error.what() + ")");
-  }
+  });
 }
 
 void BagWriter::write(const CommandRecord& command) {
-  try {
+  impl_->attempt([&] {
     impl_->stamp(command.time);
     impl_->write("commands", toCommandMessage(command, impl_->header));
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(impl_->active + ": cannot be written (" + error.what() + ")");
-  }
+  });
 }
 
 void BagWriter::close() {
-  try {
-    impl_->bag.close();
+  impl_->attempt([&] {
+    impl_->close();
     std::filesystem::rename(impl_->active, impl_->file);
-  } catch (const std::exception& error) {
-    throw std::runtime_error(impl_->file + ": cannot be written (" + error.what() + ")");
-  }
+  });
 }
 
 void BagWriter::Impl::stamp(double time) {
@@ -169,7 +203,7 @@ void BagWriter::Impl::writeClamps(const Snapshot& snapshot) {
     message.wrench = clampFrameWrench(clamp);
     write("clamps/" + clamp.name + "/wrench", message);
   }
-  if (!transforms.transforms.empty()) bag.write("/tf", header.stamp, transforms);
+  if (!transforms.transforms.empty()) bag->write("/tf", header.stamp, transforms);
 }
 
 }  // namespace cloth_sim

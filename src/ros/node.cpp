@@ -15,6 +15,7 @@
 #include "cloth_sim/ros/handles.h"
 #include "cloth_sim/ros/inputs.h"
 #include "cloth_sim/ros/live_parameters.h"
+#include "cloth_sim/ros/master_watch.h"
 #include "cloth_sim/ros/obstacle_followers.h"
 #include "cloth_sim/ros/publishers.h"
 #include "cloth_sim/ros/scene_path.h"
@@ -82,6 +83,7 @@ class Node {
       handles_ =
           std::make_unique<Handles>(privateNode, parameters.worldFrame, checker_, simulation_);
     }
+    watch_ = std::make_unique<MasterWatch>(node);
   }
 
   /// Lets callbacks that wait for the simulation go.
@@ -109,6 +111,7 @@ class Node {
   Inputs inputs_;
   LiveParameters liveParameters_;
   std::unique_ptr<Handles> handles_;  ///< if asked for
+  std::unique_ptr<MasterWatch> watch_;
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "cloth_sim/sim/summary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -51,6 +52,29 @@ Json piecesJson(const Simulation& simulation) {
   return pieces;
 }
 
+/// null while the cloth is in one piece.
+Json separationJson(const std::optional<Separation>& separation) {
+  if (!separation) return nullptr;
+  return {{"time_s", number(separation->time)},
+          {"phase", separation->phase},
+          {"in_phase_s", number(separation->time - separation->phaseStart)}};
+}
+
+Json clampsJson(const RunRecord& record) {
+  Json clamps = Json::object();
+  for (const PeakForce& peak : record.peaks) {
+    clamps[peak.clamp] = {{"peak_force_n", number(peak.force)},
+                          {"peak_force_at_s", number(peak.time)}};
+  }
+  return clamps;
+}
+
+double peakForce(const RunRecord& record) {
+  double largest = 0.0;
+  for (const PeakForce& peak : record.peaks) largest = std::max(largest, peak.force);
+  return largest;
+}
+
 std::string statusOf(const Simulation& simulation, bool interrupted) {
   if (simulation.failed()) return "failed";
   return interrupted ? "interrupted" : "done";
@@ -58,12 +82,8 @@ std::string statusOf(const Simulation& simulation, bool interrupted) {
 
 }  // namespace
 
-InitialFigures initialFigures(const Simulation& simulation) {
-  return {totalMass(simulation.model()), simulation.model().mesh.totalRestArea()};
-}
-
-std::string summaryJson(const Simulation& simulation, const InitialFigures& initial,
-                        double wallTime, bool interrupted) {
+std::string summaryJson(const Simulation& simulation, const RunRecord& record, double wallTime,
+                        bool interrupted) {
   const Scene& scene = simulation.scene();
   const Model& model = simulation.model();
   const State& state = simulation.state();
@@ -93,8 +113,11 @@ std::string summaryJson(const Simulation& simulation, const InitialFigures& init
                    {"finest_redo", simulation.guard().finest}};
   json["mass_kg"] = number(totalMass(model));
   json["rest_area_m2"] = number(model.mesh.totalRestArea());
-  json["initial_mass_kg"] = number(initial.mass);
-  json["initial_rest_area_m2"] = number(initial.restArea);
+  json["initial_mass_kg"] = number(record.initialMass);
+  json["initial_rest_area_m2"] = number(record.initialRestArea);
+  json["separation"] = separationJson(record.separation);
+  json["peak_force_n"] = number(peakForce(record));
+  json["clamps"] = clampsJson(record);
   json["phases"] = phasesJson(simulation.script());
   json["sim_time_s"] = number(simulation.time());
   json["wall_time_s"] = number(wallTime);

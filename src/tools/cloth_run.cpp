@@ -180,8 +180,8 @@ class Recorder {
       : writer_(file, scene), period_(1.0 / rate) {}
 
   void update(Simulation& simulation, double wallTime) {
-    const std::vector<FailureEvent> events = simulation.takeEvents();
-    events_.insert(events_.end(), events.begin(), events.end());
+    append(simulation.takeEvents(), events_);
+    append(simulation.takeGripEvents(), grips_);
     const std::string phase = Progress::phaseOf(simulation);
     const double half = 0.5 * simulation.scene().solver.dt;
     if (simulation.time() + half < next_ && phase == phase_) return;
@@ -193,7 +193,8 @@ class Recorder {
   void note(const CommandRecord& command) { writer_.write(command); }
 
   void finish(Simulation& simulation, double wallTime) {
-    if (written_ != simulation.stepCount() || !events_.empty()) write(simulation, wallTime);
+    const bool told = events_.empty() && grips_.empty();
+    if (written_ != simulation.stepCount() || !told) write(simulation, wallTime);
     writer_.close();
   }
 
@@ -205,9 +206,15 @@ class Recorder {
     const auto steps = static_cast<double>(simulation.stepCount());
     observation.realTimeFactor = wallTime > 0.0 ? simulation.time() / wallTime : 0.0;
     observation.stepTime = steps > 0.0 ? wallTime / steps : 0.0;
-    writer_.write(observation, events_);
+    writer_.write(observation, events_, grips_);
     events_.clear();
+    grips_.clear();
     written_ = simulation.stepCount();
+  }
+
+  template <typename Event>
+  static void append(const std::vector<Event>& more, std::vector<Event>& events) {
+    events.insert(events.end(), more.begin(), more.end());
   }
 
   BagWriter writer_;
@@ -215,6 +222,7 @@ class Recorder {
   double next_ = 0.0;  ///< simulated time of the next frame [s]
   std::string phase_;
   std::vector<FailureEvent> events_;
+  std::vector<GripEvent> grips_;
   std::optional<std::uint64_t> written_;  ///< step of the last frame
 };
 
@@ -363,11 +371,12 @@ int run(const Options& options) {
   const ThreadLimit limit(options.threads > 0 ? options.threads : std::max(1, processors));
   const std::optional<Recording> recording = openRecording(options.replay);
   const std::unique_ptr<Simulation> simulation = buildSimulation(options, recording);
-  const InitialFigures initial = initialFigures(*simulation);
+  RunRecord record = startRecord(*simulation);
   const std::vector<CommandRecord> commands = commandsOf(options, recording);
   if (!recording && !commands.empty()) {
     const CommandResult loaded = simulation->apply(commands.front().command);
     if (!loaded.success) throw BadInput(options.loadState + ": " + loaded.message);
+    record.piecesAtStart = simulation->pieces();
   }
   for (const std::string& file : {options.summary, options.saveState}) {
     if (!file.empty() && file != "-") checkWritable(file);
@@ -383,7 +392,10 @@ int run(const Options& options) {
   EndOfRun end(options.duration, simulation->time());
   if (recorder) recorder->update(*simulation, 0.0);
   const auto afterStep = [&] {
-    if (!options.summary.empty()) simulation->observeMaxStretch();
+    if (!options.summary.empty()) {
+      simulation->observeMaxStretch();
+      observe(*simulation, record);
+    }
     if (recorder) recorder->update(*simulation, progress.wallTime());
     progress.update(*simulation);
     return caughtSignal == 0;
@@ -399,7 +411,7 @@ int run(const Options& options) {
   if (recorder) recorder->finish(*simulation, wallTime);
   if (!options.saveState.empty()) writeFileWhole(options.saveState, simulation->save());
   if (!options.summary.empty()) {
-    writeSummary(options.summary, summaryJson(*simulation, initial, wallTime, caughtSignal != 0));
+    writeSummary(options.summary, summaryJson(*simulation, record, wallTime, caughtSignal != 0));
   }
   return outcome ? report(options, *recording, *outcome) : report(options, *simulation);
 }

@@ -182,6 +182,23 @@ class RvizTest(unittest.TestCase):
         rviz = self.launch('/cloth/markers', CMAKE_PREFIX_PATH='/nowhere')
         self.assertFalse(self.subscribers('/cloth/frame') & rviz)
 
+    # ---- faults ----------------------------------------------------------------------------------
+
+    def test_killed_in_a_run_and_started_again(self):
+        self.open('Cut')
+        call('pause', srv.Pause, False)
+        wait_until(lambda: state().step > 10, 'a run')
+        self.screen.kill_rviz()
+        start = state().step
+        wait_until(lambda: state().step > start + 60, 'the run to go on')
+        self.assertFalse(state().failed)
+        self.setUp()
+        view = self.open('Cut')  # gets the topology, which was sent before it came
+        call('cut', srv.Cut, stroke(0.8))
+        call('step', srv.Step, 40)
+        wait_until(lambda: is_near(view.part(self.screen.picture(), (-0.4, 0.62), (0.4, 0.72)),
+                                   BACKGROUND, 2).mean() > 0.9, 'the fall')
+
     # ---- the tools -------------------------------------------------------------------------------
 
     def test_cut_where_the_mouse_drew_a_stroke(self):

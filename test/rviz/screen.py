@@ -93,6 +93,12 @@ class Screen:
         self.rviz = None
         self.config = None
 
+    def kill_rviz(self):
+        """As a crash would: it has no time to say goodbye."""
+        self.rviz.kill()
+        self.rviz.wait()
+        self.close_rviz()
+
     def picture(self):
         """What is on the screen now: red, green and blue of every pixel."""
         if self.rviz.poll() is not None:

@@ -2,6 +2,7 @@
 """The command line of cloth_run: exit statuses, messages, summary and bag. Needs no master."""
 import json
 import os
+import resource
 import signal
 import subprocess
 import tempfile
@@ -10,6 +11,8 @@ import unittest
 
 import rosbag
 import rosunit
+
+from cloth_sim.msg import GraspEvent
 
 BENCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'ros', 'bench.yaml')
 CLOTH_RUN = subprocess.check_output(
@@ -22,6 +25,21 @@ clamps: {left: {pose: {position: [0.0, 0.0, 0.5]}}}
 phases:
   - {name: fall, timeout: 0.2, on_timeout: continue}
   - {name: notch, notch: [[0.1, 0.0], [0.1, 0.1]], until: {elapsed: 0.2}}
+"""
+
+# A clamp that is too weak for the cloth: closes, slips, loses it, and opens.
+SLIPS = """
+cloth:
+  size: [0.2, 0.2]
+  particles: [9, 9]
+  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}
+solver: {dt: 0.01, substeps: 10}
+clamps:
+  hand: {pose: {position: [0, 0, 1.09], rpy: [1.5707963267948966, 0, 0]}, plate_size: [0.3, 0.05],
+         closing_speed: 20.0, grip_force: 0.01}
+phases:
+  - {name: grasp, clamps: {hand: {grasp: true}}, timeout: 1.0}
+  - {name: open, clamps: {hand: {grasp: false}}, timeout: 0.1}
 """
 
 
@@ -171,6 +189,40 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
                   for event in message.events]
         self.assertEqual(len(events), states[-1][0].broken.total)
         self.assertGreater(min(stamp for _, _, stamp in messages), 0.0)
+
+    def test_bag_has_what_becomes_of_grasps(self):
+        bag = self.path('grip.bag')
+        result = self.run_cloth(self.path('grip.yaml', SLIPS), '--bag', bag)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with rosbag.Bag(bag) as opened:
+            events = [message for _, message, _ in opened.read_messages(['/cloth/grasp_events'])]
+            last = [message for _, message, _ in opened.read_messages(['/cloth/state'])][-1]
+        self.assertEqual([event.kind for event in events],
+                         [GraspEvent.CLOSED, GraspEvent.SLIPPING, GraspEvent.LOST, GraspEvent.RELEASED])
+        self.assertTrue(all(event.clamp == 'hand' for event in events))
+        self.assertGreater(events[0].held, 0)
+        self.assertEqual(events[2].held, 0)
+        self.assertLess(events[0].time, 0.5)
+        self.assertAlmostEqual(events[3].time, 1.0, delta=0.03)  # when phase open says so
+        self.assertEqual(last.clamps[0].held, 0)
+
+    def test_a_full_disk_while_recording_is_one_line_and_no_bag(self):
+        """A limit on the size of files stands for the disk: writing fails early, late, at the end."""
+        bag = self.path('run.bag')
+        self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)
+        whole = os.path.getsize(bag)
+        os.remove(bag)
+        for size, status in ((100, 2), (whole // 4, 1), (whole - 5000, 1), (whole - 1, 1)):
+            result = subprocess.run(
+                [CLOTH_RUN, self.scene, '--bag', bag, '--summary', self.path('run.json')],
+                capture_output=True, text=True, timeout=120, restore_signals=False,
+                preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
+            self.assertEqual(result.returncode, status, result.stderr)
+            self.assertRegex(result.stderr.splitlines()[-1], 'run.bag[.a-z]*: cannot be written')
+            self.assertNotIn('terminate', result.stderr)
+            self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag.active'])
+        self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)  # and now there is room
+        self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag'])
 
     def test_interrupted_run_ends_cleanly(self):
         bag, summary = self.path('cut.bag'), self.path('cut.json')

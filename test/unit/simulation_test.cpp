@@ -317,7 +317,7 @@ TEST(Simulation, StopsAtTheLastGoodStateIfTheMethodDiverges) {
   run(simulation, 3);
   EXPECT_EQ(hashOf(simulation), hash);
   EXPECT_EQ(simulation.stepCount(), steps);
-  const auto json = nlohmann::json::parse(summaryJson(simulation, initialFigures(simulation), 1.0));
+  const auto json = nlohmann::json::parse(summaryJson(simulation, startRecord(simulation), 1.0));
   EXPECT_EQ(json["status"], "failed");
   EXPECT_EQ(json["finite"], true) << "the state is the last good one";
   EXPECT_TRUE(simulation.apply(Reset{}).success);
@@ -345,17 +345,18 @@ std::vector<std::string> keysOf(const Json& json) {
 
 TEST(Summary, HasEveryKeyOfTheContract) {
   Simulation simulation = simulationOf();
-  const InitialFigures initial = initialFigures(simulation);
+  const RunRecord start = startRecord(simulation);
   run(simulation, 30);
   simulation.observeMaxStretch();
-  const Json json = Json::parse(summaryJson(simulation, initial, 0.5));
+  const Json json = Json::parse(summaryJson(simulation, start, 0.5));
   EXPECT_THAT(keysOf(json),
               testing::IsSupersetOf(
                   {"scene",      "solver",       "method_params",   "particles",
                    "faces",      "springs",      "broken",          "pieces",
                    "mass_kg",    "rest_area_m2", "initial_mass_kg", "initial_rest_area_m2",
                    "phases",     "sim_time_s",   "wall_time_s",     "real_time_factor",
-                   "max_strain", "energy_j",     "state_hash",      "finite"}));
+                   "max_strain", "energy_j",     "state_hash",      "finite",
+                   "separation", "peak_force_n", "clamps"}));
   EXPECT_THAT(keysOf(json["springs"]),
               testing::UnorderedElementsAre("active", "structural", "shear", "bend"));
   EXPECT_THAT(keysOf(json["broken"]),
@@ -378,7 +379,7 @@ TEST(Summary, HasEveryKeyOfTheContract) {
   EXPECT_EQ(json["particles"], simulation.model().particleCount());
   EXPECT_EQ(json["springs"]["active"], simulation.model().springs.count());
   EXPECT_EQ(json["broken"]["total"], simulation.broken().total);
-  EXPECT_NEAR(json["mass_kg"].get<double>(), initial.mass, 1e-12 * initial.mass);
+  EXPECT_NEAR(json["mass_kg"].get<double>(), start.initialMass, 1e-12 * start.initialMass);
   EXPECT_NEAR(json["rest_area_m2"].get<double>(), 0.12, 1e-15);
   EXPECT_NEAR(json["sim_time_s"].get<double>(), 0.3, 1e-12);
   EXPECT_NEAR(json["real_time_factor"].get<double>(), 0.6, 1e-12);
@@ -396,7 +397,12 @@ TEST(Summary, HasEveryKeyOfTheContract) {
 
 TEST(Summary, IsValidJsonWhateverTheNumbers) {
   const Simulation simulation = simulationOf();
-  const Json json = Json::parse(summaryJson(simulation, {kNan, kInf}, 0.0));
+  RunRecord record;
+  record.initialMass = kNan;
+  record.initialRestArea = kInf;
+  record.peaks = {{"left", kNan, 0.0}};
+  const Json json = Json::parse(summaryJson(simulation, record, 0.0));
+  EXPECT_TRUE(json["clamps"]["left"]["peak_force_n"].is_null());
   EXPECT_TRUE(json["initial_mass_kg"].is_null());
   EXPECT_TRUE(json["initial_rest_area_m2"].is_null());
   EXPECT_TRUE(json["real_time_factor"].is_null()) << "0/0";

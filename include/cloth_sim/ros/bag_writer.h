@@ -15,7 +15,7 @@ constexpr double kRepeatPeriod = 5.0;
 
 /// Writes what the node "/cloth" would publish: /cloth/scene, /cloth/topology (latched, whenever a
 /// frame has a new revision, and again every kRepeatPeriod), /cloth/frame, /cloth/state,
-/// /cloth/commands, /cloth/tear_events, /cloth/broken_springs, /cloth/phase,
+/// /cloth/commands, /cloth/tear_events, /cloth/grasp_events, /cloth/broken_springs, /cloth/phase,
 /// /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
 /// 1 ns, since a stamp of 0 means "none" in ROS.
 ///
@@ -31,8 +31,10 @@ class BagWriter {
   BagWriter& operator=(const BagWriter&) = delete;
 
   /// \param events  springs that failed since the last call, in order.
+  /// \param grips   what became of grasps since the last call, in order.
   /// \throws std::runtime_error if the disk does not take it.
-  void write(const Observation& observation, const std::vector<FailureEvent>& events);
+  void write(const Observation& observation, const std::vector<FailureEvent>& events,
+             const std::vector<GripEvent>& grips);
   /// \throws std::runtime_error if the disk does not take it.
   void write(const CommandRecord& command);
 
