@@ -13,7 +13,8 @@ from cloth_sim import srv
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from services import call, state  # noqa: E402
 
-EXAMPLES = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir, 'examples')
+EXAMPLES = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir,
+                        'examples')
 LINES = 40  # that an example has less than
 
 

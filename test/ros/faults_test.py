@@ -73,7 +73,8 @@ class FaultsTest(unittest.TestCase):
         grasp = rospy.ServiceProxy('/cloth/grasp', srv.Grasp)
         for closed in (True, False):
             self.assertTrue(grasp('right', closed).success)
-            wait_until(lambda: (self.clamp('right').state != ClampStatus.OPEN) == closed, 'the clamp')
+            wait_until(lambda: (self.clamp('right').state != ClampStatus.OPEN) == closed,
+                       'the clamp')
 
     def clamp(self, name):
         return next(clamp for clamp in self.get_state().state.clamps if clamp.name == name)

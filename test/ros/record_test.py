@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""rosbag record on a live node at 128 x 128 and 30 Hz: nothing is dropped, and what is needed to replay
-fits."""
+"""rosbag record on a live node at 128 x 128 and 30 Hz: nothing is dropped, and what is needed to
+replay fits."""
 import os
 import signal
 import subprocess
@@ -90,7 +90,8 @@ class RecordTest(unittest.TestCase):
         self.assertGreaterEqual(length, SECONDS - 1.0)
         self.assertGreater(len({frame.step for frame in frames}), 30)
         self.assertEqual([command.number for command in messages['/cloth/commands']], [0, 1, 2, 3])
-        counts = {topology.revision: len(topology.uv) // 2 for topology in messages['/cloth/topology']}
+        counts = {topology.revision: len(topology.uv) // 2
+                  for topology in messages['/cloth/topology']}
         self.assertGreater(len(counts), 1)
         for frame in frames:
             self.assertEqual(len(frame.positions), 3 * counts[frame.revision])

@@ -198,7 +198,8 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
             events = [message for _, message, _ in opened.read_messages(['/cloth/grasp_events'])]
             last = [message for _, message, _ in opened.read_messages(['/cloth/state'])][-1]
         self.assertEqual([event.kind for event in events],
-                         [GraspEvent.CLOSED, GraspEvent.SLIPPING, GraspEvent.LOST, GraspEvent.RELEASED])
+                         [GraspEvent.CLOSED, GraspEvent.SLIPPING, GraspEvent.LOST,
+                          GraspEvent.RELEASED])
         self.assertTrue(all(event.clamp == 'hand' for event in events))
         self.assertGreater(events[0].held, 0)
         self.assertEqual(events[2].held, 0)
@@ -207,7 +208,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertEqual(last.clamps[0].held, 0)
 
     def test_a_full_disk_while_recording_is_one_line_and_no_bag(self):
-        """A limit on the size of files stands for the disk: writing fails early, late, at the end."""
+        """A limit on the size of files stands for the disk: it is full early, late, at the end."""
         bag = self.path('run.bag')
         self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)
         whole = os.path.getsize(bag)
@@ -221,7 +222,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
             self.assertRegex(result.stderr.splitlines()[-1], 'run.bag[.a-z]*: cannot be written')
             self.assertNotIn('terminate', result.stderr)
             self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag.active'])
-        self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)  # and now there is room
+        self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)  # now it fits
         self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag'])
 
     def test_interrupted_run_ends_cleanly(self):

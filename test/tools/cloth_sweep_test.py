@@ -49,6 +49,13 @@ class ClothSweepTest(SweepTest):
         self.assertEqual(summary['seed'], 2)
         self.assertAlmostEqual(summary['initial_mass_kg'], 0.3 * 0.04, places=12)
 
+    def test_a_scene_by_name_is_named_by_its_path(self):
+        """Other machines need not know where the package is."""
+        [job] = self.sweep('jobs', 'strip', 'seed=1', '--out', self.out).stdout.splitlines()
+        scene = shlex.split(job)[1]
+        self.assertTrue(os.path.isabs(scene) and os.path.isfile(scene), scene)
+        self.assertTrue(scene.endswith('config/scenes/strip.yaml'))
+
     def test_values_with_commas_spaces_and_slashes(self):
         jobs = self.jobs("cloth.particles=[5, 5],[9,9]", "cloth.fabric={preset: denim},cotton")
         self.assertEqual(len(jobs), 4)
@@ -58,13 +65,14 @@ class ClothSweepTest(SweepTest):
         self.assertEqual({row['cloth.particles'] for row in self.rows()}, {'[5, 5]', '[9,9]'})
 
     def test_names_that_would_be_too_long_stay_apart(self):
-        values = ','.join('{preset: cotton, areal_density: 0.%s%d}' % ('1' * 200, k) for k in range(3))
+        values = ','.join('{preset: cotton, areal_density: 0.%s%d}' % ('1' * 200, k)
+                          for k in range(3))
         for job in self.jobs('cloth.fabric=' + values):
             self.assertEqual(run(job).returncode, 0)
         self.assertEqual(len(self.summaries()), 3)
         self.assertEqual(self.jobs('cloth.fabric=' + values), [])
 
-    # ---- done, killed, failed -----------------------------------------------------------------------
+    # ---- done, killed, failed --------------------------------------------------------------------
 
     def test_what_is_done_is_skipped(self):
         jobs = self.jobs(*GRID)
@@ -106,7 +114,7 @@ class ClothSweepTest(SweepTest):
         self.assertEqual(row['status'], 'failed')
         self.assertEqual(row['separation.time_s'], '')
 
-    # ---- join --------------------------------------------------------------------------------------
+    # ---- join ------------------------------------------------------------------------------------
 
     def rows(self, *arguments):
         return list(csv.DictReader(io.StringIO(self.sweep('join', self.out, *arguments).stdout)))
@@ -120,13 +128,14 @@ class ClothSweepTest(SweepTest):
         self.assertIn('1 are missing', self.sweep('join', self.out).stderr)
         for row in rows:
             # Cut through by the step that begins the phase, or the next: dt is 0.01 s.
-            self.assertAlmostEqual(float(row['separation.time_s']), float(row['phases.hold.timeout']),
-                                   delta=0.021)
+            self.assertAlmostEqual(float(row['separation.time_s']),
+                                   float(row['phases.hold.timeout']), delta=0.021)
             self.assertEqual(row['separation.phase'], 'part')
             self.assertEqual(row['pieces'], '2')
             self.assertEqual(row['peak_force_n'], row['clamps.hand.peak_force_n'])
         light, heavy = ([float(row['peak_force_n']) for row in rows if row['seed'] == '2' and
-                         row['cloth.fabric.areal_density'] == density] for density in ('0.1', '0.3'))
+                         row['cloth.fabric.areal_density'] == density]
+                        for density in ('0.1', '0.3'))
         for a, b in zip(light, heavy):
             self.assertGreater(b, 1.5 * a)  # three times the weight
 
@@ -142,20 +151,21 @@ class ClothSweepTest(SweepTest):
         self.assertGreater(min(struct.unpack('>II', data[16:24])), 400)
         with open(table) as file:
             self.assertEqual(len(list(csv.DictReader(file))), 8)
-        self.sweep('join', self.out, '--plot', image, '--x', 'seed', '--series', 'phases.hold.timeout',
-                   '--y', 'max_strain')
+        self.sweep('join', self.out, '--plot', image, '--x', 'seed', '--y', 'max_strain',
+                   '--series', 'phases.hold.timeout')
 
     def test_lines_are_means_with_their_spread(self):
         # The module itself: a picture cannot be compared with numbers.
         from importlib.machinery import SourceFileLoader
         sweep = SourceFileLoader('cloth_sweep', SWEEP).load_module()
         rows = [{'ratio': ratio, 'fabric': fabric, 'seed': seed, 'y': value}
-                for ratio, fabric, seed, value in (('1.5', 'silk', '1', 1.0), ('1.5', 'silk', '2', 3.0),
-                                                   ('2', 'silk', '1', None), ('2', 'wool', '1', 5.0))]
+                for ratio, fabric, seed, value in (
+                    ('1.5', 'silk', '1', 1.0), ('1.5', 'silk', '2', 3.0),
+                    ('2', 'silk', '1', None), ('2', 'wool', '1', 5.0))]
         self.assertEqual(sweep.lines_of(rows, 'ratio', ['fabric'], 'y'),
                          {'silk': [(1.5, 1.0, 2.0, 3.0)], 'wool': [(2.0, 5.0, 5.0, 5.0)]})
 
-    # ---- bad input ---------------------------------------------------------------------------------
+    # ---- bad input -------------------------------------------------------------------------------
 
     def refused(self, *arguments, says=''):
         result = self.sweep(*arguments, expected=2)
@@ -172,16 +182,18 @@ class ClothSweepTest(SweepTest):
             self.refused('jobs', self.scene, argument, '--out', self.out, says=says)
             self.assertFalse(os.path.exists(self.out), argument)
         self.refused('jobs', self.scene, 'seed=1', 'seed=2', '--out', self.out, says='twice')
-        self.refused('jobs', self.scene, 'seed=1..2000', 'drag=0..2000', '--out', self.out, says='at most')
+        self.refused('jobs', self.scene, 'seed=1..2000', 'drag=0..2000', '--out', self.out,
+                     says='at most')
         self.refused('jobs', self.path('none.yaml'), 'seed=1', '--out', self.out, says='none.yaml')
         self.refused('jobs', self.scene, 'seed=1', '--out', '/proc/sweep', says='/proc/sweep')
-        self.refused('jobs', self.scene, 'seed=1', '--out', self.out, '--cloth-run', self.path('none'),
-                     says='cannot be run')
+        self.refused('jobs', self.scene, 'seed=1', '--out', self.out, '--cloth-run',
+                     self.path('none'), says='cannot be run')
 
     def test_two_sweeps_do_not_mix(self):
         self.jobs('seed=1')
         self.refused('jobs', self.scene, 'drag=1', '--out', self.out, says='sweep over seed')
-        self.refused('jobs', self.scene, 'seed=1', '--duration', '1', '--out', self.out, says='duration')
+        self.refused('jobs', self.scene, 'seed=1', '--duration', '1', '--out', self.out,
+                     says='duration')
         with open(self.scene, 'a') as file:
             file.write('drag: 2.0\n')
         self.refused('jobs', self.scene, 'seed=1', '--out', self.out, says="scene's text")

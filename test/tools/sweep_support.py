@@ -8,7 +8,7 @@ import unittest
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 SWEEP = os.path.join(ROOT, 'scripts', 'cloth_sweep')
 
-# Hangs from a clamp, and is cut through after phases.hold.timeout. Runs in a few hundredths of a second.
+# Hangs from a clamp, and is cut through after phases.hold.timeout. Runs in a tenth of a second.
 SCENE = """
 cloth:
   size: [0.2, 0.2]
