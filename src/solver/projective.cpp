@@ -271,7 +271,8 @@ SolverInfo projectiveInfo() {
   info.title = "Projective dynamics (fast mass-spring)";
   info.reference = "Liu, Bargteil, O'Brien & Kavan, Fast Simulation of Mass-Spring Systems, 2013";
   info.limitations =
-      "backward Euler's damping; converges slowly where stiff cloth turns in a substep";
+      "backward Euler's damping; converges slowly where stiff cloth turns in a substep; "
+      "strains near obstacles at long substeps";
   info.order = 1;
   SolverParameter iterations = substepsParameter(10);
   iterations.name = "iterations";
