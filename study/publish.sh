@@ -17,10 +17,14 @@ trap 'rm -f "$page"' EXIT
 
 /usr/bin/python3 "$root/study/plots.py" "$folder"
 for scene in hang_swing in_plane_wave drape_sphere table_edge seam_tear; do
-  cp "$folder/work_precision_$scene.png" "$root/docs/images/study_$scene.png"
+  for kind in png svg; do
+    cp "$folder/work_precision_$scene.$kind" "$root/docs/images/study_$scene.$kind"
+  done
 done
 for chart in stability resolution; do
-  cp "$folder/$chart.png" "$root/docs/images/study_$chart.png"
+  for kind in png svg; do
+    cp "$folder/$chart.$kind" "$root/docs/images/study_$chart.$kind"
+  done
 done
 mkdir -p "$root/docs/data/study"
 cp "$folder"/*.csv "$folder"/command.txt "$folder"/machine.txt "$root/docs/data/study/"
