@@ -80,7 +80,7 @@ TEST(SceneText, IsTheSceneAgain) {
     const Scene scene = loadScene(entry.path(), {"cloth.pose.position=[0.1, 0.2, 3.0e-1]"});
     const Scene again = parseScene(scene.text, entry.path());
     EXPECT_EQ(again.text, scene.text) << entry.path();
-    EXPECT_EQ(again.cloth.pose.position, Vec3(0.1, 0.2, 0.3)) << entry.path();
+    EXPECT_EQ(again.cloths[0].pose.position, Vec3(0.1, 0.2, 0.3)) << entry.path();
     EXPECT_EQ(again.solver.parameters, scene.solver.parameters) << entry.path();
     EXPECT_EQ(again.phases.size(), scene.phases.size()) << entry.path();
     if (++scenes > 4) continue;  // building one takes a while
