@@ -93,7 +93,7 @@ class SavedRunsTest(unittest.TestCase):
         again = self.summary(scene, *overrides, '--load-state', state)
         self.assertEqual(again['state_hash'], summary['state_hash'])
         self.refused(scene, '--set', 'cloth.strip.name=sheet',
-                     says='two.yaml: cloth.sheet.name: expected a name that no other cloth has')
+                     says='cloth.sheet.name: expected a name that no other cloth has')
 
     def test_without_a_duration_the_phases_end_it(self):
         state = self.path('half.state')
