@@ -93,6 +93,7 @@ phases:
   Simulation straight(scene);
   run(straight, 26);
   EXPECT_EQ(straight.pieces(), 3);
+  EXPECT_EQ(straight.clamps()[0].held().size(), 9U) << "the strip was to be grasped";
   Simulation loaded(scene);
   loaded.load(straight.save());
   run(straight, 6);
