@@ -20,11 +20,12 @@ constexpr double kSpacing = 1.0 / 127.0;
 struct Cloth {
   explicit Cloth(int n) {
     const double size = kSpacing * (n - 1);
-    model.grid = Grid{n, n, size, size};
-    model.mesh = makeGridMesh(*model.grid);
-    model.fabric = fabricPreset("cotton");
-    model.springs = SpringNetwork(model.mesh, model.fabric, SpringSelection{});
-    lumpMasses(model.fabric.arealDensity, model);
+    model.cloths[0].grid = Grid{n, n, size, size};
+    model.cloths[0].vertices = n * n;
+    model.mesh = makeGridMesh(*model.cloths[0].grid);
+    model.cloths[0].fabric = fabricPreset("cotton");
+    model.springs = SpringNetwork(model.mesh, model.cloths[0].fabric, SpringSelection{});
+    lumpMasses(model.cloths[0].fabric.arealDensity, model);
     const auto count = static_cast<std::size_t>(model.particleCount());
     state.x = VertexData<Vec3>(count, Vec3::Zero());
     state.v = VertexData<Vec3>(count, Vec3(0.0, 0.0, -1.0));

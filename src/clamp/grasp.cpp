@@ -19,8 +19,9 @@ bool isWithin(const Vec2& p, const Vec2& low, const Vec2& high) {
 }  // namespace
 
 std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch) {
-  if (!model.grid) throw std::invalid_argument("a patch needs a cloth that is a grid");
-  const Grid& grid = *model.grid;
+  const ClothPart& cloth = model.cloths.at(patch.cloth);
+  if (!cloth.grid) throw std::invalid_argument("a patch needs a cloth that is a grid");
+  const Grid& grid = *cloth.grid;
   if (patch.column < 0 || patch.column >= grid.columns || patch.row < 0 || patch.row >= grid.rows ||
       patch.radius < 0) {
     throw std::invalid_argument("the patch's centre is outside of the grid");
@@ -30,14 +31,16 @@ std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch
   const int bottom = std::max(patch.row - patch.radius, 0);
   const int top = std::min(patch.row + patch.radius, grid.rows - 1);
 
+  const auto vertex = [&](int i, int j) { return cloth.firstVertex + grid.vertex(i, j); };
   std::vector<VertexId> particles;
   for (int j = bottom; j <= top; ++j) {
-    for (int i = left; i <= right; ++i) particles.push_back(grid.vertex(i, j));
+    for (int i = left; i <= right; ++i) particles.push_back(vertex(i, j));
   }
   // Later vertices are what edits made; they know where on the cloth they are.
-  for (VertexId v = grid.columns * grid.rows; v < model.mesh.vertexCount(); ++v) {
-    const Vec2& low = model.mesh.material(grid.vertex(left, bottom));
-    const Vec2& high = model.mesh.material(grid.vertex(right, top));
+  const ClothPart& last = model.cloths.back();
+  for (VertexId v = last.firstVertex + last.vertices; v < model.mesh.vertexCount(); ++v) {
+    const Vec2& low = model.mesh.material(vertex(left, bottom));
+    const Vec2& high = model.mesh.material(vertex(right, top));
     if (isWithin(model.mesh.material(v), low, high)) particles.push_back(v);
   }
   return particles;

@@ -3,6 +3,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -93,13 +95,24 @@ BendElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& w
 }  // namespace
 
 BendNetwork::BendNetwork(const TriangleMesh& mesh, double rigidity, double most)
-    : rigidity_(rigidity), most_(most) {
+    : BendNetwork(mesh, MaterialStrips(), {{rigidity, most}}) {}
+
+BendNetwork::BendNetwork(const TriangleMesh& mesh, MaterialStrips strips, std::vector<Plate> plates)
+    : strips_(std::move(strips)), plates_(std::move(plates)) {
+  if (plates_.size() != strips_.count()) {
+    throw std::invalid_argument("bending needs one plate for each strip");
+  }
+  derive(mesh);
+}
+
+void BendNetwork::derive(const TriangleMesh& mesh) {
   elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
   for (FaceId f = 0; f < mesh.faceCount(); ++f) deriveOn(mesh, f);
 }
 
 void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
   const Patch patch = patchAround(mesh, f);
+  const Plate& plate = plates_[strips_.at(mesh.material(patch.vertex[0]))];
   std::array<Vec2, 6> p;
   // Around the first corner: far from the origin, squares would lose digits.
   const Vec2 origin = mesh.material(patch.vertex[0]);
@@ -107,13 +120,14 @@ void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
     p[k] = patch.vertex[k] == kNone ? Vec2::Zero() : Vec2(mesh.material(patch.vertex[k]) - origin);
   }
   Eigen::Matrix<double, 3, 6> weights = Eigen::Matrix<double, 3, 6>::Zero();
-  if (patch.neighbours > 0) weights = curvatureWeights(p, patch.neighbours);
-  const double stiffness = rigidity_ * mesh.restArea(f);
+  if (patch.neighbours > 0 && plate.rigidity > 0.0) weights = curvatureWeights(p, patch.neighbours);
+  const double stiffness = scale_ * plate.rigidity * mesh.restArea(f);
+  const double most = scale_ * plate.most;
   const double least = kRounding * weights.cwiseAbs().maxCoeff();
   for (std::size_t k = 0; k < kPerFace; ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     const double largest = weights.row(row).cwiseAbs().maxCoeff();
-    const double capped = largest > 0.0 ? std::min(stiffness, most_ / (largest * largest)) : 0.0;
+    const double capped = largest > 0.0 ? std::min(stiffness, most / (largest * largest)) : 0.0;
     elements_[kPerFace * static_cast<std::size_t>(f) + k] =
         makeElement(patch, weights.row(row), least, capped);
   }
@@ -122,7 +136,7 @@ void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
 void BendNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (empty()) return;
   if (!changes.removedFaces.empty()) {
-    *this = BendNetwork(mesh, rigidity_, most_);
+    derive(mesh);
     return;
   }
   elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
@@ -140,8 +154,7 @@ void BendNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
 }
 
 void BendNetwork::scaleBy(double factor) {
-  rigidity_ *= factor;
-  most_ *= factor;
+  scale_ *= factor;
   for (BendElement& element : elements_) element.stiffness *= factor;
 }
 

@@ -1,42 +1,54 @@
 #include "cloth_sim/cloth/model.h"
 
 namespace cloth_sim {
+namespace {
 
-void lumpMasses(double arealDensity, Model& model) {
+void makeRoom(Model& model) {
   const auto count = static_cast<std::size_t>(model.particleCount());
-  model.arealDensity = VertexData<double>(count, arealDensity, model.mesh.revision());
+  if (model.mass.size() == count) return;
+  model.arealDensity = VertexData<double>(count, 0.0, model.mesh.revision());
   model.mass = VertexData<double>(count, 0.0, model.mesh.revision());
+}
+
+}  // namespace
+
+void lumpMasses(double arealDensity, std::size_t cloth, Model& model) {
+  makeRoom(model);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
+    if (model.clothOf(v) != cloth) continue;
+    model.arealDensity[v] = arealDensity;
     model.mass[v] = arealDensity * areaAround(model.mesh, v) / 3.0;
   }
 }
 
-void setParticleMasses(double particleMass, Model& model) {
-  const auto count = static_cast<std::size_t>(model.particleCount());
-  model.mass = VertexData<double>(count, particleMass, model.mesh.revision());
-  model.arealDensity = VertexData<double>(count, 0.0, model.mesh.revision());
+void lumpMasses(double arealDensity, Model& model) { lumpMasses(arealDensity, 0, model); }
+
+void setParticleMasses(double particleMass, std::size_t cloth, Model& model) {
+  makeRoom(model);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
+    if (model.clothOf(v) != cloth) continue;
+    model.mass[v] = particleMass;
     model.arealDensity[v] = 3.0 * particleMass / areaAround(model.mesh, v);
   }
 }
 
 void followMasses(const MeshChanges& changes, Model& model) {
-  double before = 0.0;
+  std::vector<double> before(model.cloths.size(), 0.0);
+  std::vector<double> after(model.cloths.size(), 0.0);
   const auto known = static_cast<VertexId>(model.mass.size());
   for (VertexId v : changes.touched) {
-    if (v < known) before += model.mass[v];
+    if (v < known) before[model.clothOf(v)] += model.mass[v];
   }
   model.mass.follow(changes);
   model.arealDensity.follow(changes);
-  double after = 0.0;
   for (VertexId v : changes.touched) {
     model.mass[v] = model.arealDensity[v] * areaAround(model.mesh, v) / 3.0;
-    after += model.mass[v];
+    after[model.clothOf(v)] += model.mass[v];
   }
-  if (changes.touched.empty()) return;
   // Where neighbours differ in density, blending it does not keep the sum.
-  const double ratio = before / after;
   for (VertexId v : changes.touched) {
+    const std::size_t cloth = model.clothOf(v);
+    const double ratio = before[cloth] / after[cloth];
     model.mass[v] *= ratio;
     model.arealDensity[v] *= ratio;
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 namespace cloth_sim {
@@ -120,7 +121,32 @@ const char* toString(SpringKind kind) {
 
 SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric,
                              const SpringSelection& selection)
-    : selection_(selection) {
+    : SpringNetwork(mesh, MaterialStrips(), {{fabric, selection, std::nullopt}}) {}
+
+SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw,
+                             const SpringSelection& selection)
+    : SpringNetwork(mesh, MaterialStrips(), {{Fabric(), selection, raw}}) {}
+
+SpringNetwork::SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
+                             const std::vector<SpringRecipe>& recipes)
+    : strips_(std::move(strips)) {
+  if (recipes.size() != strips_.count()) {
+    throw std::invalid_argument("springs need one recipe for each strip");
+  }
+  cloths_.clear();
+  for (const SpringRecipe& recipe : recipes) {
+    cloths_.push_back(
+        {recipe.selection, calibrate(recipe.fabric, recipe.selection), recipe.raw, {0.0, 0.0}});
+    anyRaw_ = anyRaw_ || recipe.raw;
+  }
+  if (anyRaw_) rawShares_ = RawShares(mesh);
+  build(mesh);
+  if (anyRaw_) measureRawBends(mesh);
+}
+
+SpringNetwork::Calibration SpringNetwork::calibrate(const Fabric& fabric,
+                                                    const SpringSelection& selection) {
+  Calibration result;
   // With shear springs of stiffness G on both diagonals of square cells, the membrane has
   // C11 = q1, C22 = q2, C12 = G, so that its uniaxial stiffness along u is q1 - G^2 / q2 and along
   // v q2 - G^2 / q1. These are the q that make them the fabric's.
@@ -128,29 +154,29 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric,
   const double warp = fabric.tensileWarp;
   const double weft = fabric.tensileWeft;
   const double q = 0.5 * (warp + std::sqrt(warp * warp + 4.0 * g * g * warp / weft));
-  calibration_.structuralWarp = std::max(q - g, kStructuralFloor * warp);
-  calibration_.structuralWeft = std::max(q * weft / warp - g, kStructuralFloor * weft);
-  calibration_.shear = g;
-  calibration_.bending = selection.bend ? fabric.bending : 0.0;
-  calibration_.bendStretchCap =
-      0.5 * std::min(calibration_.structuralWarp, calibration_.structuralWeft);
-  calibration_.damping = fabric.damping;
-  build(mesh);
+  result.structuralWarp = std::max(q - g, kStructuralFloor * warp);
+  result.structuralWeft = std::max(q * weft / warp - g, kStructuralFloor * weft);
+  result.shear = g;
+  result.bending = selection.bend ? fabric.bending : 0.0;
+  result.bendStretchCap = 0.5 * std::min(result.structuralWarp, result.structuralWeft);
+  result.damping = fabric.damping;
+  return result;
 }
 
-SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw,
-                             const SpringSelection& selection)
-    : selection_(selection), raw_(raw), rawShares_(mesh) {
-  build(mesh);
-  std::array<double, 2> number{0.0, 0.0};
+void SpringNetwork::measureRawBends(const TriangleMesh& mesh) {
+  std::vector<std::array<double, 2>> number(cloths_.size(), {0.0, 0.0});
   for (const Spring& spring : slots_) {
     if (spring.kind != SpringKind::kBend) continue;
+    const std::size_t cloth = strips_.at(mesh.material(spring.a));
     const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
-    rawBendLength_[thread] += spring.restLength;
-    number[thread] += 1.0;
+    cloths_[cloth].rawBendLength[thread] += spring.restLength;
+    number[cloth][thread] += 1.0;
   }
-  for (std::size_t thread = 0; thread < 2; ++thread) {
-    if (number[thread] > 0.0) rawBendLength_[thread] /= number[thread];
+  for (std::size_t cloth = 0; cloth < cloths_.size(); ++cloth) {
+    for (std::size_t thread = 0; thread < 2; ++thread) {
+      if (number[cloth][thread] > 0.0)
+        cloths_[cloth].rawBendLength[thread] /= number[cloth][thread];
+    }
   }
 }
 
@@ -186,7 +212,7 @@ void SpringNetwork::deriveAround(const TriangleMesh& mesh, VertexId v,
                                  std::vector<Spring>& out) const {
   const std::vector<VertexId> neighbours = mesh.neighbours(v);
   for (VertexId w : neighbours) deriveEdge(mesh, std::min(v, w), std::max(v, w), out);
-  if (selection_.bend) deriveBends(mesh, v, neighbours, out);
+  if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, out);
 }
 
 void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
@@ -198,7 +224,7 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
   edge.direction = threadDirection(mesh.material(b) - mesh.material(a));
   const bool bias = edge.direction == ThreadDirection::kBias;
   edge.kind = bias ? SpringKind::kShear : SpringKind::kStructural;
-  if (bias && !selection_.shear) return;
+  if (bias && !clothAt(mesh, a).selection.shear) return;
   const std::array<FaceId, 2> faces = mesh.facesOnEdge(a, b);
   const FaceRange on{faces.data(), faces.data() + (faces[1] == kNone ? 1 : 2)};
   setConstants(mesh, on, edge);
@@ -251,45 +277,47 @@ void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
 void SpringNetwork::setConstants(const TriangleMesh& mesh, const FaceRange& on,
                                  Spring& spring) const {
   spring.restLength = (mesh.material(spring.b) - mesh.material(spring.a)).norm();
-  if (raw_) {
+  const Cloth& cloth = clothAt(mesh, spring.a);
+  if (cloth.raw) {
     const RawShare share = rawShare(mesh, on, spring);
-    const double constant = raw_->constant[static_cast<int>(spring.kind)];
+    const double constant = cloth.raw->constant[static_cast<int>(spring.kind)];
     // Half of a spring is twice as stiff.
-    const double perLength = raw_->perStretch ? 1.0 : share.length;
+    const double perLength = cloth.raw->perStretch ? 1.0 : share.length;
     spring.stiffness = scale_ * constant * share.part * perLength / spring.restLength;
-    spring.damping = raw_->dashpot * share.part * share.length / spring.restLength;
+    spring.damping = cloth.raw->dashpot * share.part * share.length / spring.restLength;
   } else {
     spring.stiffness = scale_ * fabricStiffness(mesh, on, spring);
-    spring.damping = calibration_.damping * spring.stiffness;
+    spring.damping = cloth.calibration.damping * spring.stiffness;
   }
 }
 
 double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const FaceRange& on,
                                       const Spring& spring) const {
+  const Calibration& calibration = clothAt(mesh, spring.a).calibration;
   const double area = areaOf(mesh, on);
   const Vec2 d = mesh.material(spring.b) - mesh.material(spring.a);
   const double squared = d.squaredNorm();
   switch (spring.kind) {
     case SpringKind::kStructural: {
       const double bends =
-          std::min(4.0 * squared * bendStiffnessPerArea(calibration_.bending, spring.restLength),
-                   calibration_.bendStretchCap);
+          std::min(4.0 * squared * bendStiffnessPerArea(calibration.bending, spring.restLength),
+                   calibration.bendStretchCap);
       const double membrane = spring.direction == ThreadDirection::kWarp
-                                  ? calibration_.structuralWarp
-                                  : calibration_.structuralWeft;
+                                  ? calibration.structuralWarp
+                                  : calibration.structuralWeft;
       return (membrane - bends) * area / squared;
     }
     case SpringKind::kShear: {
       // Under a shear angle gamma a direction (c, s) stretches by gamma c s; both diagonals
       // together store G gamma^2 / 2 per area.
       const double cs = d.x() * d.y() / squared;
-      return calibration_.shear * area / (2.0 * squared * cs * cs);
+      return calibration.shear * area / (2.0 * squared * cs * cs);
     }
     case SpringKind::kBend: {
       const double l = 0.5 * spring.restLength;
       const double lumped = area / 3.0;
-      return std::min(bendStiffnessPerArea(calibration_.bending, l),
-                      calibration_.bendStretchCap / (4.0 * l * l)) *
+      return std::min(bendStiffnessPerArea(calibration.bending, l),
+                      calibration.bendStretchCap / (4.0 * l * l)) *
              lumped;
     }
   }
@@ -301,8 +329,8 @@ RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
   if (spring.kind == SpringKind::kBend) {
     RawShare share = rawShares_.ofCorners(mesh, on, spring.support[0]);
     const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
-    const bool usual = share.length == 0.0 && rawBendLength_[thread] > 0.0;
-    share.length = usual ? rawBendLength_[thread] : spring.restLength;
+    const double usual = clothAt(mesh, spring.a).rawBendLength[thread];
+    share.length = share.length == 0.0 && usual > 0.0 ? usual : spring.restLength;
     return share;
   }
   const bool isEdge = spring.support[0] == spring.a && spring.support[1] == spring.b;
@@ -315,7 +343,7 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
   while (standing_.size() < static_cast<std::size_t>(mesh.vertexCount())) {
     standing_.emplace_back().reserve(kUsualStanding);
   }
-  if (raw_) rawShares_.follow(mesh, changes);
+  if (anyRaw_) rawShares_.follow(mesh, changes);
   followCleared(changes);
   const std::vector<std::int32_t> before = standingOnAny(changes.touched);
   const std::vector<Spring> derived = deriveAroundAll(mesh, changes.touched);
@@ -383,7 +411,7 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
     if (edit.from[0] != edit.id) nameOf[original[edit.from[0]]] = edit.id;
     original[edit.id] = original[edit.from[0]];
   }
-  if (raw_) rawShares_.follow(mesh, changes);
+  if (anyRaw_) rawShares_.follow(mesh, changes);
   std::set<SpringKey> cleared;
   for (const SpringKey& key : cleared_) {
     std::array<VertexId, 4> v = unpacked(key);
@@ -443,7 +471,7 @@ std::vector<Spring> SpringNetwork::deriveAroundAll(const TriangleMesh& mesh,
       const bool foundThere = w < v && listed[w];
       if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), springs);
     }
-    if (selection_.bend) deriveBends(mesh, v, neighbours, springs);
+    if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, springs);
   }
   return springs;
 }
@@ -473,14 +501,14 @@ void SpringNetwork::replace(std::int32_t slot, const Spring& spring) {
   }
 }
 
-SpringChanges SpringNetwork::setScale(double scale) {
+SpringChanges SpringNetwork::setScale(const TriangleMesh& mesh, double scale) {
   const double factor = scale / std::exchange(scale_, scale);
   SpringChanges changes;
   for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
     Spring& spring = slots_[slot];
     if (!spring.exists()) continue;
     spring.stiffness *= factor;
-    if (!raw_) spring.damping *= factor;
+    if (!clothAt(mesh, spring.a).raw) spring.damping *= factor;
     changes.modified.push_back(static_cast<std::int32_t>(slot));
   }
   return changes;

@@ -30,7 +30,7 @@ std::vector<double> bendingRows(const Model& model) {
 }
 
 double largestRetardation(const Model& model) {
-  double largest = model.bending.empty() ? 0.0 : model.fabric.damping;
+  double largest = model.bending.empty() ? 0.0 : model.bendRetardation();
   for (const Spring& spring : model.springs.slots()) {
     if (spring.exists() && spring.stiffness > 0.0) {
       largest = std::max(largest, spring.damping / spring.stiffness);

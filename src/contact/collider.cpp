@@ -1,5 +1,6 @@
 #include "cloth_sim/contact/collider.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -28,14 +29,24 @@ bool isSound(const BoundsShape& shape) { return isPositive(shape.size); }
 
 }  // namespace
 
-Collider::Collider(Obstacle obstacle, double margin)
-    : obstacle_(std::move(obstacle)), margin_(margin) {
+Collider::Collider(Obstacle obstacle, std::vector<ContactSkin> skins)
+    : obstacle_(std::move(obstacle)), skins_(std::move(skins)) {
   const bool sound = std::visit([](const auto& shape) { return isSound(shape); }, obstacle_.shape);
   require(sound, obstacle_, "expected lengths > 0");
-  require(notNegative(margin_), obstacle_, "expected a margin >= 0");
-  require(notNegative(obstacle_.friction), obstacle_, "expected a friction coefficient >= 0");
+  require(!skins_.empty(), obstacle_, "expected a cloth to meet");
+  for (const ContactSkin& skin : skins_) {
+    require(notNegative(skin.margin), obstacle_, "expected a margin >= 0");
+    require(notNegative(obstacle_.friction.value_or(skin.friction)), obstacle_,
+            "expected a friction coefficient >= 0");
+  }
   require(notNegative(obstacle_.tangentialDecay), obstacle_, "expected a tangential decay >= 0");
   obstacle_.pose.orientation.normalize();
+}
+
+double Collider::margin() const {
+  double largest = 0.0;
+  for (const ContactSkin& skin : skins_) largest = std::max(largest, skin.margin);
+  return largest;
 }
 
 Pose Collider::poseAt(double time) const {
@@ -63,8 +74,8 @@ Vec3 Collider::normal(const Vec3& point, double time) const {
   return result;
 }
 
-void ColliderSet::add(Obstacle obstacle, double margin) {
-  colliders_.emplace_back(std::move(obstacle), margin);
+void ColliderSet::add(Obstacle obstacle, std::vector<ContactSkin> skins) {
+  colliders_.emplace_back(std::move(obstacle), std::move(skins));
 }
 
 Collider* ColliderSet::find(const std::string& name) {

@@ -25,6 +25,7 @@
 #include <limits>
 #include <optional>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 #include "cloth_sim/contact/collider.h"
@@ -405,9 +406,8 @@ decltype(auto) visitTurned(const Vec3& size, const Quat& orientation, double mar
 /// Calls `function` with the geometry of the collider: the choice by shape is made here, once,
 /// and not in the function's loop over particles.
 template <class Function>
-decltype(auto) visit(const Collider& collider, Function&& function) {
+decltype(auto) visit(const Collider& collider, double margin, Function&& function) {
   const Quat& orientation = collider.obstacle().pose.orientation;
-  const double margin = collider.margin();
   const Shape& shape = collider.obstacle().shape;
   if (const auto* board = std::get_if<BoxShape>(&shape)) {
     return visitTurned<Box>(board->size, orientation, margin, function);
@@ -422,6 +422,12 @@ decltype(auto) visit(const Collider& collider, Function&& function) {
     return function(Capsule(orientation * Vec3::UnitZ(), capsule->length, capsule->radius, margin));
   }
   return function(Plane(orientation * Vec3::UnitZ(), margin));
+}
+
+/// The same with the largest margin of any cloth.
+template <class Function>
+decltype(auto) visit(const Collider& collider, Function&& function) {
+  return visit(collider, collider.margin(), std::forward<Function>(function));
 }
 
 }  // namespace cloth_sim::geometry

@@ -107,15 +107,17 @@ Vec3 projectOut(const Geometry& solid, const Surface& surface,
 }  // namespace
 
 void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,
-                       double time, double h, Vec3& impulse) const {
+                       double time, double h, Vec3& impulse, std::size_t cloth) const {
   Surface surface;
   surface.position = poseAt(time).position;
   surface.carry = obstacle_.velocity * h;
-  surface.friction = obstacle_.friction;
+  const ContactSkin& skin = skins_[cloth];
+  surface.friction = obstacle_.friction.value_or(skin.friction);
   surface.keep = std::exp(-obstacle_.tangentialDecay * h);
   surface.rise = kDepenetrationSpeed * h;
-  const Vec3 moment = geometry::visit(
-      *this, [&](const auto& solid) { return projectOut(solid, surface, vertices, particles); });
+  const Vec3 moment = geometry::visit(*this, skin.margin, [&](const auto& solid) {
+    return projectOut(solid, surface, vertices, particles);
+  });
   impulse -= moment / h;
 }
 

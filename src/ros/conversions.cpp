@@ -43,6 +43,15 @@ std::uint8_t toStateCode(ClampState state) {
   return ClampStatus::OPEN;
 }
 
+ClothInfo toClothInfo(const ClothPlace& cloth) {
+  ClothInfo info;
+  info.name = cloth.name;
+  info.first_particle = static_cast<std::uint32_t>(cloth.firstParticle);
+  info.particles = static_cast<std::uint32_t>(cloth.particles);
+  info.material_offset = cloth.materialOffset;
+  return info;
+}
+
 PieceInfo toPieceInfo(const PieceSnapshot& piece) {
   PieceInfo info;
   info.faces = piece.faces;
@@ -154,6 +163,7 @@ ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header
   ClothTopology message;
   message.header = header;
   message.revision = topology.revision;
+  for (const ClothPlace& cloth : topology.cloths) message.cloths.push_back(toClothInfo(cloth));
   message.triangles.reserve(3 * topology.faces.size());
   for (const Face& face : topology.faces) {
     message.triangles.insert(message.triangles.end(), face.begin(), face.end());

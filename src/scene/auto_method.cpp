@@ -34,8 +34,10 @@ Candidate apply(const AutoRow& row, const Scene& scene) {
   Candidate candidate;
   candidate.row = &row;
   candidate.dt = scene.solver.dt / wholeUp(scene.solver.dt / row.dt);
-  const double longest =
-      std::min(row.longest, row.substep * stepUnit(scaleOf(*row.method), scene.cloth));
+  double longest = row.longest;
+  for (const ClothSpec& cloth : scene.cloths) {
+    longest = std::min(longest, row.substep * stepUnit(scaleOf(*row.method), cloth));
+  }
   candidate.substeps = wholeUp(candidate.dt / longest);
   if (candidate.substeps <= kMostSubsteps) {
     candidate.cost = row.cost * candidate.substeps / candidate.dt;

@@ -1,7 +1,9 @@
 #include "cloth_sim/scene/build.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
+#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -11,63 +13,154 @@ double symmetricUniform(std::mt19937_64& generator) {
   return 2.0 * static_cast<double>(generator() >> 11) * 0x1.0p-53 - 1.0;
 }
 
-Vec3 randomOffset(const Vec3& range, std::uint64_t seed) {
-  std::mt19937_64 generator(seed);
+Vec3 randomOffset(const Vec3& range, std::mt19937_64& generator) {
   Vec3 offset;
   for (int axis = 0; axis < 3; ++axis) offset[axis] = range[axis] * symmetricUniform(generator);
   return offset;
 }
 
+/// The mesh of one cloth in material coordinates of its own, and what it was made from.
+struct OwnMesh {
+  std::optional<Grid> grid;
+  TriangleMesh mesh;
+};
+
+OwnMesh makeOwnMesh(const ClothSpec& cloth) {
+  if (cloth.mesh) return {std::nullopt, TriangleMesh(cloth.mesh->material, cloth.mesh->faces)};
+  const Grid grid{cloth.columns, cloth.rows, cloth.width, cloth.height};
+  return {grid, makeGridMesh(grid)};
+}
+
+/// Appends a mesh, shifted along u, to the vertices and faces of others.
+void append(const TriangleMesh& mesh, double shift, std::vector<Vec2>& material,
+            std::vector<Face>& faces) {
+  const auto first = static_cast<VertexId>(material.size());
+  for (const Vec2& p : mesh.material()) material.emplace_back(p.x() + shift, p.y());
+  for (const Face& face : mesh.faces()) {
+    faces.push_back({first + face[0], first + face[1], first + face[2]});
+  }
+}
+
+/// Half way between the end of each cloth and the beginning of the next one.
+MaterialStrips stripsOf(const std::vector<ClothSpec>& cloths, const std::vector<double>& offsets) {
+  std::vector<double> bounds;
+  for (std::size_t k = 0; k + 1 < cloths.size(); ++k) {
+    bounds.push_back(0.5 * (offsets[k] + cloths[k].width + offsets[k + 1]));
+  }
+  return MaterialStrips(std::move(bounds));
+}
+
+/// Meshes, and where they lie.
+void layOut(const std::vector<ClothSpec>& cloths, Model& model) {
+  const std::vector<double> offsets = materialOffsets(cloths);
+  std::vector<Vec2> material;
+  std::vector<Face> faces;
+  model.cloths.clear();
+  for (std::size_t k = 0; k < cloths.size(); ++k) {
+    const OwnMesh own = makeOwnMesh(cloths[k]);
+    ClothPart part;
+    part.name = cloths[k].name;
+    part.fabric = cloths[k].fabric;
+    part.grid = own.grid;
+    part.firstVertex = static_cast<VertexId>(material.size());
+    part.vertices = own.mesh.vertexCount();
+    part.materialOffset = offsets[k];
+    append(own.mesh, offsets[k], material, faces);
+    model.cloths.push_back(std::move(part));
+  }
+  model.mesh = TriangleMesh(std::move(material), std::move(faces));
+  model.strips = stripsOf(cloths, offsets);
+}
+
+BendNetwork makeBending(const std::vector<ClothSpec>& cloths, const Model& model) {
+  std::vector<BendNetwork::Plate> plates(cloths.size());
+  bool any = false;
+  for (std::size_t k = 0; k < cloths.size(); ++k) {
+    if (!cloths[k].hinge) continue;
+    const Fabric& fabric = cloths[k].fabric;
+    plates[k] = {fabric.bending, std::min(fabric.tensileWarp, fabric.tensileWeft)};
+    any = true;
+  }
+  return any ? BendNetwork(model.mesh, model.strips, std::move(plates)) : BendNetwork();
+}
+
 /// In the cloth's frame.
-Vec3 startPosition(const ClothSpec& spec, const Model& model, VertexId v) {
-  if (spec.mesh) return spec.mesh->positions[v];
+/// \param v  among the vertices of this cloth.
+Vec3 startPosition(const ClothSpec& cloth, VertexId v) {
+  if (cloth.mesh) return cloth.mesh->positions[v];
+  const Grid grid{cloth.columns, cloth.rows, cloth.width, cloth.height};
   Vec3 position = Vec3::Zero();
-  position.head<2>() = model.mesh.material(v) - 0.5 * Vec2(spec.width, spec.height);
+  position.head<2>() =
+      grid.place(v % grid.columns, v / grid.columns) - 0.5 * Vec2(cloth.width, cloth.height);
   return position;
 }
 
 }  // namespace
 
-Model buildModel(const ClothSpec& spec) {
-  Model model;
-  if (spec.mesh) {
-    model.mesh = TriangleMesh(spec.mesh->material, spec.mesh->faces);
-  } else {
-    model.grid = Grid{spec.columns, spec.rows, spec.width, spec.height};
-    model.mesh = makeGridMesh(*model.grid);
+double longestSide(const std::vector<ClothSpec>& cloths) {
+  double longest = 0.0;
+  for (const ClothSpec& cloth : cloths) longest = std::max({longest, cloth.width, cloth.height});
+  return longest;
+}
+
+std::vector<double> materialOffsets(const std::vector<ClothSpec>& cloths) {
+  const double gap = std::max(1.0, 2.0 * longestSide(cloths));  // [m]
+  std::vector<double> offsets{0.0};
+  for (std::size_t k = 1; k < cloths.size(); ++k) {
+    offsets.push_back(std::ceil(offsets.back() + cloths[k - 1].width + gap));
   }
-  model.fabric = spec.fabric;
-  model.springs = spec.raw ? SpringNetwork(model.mesh, *spec.raw, spec.springs)
-                           : SpringNetwork(model.mesh, spec.fabric, spec.springs);
-  if (spec.hinge)
-    model.bending = BendNetwork(model.mesh, spec.fabric.bending,
-                                std::min(spec.fabric.tensileWarp, spec.fabric.tensileWeft));
-  if (spec.particleMass) {
-    setParticleMasses(*spec.particleMass, model);
-  } else {
-    lumpMasses(spec.fabric.arealDensity, model);
+  return offsets;
+}
+
+Model buildModel(const std::vector<ClothSpec>& cloths) {
+  Model model;
+  layOut(cloths, model);
+  std::vector<SpringRecipe> recipes;
+  for (const ClothSpec& cloth : cloths) {
+    recipes.push_back({cloth.fabric, cloth.springs, cloth.raw});
+  }
+  model.springs = SpringNetwork(model.mesh, model.strips, recipes);
+  model.bending = makeBending(cloths, model);
+  for (std::size_t k = 0; k < cloths.size(); ++k) {
+    if (cloths[k].particleMass) {
+      setParticleMasses(*cloths[k].particleMass, k, model);
+    } else {
+      lumpMasses(cloths[k].fabric.arealDensity, k, model);
+    }
   }
   return model;
 }
 
-State initialState(const ClothSpec& spec, const Model& model, std::uint64_t seed) {
+Model buildModel(const ClothSpec& cloth) { return buildModel(std::vector<ClothSpec>{cloth}); }
+
+State initialState(const std::vector<ClothSpec>& cloths, const Model& model, std::uint64_t seed) {
   const auto count = static_cast<std::size_t>(model.particleCount());
   State state;
   state.x = VertexData<Vec3>(count, Vec3::Zero());
-  state.v = VertexData<Vec3>(count, spec.velocity);
-  const Vec3 offset = randomOffset(spec.randomOffset, seed);
-  for (VertexId v = 0; v < model.particleCount(); ++v) {
-    state.x[v] = spec.pose.toWorld(startPosition(spec, model, v)) + offset;
+  state.v = VertexData<Vec3>(count, Vec3::Zero());
+  std::mt19937_64 generator(seed);
+  for (std::size_t k = 0; k < cloths.size(); ++k) {
+    const ClothPart& part = model.cloths[k];
+    const Vec3 offset = randomOffset(cloths[k].randomOffset, generator);
+    for (VertexId v = 0; v < part.vertices; ++v) {
+      state.x[part.firstVertex + v] = cloths[k].pose.toWorld(startPosition(cloths[k], v)) + offset;
+      state.v[part.firstVertex + v] = cloths[k].velocity;
+    }
   }
   return state;
 }
 
-std::vector<KinematicTarget> pinTargets(const ClothSpec& spec, const Model& model,
+std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, const Model& model,
                                         const State& state) {
   std::vector<KinematicTarget> pins;
-  for (const PinSpec& pin : spec.pins) {
-    const VertexId v = pin.vertex != kNone ? pin.vertex : model.grid->vertex(pin.column, pin.row);
-    pins.push_back({v, state.x[v], Vec3::Zero()});
+  for (std::size_t k = 0; k < cloths.size(); ++k) {
+    const ClothPart& part = model.cloths[k];
+    for (const PinSpec& pin : cloths[k].pins) {
+      const VertexId own =
+          pin.vertex != kNone ? pin.vertex : part.grid->vertex(pin.column, pin.row);
+      const VertexId v = part.firstVertex + own;
+      pins.push_back({v, state.x[v], Vec3::Zero()});
+    }
   }
   const auto before = [](const KinematicTarget& a, const KinematicTarget& b) {
     return a.vertex < b.vertex;
@@ -81,10 +174,12 @@ std::vector<KinematicTarget> pinTargets(const ClothSpec& spec, const Model& mode
 }
 
 ColliderSet buildColliders(const Scene& scene) {
-  ColliderSet colliders;
-  for (const Obstacle& obstacle : scene.obstacles) {
-    colliders.add(obstacle, 0.5 * scene.cloth.fabric.thickness);
+  std::vector<ContactSkin> skins;
+  for (const ClothSpec& cloth : scene.cloths) {
+    skins.push_back({0.5 * cloth.fabric.thickness, cloth.fabric.friction});
   }
+  ColliderSet colliders;
+  for (const Obstacle& obstacle : scene.obstacles) colliders.add(obstacle, skins);
   return colliders;
 }
 

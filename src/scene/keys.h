@@ -14,9 +14,10 @@ inline const Keys kScene{"cloth",     "solver", "gravity", "wind",   "drag",
 
 inline const Keys kPose{"position", "rpy", "orientation"};
 
-inline const Keys kCloth{"obj",           "scale",         "uv_scale", "size",   "particles",
-                         "pose",          "random_offset", "velocity", "fabric", "raw_springs",
-                         "particle_mass", "shear",         "bending",  "pins",   "surgery"};
+inline const Keys kCloth{"name",     "obj",       "scale",       "uv_scale",
+                         "size",     "particles", "pose",        "random_offset",
+                         "velocity", "fabric",    "raw_springs", "particle_mass",
+                         "shear",    "bending",   "pins",        "surgery"};
 inline const Keys kFabric{"preset",  "areal_density", "tensile_warp", "tensile_weft", "shear",
                           "bending", "damping",       "friction",     "thickness"};
 inline const Keys kRawSprings{"structural", "shear", "bend", "per_stretch", "dashpot"};
@@ -40,11 +41,11 @@ inline const Keys kBox{"type",        "size",     "position", "rpy",
 inline const Keys kClamp{
     "pose",          "patch",     "plate_size",        "gap_open",         "gap_closed",
     "closing_speed", "max_speed", "max_angular_speed", "max_acceleration", "grip_force"};
-inline const Keys kPatch{"particle", "radius"};
+inline const Keys kPatch{"cloth", "particle", "radius"};
 
 inline const Keys kTearing{"enabled", "ratio", "seam", "tip_speed", "refine_tip"};
 inline const Keys kRatio{"structural", "shear", "bend"};
-inline const Keys kSeam{"path", "half_width"};
+inline const Keys kSeam{"cloth", "path", "half_width"};
 
 inline const Keys kPhase{"name", "clamps", "obstacles", "wind",    "tearing",   "notch",
                          "cut",  "refine", "until",     "timeout", "on_timeout"};
@@ -52,6 +53,7 @@ inline const Keys kClampAction{"hold",    "attach", "grasp",       "move_by",
                                "move_to", "rpy",    "orientation", "speed"};
 inline const Keys kObstacleAction{"velocity"};
 inline const Keys kPhaseTearing{"enabled", "ratio"};
+inline const Keys kNotch{"cloth", "path"};
 inline const Keys kStroke{"path", "direction", "reach", "blades", "first_layer", "half_width"};
 inline const Keys kRefine{"path", "point", "radius", "generations", "min_edge"};
 inline const Keys kUntil{"elapsed", "mean_speed", "contact", "clamps", "pieces", "broken"};

@@ -53,7 +53,7 @@ void readSurroundings(const SceneNode& root, Scene& scene) {
 Scene readScene(const SceneNode& root) {
   root.expectKeys(keys::kScene);
   Scene scene;
-  readCloth(root.need("cloth", "a map"), scene.cloth);
+  readCloths(root.need("cloth", "a map"), scene);
   if (const auto solver = root.find("solver")) {
     readSolver(*solver, scene.solver);
   } else {
@@ -61,10 +61,10 @@ Scene readScene(const SceneNode& root) {
   }
   readSurroundings(root, scene);
   if (const auto obstacles = root.find("obstacles")) {
-    readObstacles(*obstacles, scene.cloth.fabric.friction, scene.obstacles);
+    readObstacles(*obstacles, scene.obstacles);
   }
-  if (const auto clamps = root.find("clamps")) readClamps(*clamps, scene.cloth, scene.clamps);
-  if (const auto tearing = root.find("tearing")) readTearing(*tearing, scene.cloth, scene.tearing);
+  if (const auto clamps = root.find("clamps")) readClamps(*clamps, scene.cloths, scene.clamps);
+  if (const auto tearing = root.find("tearing")) readTearing(*tearing, scene.cloths, scene.tearing);
   if (const auto phases = root.find("phases")) readPhases(*phases, scene, scene.phases);
   return scene;
 }
@@ -106,10 +106,14 @@ void resolve(const SceneNode& root, Scene& scene) {
 
 /// What the method cannot follow is refused where the scene asks for it.
 void checkFeatures(const SceneNode& root, const Scene& scene) {
-  try {
-    checkFeatures(findSolver(scene.solver.method), scene.cloth.hinge);
-  } catch (const std::invalid_argument& error) {
-    root.need("cloth", "a map").need("bending", "a word").refuse(error.what());
+  const SceneNode node = root.need("cloth", "a map");
+  for (std::size_t k = 0; k < scene.cloths.size(); ++k) {
+    try {
+      checkFeatures(findSolver(scene.solver.method), scene.cloths[k].hinge);
+    } catch (const std::invalid_argument& error) {
+      const SceneNode cloth = node.isList() ? node.list("a list of maps")[k] : node;
+      cloth.need("bending", "a word").refuse(error.what());
+    }
   }
 }
 

@@ -56,11 +56,16 @@ std::string unknownName(const std::string& what, const std::string& name,
   return "unknown " + what + " '" + name + "' (known: " + joinNames(known) + ")";
 }
 
-std::string clampNameDefect(const std::string& name) {
+std::string plainNameDefect(const std::string& name) {
   const bool good = !name.empty() && isLetter(name[0]) &&
                     std::all_of(name.begin(), name.end(),
                                 [](char c) { return isLetter(c) || isDigit(c) || c == '_'; });
-  if (!good) return "expected a name of letters, digits and _ that begins with a letter";
+  return good ? "" : "expected a name of letters, digits and _ that begins with a letter";
+}
+
+std::string clampNameDefect(const std::string& name) {
+  const std::string defect = plainNameDefect(name);
+  if (!defect.empty()) return defect;
   if (name == "all") return "expected another name: 'all' stands for all clamps";
   return "";
 }

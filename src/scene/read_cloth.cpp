@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include "keys.h"
@@ -184,10 +185,17 @@ void readPins(const SceneNode& node, ClothSpec& cloth) {
   }
 }
 
-}  // namespace
+int particlesOf(const ClothSpec& cloth) {
+  return cloth.mesh ? static_cast<int>(cloth.mesh->positions.size()) : cloth.columns * cloth.rows;
+}
 
 void readCloth(const SceneNode& node, ClothSpec& cloth) {
   node.expectKeys(keys::kCloth);
+  if (const auto name = node.find("name")) {
+    cloth.name = name->word("a name");
+    const std::string defect = plainNameDefect(cloth.name);
+    if (!defect.empty()) name->refuse(defect);
+  }
   readGrid(node, cloth);
   readMesh(node, cloth);
   readStart(node, cloth);
@@ -197,10 +205,74 @@ void readCloth(const SceneNode& node, ClothSpec& cloth) {
   node.read("particle_mass", cloth.particleMass, kPositive);
   selectSprings(node, cloth);
   if (const auto pins = node.find("pins")) readPins(*pins, cloth);
-  const int grid =
-      cloth.mesh ? static_cast<int>(cloth.mesh->positions.size()) : cloth.columns * cloth.rows;
-  cloth.surgery.maxParticles = std::max(cloth.surgery.maxParticles, grid);
-  if (const auto surgery = node.find("surgery")) readSurgery(*surgery, grid, cloth.surgery);
+}
+
+/// The maps of the cloths: one, or a list of them.
+std::vector<SceneNode> clothNodes(const SceneNode& node) {
+  if (!node.isList()) return {node};
+  const std::string what = "a map, or a list of maps with a name each";
+  std::vector<SceneNode> nodes = node.list(what);
+  if (nodes.empty()) node.expected(what);
+  return nodes;
+}
+
+void checkNames(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec>& cloths) {
+  if (nodes.size() == 1) return;
+  std::set<std::string> names;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    if (!nodes[k].has("name")) nodes[k].missing("name", "one, as there are several cloths");
+    if (!names.insert(cloths[k].name).second) {
+      nodes[k].need("name", "a name").refuse("expected a name that no other cloth has");
+    }
+  }
+}
+
+/// All cloths together must be one model.
+void checkTogether(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec>& cloths) {
+  std::int64_t particles = 0;
+  bool hinge = false;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    particles += particlesOf(cloths[k]);
+    hinge = hinge || cloths[k].hinge;
+    if (particles > kMaxParticlesInAll && nodes.size() > 1) {
+      nodes[k].refuse("expected at most " + std::to_string(kMaxParticlesInAll) +
+                      " particles in all cloths (got " + std::to_string(particles) +
+                      " up to this one)");
+    }
+  }
+  for (std::size_t k = 1; hinge && k < nodes.size(); ++k) {
+    const double first = cloths[0].fabric.damping;
+    if (cloths[k].fabric.damping == first) continue;
+    nodes[k].refuse("expected a fabric.damping of " + shortNumber(first) + ", as cloth '" +
+                    cloths[0].name + "' has: with bending: hinge all cloths have the same (got " +
+                    shortNumber(cloths[k].fabric.damping) + ")");
+  }
+}
+
+/// Of all cloths: what one of them says.
+void readSurgeryOf(const std::vector<SceneNode>& nodes, Scene& scene) {
+  int particles = 0;
+  for (const ClothSpec& cloth : scene.cloths) particles += particlesOf(cloth);
+  scene.surgery.maxParticles = std::max(scene.surgery.maxParticles, particles);
+  std::string said;
+  for (const SceneNode& node : nodes) {
+    const auto surgery = node.find("surgery");
+    if (!surgery) continue;
+    if (!said.empty()) surgery->refuse("expected it once for all cloths (" + said + " has it)");
+    said = surgery->path();
+    readSurgery(*surgery, particles, scene.surgery);
+  }
+}
+
+}  // namespace
+
+void readCloths(const SceneNode& node, Scene& scene) {
+  const std::vector<SceneNode> nodes = clothNodes(node);
+  scene.cloths.assign(nodes.size(), ClothSpec());
+  for (std::size_t k = 0; k < nodes.size(); ++k) readCloth(nodes[k], scene.cloths[k]);
+  checkNames(nodes, scene.cloths);
+  checkTogether(nodes, scene.cloths);
+  readSurgeryOf(nodes, scene);
 }
 
 }  // namespace cloth_sim

@@ -60,18 +60,29 @@ PinSpec readParticle(const SceneNode& node, const ClothSpec& cloth) {
           static_cast<int>(indices[1].integer(0, cloth.rows - 1))};
 }
 
-MaterialPath readPath(const SceneNode& node, const ClothSpec& cloth) {
+std::size_t readClothName(const SceneNode& map, const std::vector<ClothSpec>& cloths) {
+  const auto name = map.find("cloth");
+  if (!name) return 0;
+  std::vector<std::pair<std::string, std::size_t>> known;
+  for (std::size_t k = 0; k < cloths.size(); ++k) known.emplace_back(cloths[k].name, k);
+  return name->choice(known);
+}
+
+MaterialPath readPath(const SceneNode& node, const std::vector<ClothSpec>& cloths,
+                      std::size_t cloth) {
   const std::string what = "a list of at least 2 points [u, v]";
   MaterialPath path;
   for (const SceneNode& item : node.list(what)) {
     const Vec2 point = item.vector<2>();
-    checkOnCloth(item, point, cloth);
+    checkOnCloth(item, point, cloths[cloth]);
     if (!path.empty() && point == path.back()) {
       item.refuse("expected a point other than the one before it");
     }
     path.push_back(point);
   }
   if (path.size() < 2) node.expected(what);
+  const Vec2 offset(materialOffsets(cloths)[cloth], 0.0);
+  for (Vec2& point : path) point += offset;
   return path;
 }
 

@@ -96,18 +96,28 @@ void readPhaseTearing(const SceneNode& node, PhaseSpec& phase) {
   if (const auto ratio = node.find("ratio")) phase.ratio = readRatios(*ratio);
 }
 
-/// A path, or a list of paths: there, the first point of the first path is a list too.
-void readNotches(const SceneNode& node, const ClothSpec& cloth,
+/// Points of the first cloth, or a map that names another.
+MaterialPath readNotch(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
+  if (!node.isMap()) return readPath(node, cloths, 0);
+  node.expectKeys(keys::kNotch);
+  const std::size_t cloth = readClothName(node, cloths);
+  return readPath(node.need("path", "a list of points [u, v]"), cloths, cloth);
+}
+
+/// One notch, or a list of them: there, the first item is a map, or its first point is a list too.
+void readNotches(const SceneNode& node, const std::vector<ClothSpec>& cloths,
                  std::vector<MaterialPath>& notches) {
+  if (node.isMap()) return notches.push_back(readNotch(node, cloths));
   const std::string what = "a list of points [u, v], or a list of such lists";
   const std::vector<SceneNode> items = node.list(what);
   if (items.empty()) node.expected(what);
-  const std::vector<SceneNode> first = items.front().list(what);
-  if (first.empty() || !first.front().isList()) {
-    notches.push_back(readPath(node, cloth));
-    return;
+  if (!items.front().isMap()) {
+    const std::vector<SceneNode> first = items.front().list(what);
+    if (first.empty() || !first.front().isList()) {
+      return notches.push_back(readNotch(node, cloths));
+    }
   }
-  for (const SceneNode& item : items) notches.push_back(readPath(item, cloth));
+  for (const SceneNode& item : items) notches.push_back(readNotch(item, cloths));
 }
 
 void readMeanSpeed(const SceneNode& node, PhaseConditions& until) {
@@ -157,7 +167,7 @@ PhaseSpec readPhase(const SceneNode& node, const Scene& scene) {
   }
   if (const auto wind = node.find("wind")) phase.wind = readWind(*wind);
   if (const auto tearing = node.find("tearing")) readPhaseTearing(*tearing, phase);
-  if (const auto notch = node.find("notch")) readNotches(*notch, scene.cloth, phase.notches);
+  if (const auto notch = node.find("notch")) readNotches(*notch, scene.cloths, phase.notches);
   if (const auto cut = node.find("cut")) readStrokes(*cut, phase.strokes);
   if (const auto refine = node.find("refine")) readRefinements(*refine, phase.refinements);
   readEnd(node, scene, phase);

@@ -106,11 +106,11 @@ Refinement readRefinement(const SceneNode& node) {
   return readRefinementKeys(node);
 }
 
-void readSurgery(const SceneNode& node, int gridParticles, SurgerySettings& surgery) {
+void readSurgery(const SceneNode& node, int particles, SurgerySettings& surgery) {
   node.expectKeys(keys::kSurgery);
   node.read("snap", surgery.snap, kSnap);
   node.read("min_edge", surgery.minEdge, kPositive);
-  node.read("max_particles", surgery.maxParticles, gridParticles, kMostParticles);
+  node.read("max_particles", surgery.maxParticles, particles, kMostParticles);
   node.read("drop_below", surgery.dropBelow, kNotNegative);
   node.read("clear_strip", surgery.clearStrip);
   if (const auto refine = node.find("refine_cuts")) surgery.refineCuts = readRefinement(*refine);

@@ -79,11 +79,10 @@ Shape readShape(const SceneNode& node) {
   return BoundsShape{node.need("size", "[x, y, z]").vector<3>(kPositive)};
 }
 
-Obstacle readObstacle(const SceneNode& node, double friction) {
+Obstacle readObstacle(const SceneNode& node) {
   Obstacle obstacle;
   obstacle.name = node.key();
   obstacle.shape = readShape(node);
-  obstacle.friction = friction;
   readPose(node, obstacle.pose);
   node.read("velocity", obstacle.velocity);
   node.read("friction", obstacle.friction, kNotNegative);
@@ -91,10 +90,11 @@ Obstacle readObstacle(const SceneNode& node, double friction) {
   return obstacle;
 }
 
-ClampPatch readPatch(const SceneNode& node, const ClothSpec& cloth) {
+ClampPatch readPatch(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
   node.expectKeys(keys::kPatch);
-  const PinSpec centre = readParticle(node.need("particle", "[column, row]"), cloth);
   ClampPatch patch;
+  patch.cloth = readClothName(node, cloths);
+  const PinSpec centre = readParticle(node.need("particle", "[column, row]"), cloths[patch.cloth]);
   patch.column = centre.column;
   patch.row = centre.row;
   node.read("radius", patch.radius, 0, kMaxPatchRadius);
@@ -109,10 +109,11 @@ Vec3 patchPosition(const ClampPatch& patch, const ClothSpec& cloth) {
 }
 
 /// Above its patch by the open gap, unless the scene gives a place.
-void readClampPose(const SceneNode& node, const ClothSpec& cloth, ClampSpec& clamp) {
+void readClampPose(const SceneNode& node, const std::vector<ClothSpec>& cloths, ClampSpec& clamp) {
   const auto pose = node.find("pose");
   if (!pose && !clamp.patch) node.missing("pose", "a map, as the clamp has no patch");
   if (clamp.patch) {
+    const ClothSpec& cloth = cloths[clamp.patch->cloth];
     clamp.pose.position = patchPosition(*clamp.patch, cloth) + Vec3(0.0, 0.0, clamp.gapOpen);
   }
   if (!pose) return;
@@ -128,15 +129,15 @@ void readGap(const SceneNode& node, ClampSpec& clamp) {
               shortNumber(clamp.gapOpen) + ")");
 }
 
-ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
+ClampSpec readClamp(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
   const std::string defect = clampNameDefect(node.key());
   if (!defect.empty()) node.refuse(defect);
   node.expectKeys(keys::kClamp);
   ClampSpec clamp;
   clamp.name = node.key();
-  if (const auto patch = node.find("patch")) clamp.patch = readPatch(*patch, cloth);
+  if (const auto patch = node.find("patch")) clamp.patch = readPatch(*patch, cloths);
   readGap(node, clamp);
-  readClampPose(node, cloth, clamp);
+  readClampPose(node, cloths, clamp);
   node.read("plate_size", clamp.plateSize, kPositive);
   node.read("closing_speed", clamp.closingSpeed, kPositive);
   node.read("max_speed", clamp.maxLinearSpeed, kPositive);
@@ -146,11 +147,15 @@ ClampSpec readClamp(const SceneNode& node, const ClothSpec& cloth) {
   return clamp;
 }
 
-Seam readSeam(const SceneNode& node, const ClothSpec& cloth) {
+Seam readSeam(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
   node.expectKeys(keys::kSeam);
   Seam seam;
-  seam.path = readPath(node.need("path", "a list of points [u, v]"), cloth);
-  node.read("half_width", seam.halfWidth, kNotNegative);
+  const std::size_t cloth = readClothName(node, cloths);
+  seam.path = readPath(node.need("path", "a list of points [u, v]"), cloths, cloth);
+  // Wider, and it would reach the next one.
+  Range range = kNotNegative;
+  if (cloths.size() > 1) range.maximum = longestSide(cloths);
+  node.read("half_width", seam.halfWidth, range);
   return seam;
 }
 
@@ -188,20 +193,22 @@ Wind readWind(const SceneNode& node) {
   return wind;
 }
 
-void readObstacles(const SceneNode& node, double friction, std::vector<Obstacle>& obstacles) {
-  for (const SceneNode& entry : node.entries()) obstacles.push_back(readObstacle(entry, friction));
+void readObstacles(const SceneNode& node, std::vector<Obstacle>& obstacles) {
+  for (const SceneNode& entry : node.entries()) obstacles.push_back(readObstacle(entry));
 }
 
-void readClamps(const SceneNode& node, const ClothSpec& cloth, std::vector<ClampSpec>& clamps) {
-  for (const SceneNode& entry : node.entries()) clamps.push_back(readClamp(entry, cloth));
+void readClamps(const SceneNode& node, const std::vector<ClothSpec>& cloths,
+                std::vector<ClampSpec>& clamps) {
+  for (const SceneNode& entry : node.entries()) clamps.push_back(readClamp(entry, cloths));
 }
 
-void readTearing(const SceneNode& node, const ClothSpec& cloth, TearingSettings& tearing) {
+void readTearing(const SceneNode& node, const std::vector<ClothSpec>& cloths,
+                 TearingSettings& tearing) {
   node.expectKeys(keys::kTearing);
   tearing.enabled = true;
   node.read("enabled", tearing.enabled);
   if (const auto ratio = node.find("ratio")) tearing.ratio = readRatios(*ratio);
-  if (const auto seam = node.find("seam")) tearing.seam = readSeam(*seam, cloth);
+  if (const auto seam = node.find("seam")) tearing.seam = readSeam(*seam, cloths);
   node.read("tip_speed", tearing.tipSpeed, kPositive);
   if (const auto refine = node.find("refine_tip")) tearing.refineTip = readRefinement(*refine);
 }

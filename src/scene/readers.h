@@ -14,8 +14,12 @@ void readPose(const SceneNode& map, Pose& pose);
 std::optional<Quat> readOrientation(const SceneNode& map);
 /// [column, row] of a particle of the cloth.
 PinSpec readParticle(const SceneNode& node, const ClothSpec& cloth);
-/// A polyline of at least two points on the cloth. It may end up to one cell outside of it.
-MaterialPath readPath(const SceneNode& node, const ClothSpec& cloth);
+/// Which of the cloths a map means: `cloth`, or else the first.
+std::size_t readClothName(const SceneNode& map, const std::vector<ClothSpec>& cloths);
+/// A polyline of at least two points [u, v] of one of the cloths, which may end up to one cell
+/// outside of it; as a path of the material plane.
+MaterialPath readPath(const SceneNode& node, const std::vector<ClothSpec>& cloths,
+                      std::size_t cloth);
 /// A number for all kinds of springs, or a map by kind; kinds not named never fail.
 TearRatios readRatios(const SceneNode& node);
 /// Where and how far to refine (read_surgery.cpp).
@@ -23,14 +27,17 @@ Refinement readRefinement(const SceneNode& node);
 
 // The parts.
 
-void readCloth(const SceneNode& node, ClothSpec& cloth);
+/// The cloths of a scene, and its surgery.
+void readCloths(const SceneNode& node, Scene& scene);
 void readSolver(const SceneNode& node, SolverSpec& solver);
-/// \param gridParticles  how many the cloth has at the start.
-void readSurgery(const SceneNode& node, int gridParticles, SurgerySettings& surgery);
+/// \param particles  how many there are at the start.
+void readSurgery(const SceneNode& node, int particles, SurgerySettings& surgery);
 Wind readWind(const SceneNode& node);
-void readObstacles(const SceneNode& node, double friction, std::vector<Obstacle>& obstacles);
-void readClamps(const SceneNode& node, const ClothSpec& cloth, std::vector<ClampSpec>& clamps);
-void readTearing(const SceneNode& node, const ClothSpec& cloth, TearingSettings& tearing);
+void readObstacles(const SceneNode& node, std::vector<Obstacle>& obstacles);
+void readClamps(const SceneNode& node, const std::vector<ClothSpec>& cloths,
+                std::vector<ClampSpec>& clamps);
+void readTearing(const SceneNode& node, const std::vector<ClothSpec>& cloths,
+                 TearingSettings& tearing);
 /// One stroke of a blade or a list of strokes.
 void readStrokes(const SceneNode& node, std::vector<Stroke>& strokes);
 /// One refinement around a path or point, or a list of them.

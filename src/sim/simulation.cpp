@@ -51,17 +51,17 @@ SurgeryLimits limitsFor(const SurgerySettings& settings, const TriangleMesh& mes
 
 Simulation::Simulation(Scene scene)
     : scene_(std::move(scene)),
-      model_(buildModel(scene_.cloth)),
-      state_(initialState(scene_.cloth, model_, scene_.seed)),
+      model_(buildModel(scene_.cloths)),
+      state_(initialState(scene_.cloths, model_, scene_.seed)),
       lastGood_(state_),
-      pins_(pinTargets(scene_.cloth, model_, state_)),
+      pins_(pinTargets(scene_.cloths, model_, state_)),
       clamps_(makeClamps(scene_.clamps)),
       colliders_(buildColliders(scene_)),
       solver_(makeSolver(scene_.solver, model_, state_)),
       watch_(scene_.solver, solver_->substeps()),
       script_(scene_.phases),
       tearing_(scene_.tearing, model_),
-      limits_(limitsFor(scene_.cloth.surgery, model_.mesh)),
+      limits_(limitsFor(scene_.surgery, model_.mesh)),
       pieces_(findPieces(model_.mesh)) {
   controls_.gravity = scene_.gravity;
   controls_.drag = scene_.drag;
@@ -198,6 +198,8 @@ void Simulation::gatherControls() {
 void Simulation::detectContacts(double dt) {
   if (colliders_.all().empty()) return;
   colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
+  if (model_.cloths.size() == 1) return;
+  contacts_.divide(model_.cloths.size(), [this](VertexId v) { return model_.clothOf(v); });
 }
 
 void Simulation::solve(const StepLength& length) {

@@ -27,12 +27,13 @@ struct Origin {
 /// Contact with a collider in the last step, which phases look at.
 struct Touch {
   std::uint64_t collider = 0;
+  std::uint64_t cloth = 0;
   std::vector<VertexId> vertices;
   Vec3 impulse = Vec3::Zero();
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(collider, vertices, impulse);
+    archive(collider, cloth, vertices, impulse);
   }
 };
 
@@ -59,12 +60,12 @@ void Simulation::serializeContacts(Archive& archive) {
   std::vector<Touch> touches;
   for (const ContactCandidates& near : contacts_.candidates) {
     const auto index = static_cast<std::uint64_t>(near.collider - colliders.data());
-    touches.push_back({index, near.vertices, near.impulse});
+    touches.push_back({index, near.cloth, near.vertices, near.impulse});
   }
   archive(touches);
   contacts_.clear();
   for (Touch& touch : touches) {
-    ContactCandidates& near = contacts_.add(&colliders.at(touch.collider));
+    ContactCandidates& near = contacts_.add(&colliders.at(touch.collider), touch.cloth);
     near.vertices = std::move(touch.vertices);
     near.impulse = touch.impulse;
   }

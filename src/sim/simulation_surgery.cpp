@@ -50,15 +50,15 @@ void followPins(const MeshChanges& changes, std::vector<KinematicTarget>& pins) 
 SurgeryResult Simulation::cutStroke(const Stroke& stroke) {
   CutPlan plan;
   plan.paths = findPaths(stroke, model_.mesh, state_.x);
-  plan.refine = scene_.cloth.surgery.refineCuts;
-  if (scene_.cloth.surgery.clearStrip) plan.clearWithin = stroke.halfWidth;
+  plan.refine = scene_.surgery.refineCuts;
+  if (scene_.surgery.clearStrip) plan.clearWithin = stroke.halfWidth;
   return operate(plan);
 }
 
 SurgeryResult Simulation::cutNotch(const MaterialPath& notch) {
   CutPlan plan;
   plan.paths = pathsOver(model_.mesh, notch);
-  plan.refine = scene_.cloth.surgery.refineCuts;
+  plan.refine = scene_.surgery.refineCuts;
   return operate(plan);
 }
 
@@ -88,7 +88,7 @@ void Simulation::follow(const SurgeryResult& result) {
   tearing_.follow(model_, result.changes);
   pieces_ = findPieces(model_.mesh);
   topology_.reset();
-  if (scene_.cloth.surgery.dropBelow > 0.0 && pieces_.count > 1) dropScraps();
+  if (scene_.surgery.dropBelow > 0.0 && pieces_.count > 1) dropScraps();
 }
 
 void Simulation::dropScraps() {
@@ -96,23 +96,35 @@ void Simulation::dropScraps() {
   for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
     area[pieces_.ofFace[f]] += model_.mesh.restArea(f);
   }
-  // Held pieces are not loose, and the largest one is the cloth.
+  // Held pieces are not loose, and the largest one of each cloth is the cloth.
+  const std::vector<std::int32_t> largest = largestPieces(area);
   for (VertexId v : heldVertices()) {
-    area[pieces_.ofFace[model_.mesh.facesAround(v).front()]] = scene_.cloth.surgery.dropBelow;
+    area[pieces_.ofFace[model_.mesh.facesAround(v).front()]] = scene_.surgery.dropBelow;
   }
-  *std::max_element(area.begin(), area.end()) = scene_.cloth.surgery.dropBelow;
+  for (const std::int32_t piece : largest) area[piece] = scene_.surgery.dropBelow;
   std::vector<FaceId> faces;
   const double massBefore = totalMass(model_);
   const double areaBefore = model_.mesh.totalRestArea();
   for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
-    if (area[pieces_.ofFace[f]] < scene_.cloth.surgery.dropBelow) faces.push_back(f);
+    if (area[pieces_.ofFace[f]] < scene_.surgery.dropBelow) faces.push_back(f);
   }
   if (faces.empty()) return;
   dropped_.count += static_cast<int>(std::count_if(
-      area.begin(), area.end(), [this](double a) { return a < scene_.cloth.surgery.dropBelow; }));
+      area.begin(), area.end(), [this](double a) { return a < scene_.surgery.dropBelow; }));
   follow(takeAway(faces, model_, state_));
   dropped_.mass += massBefore - totalMass(model_);
   dropped_.restArea += areaBefore - model_.mesh.totalRestArea();
+}
+
+/// By cloth; of equal ones the first.
+std::vector<std::int32_t> Simulation::largestPieces(const std::vector<double>& area) const {
+  std::vector<std::int32_t> largest(model_.cloths.size(), kNone);
+  for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+    const std::int32_t piece = pieces_.ofFace[f];
+    std::int32_t& best = largest[model_.clothOf(model_.mesh.face(f)[0])];
+    if (best == kNone || area[piece] > area[best]) best = piece;
+  }
+  return largest;
 }
 
 std::vector<VertexId> Simulation::heldVertices() const {

@@ -46,7 +46,7 @@ CommandResult Simulation::carryOut(const SetStiffness& command) {
   ModelChanges changes;
   changes.mesh.fromRevision = changes.mesh.toRevision = model_.mesh.revision();
   model_.bending.scaleBy(command.scale / model_.springs.scale());
-  changes.springs = model_.springs.setScale(command.scale);
+  changes.springs = model_.springs.setScale(model_.mesh, command.scale);
   solver_->onModelChanged(model_, changes);
   topology_.reset();  // it tells the longest stable step
   return done();

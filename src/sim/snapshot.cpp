@@ -89,6 +89,10 @@ std::vector<PieceSnapshot> Simulation::describePieces() const {
 std::shared_ptr<const Topology> Simulation::makeTopology() const {
   auto topology = std::make_shared<Topology>();
   topology->revision = model_.mesh.revision();
+  for (const ClothPart& cloth : model_.cloths) {
+    topology->cloths.push_back(
+        {cloth.name, cloth.firstVertex, cloth.vertices, cloth.materialOffset});
+  }
   topology->faces = model_.mesh.faces();
   topology->material = model_.mesh.material();
   for (const Spring& spring : model_.springs.slots()) {

@@ -75,6 +75,22 @@ double peakForce(const RunRecord& record) {
   return largest;
 }
 
+Json clothsJson(const Model& model) {
+  std::vector<double> mass(model.cloths.size(), 0.0);
+  for (VertexId v = 0; v < model.particleCount(); ++v) mass[model.clothOf(v)] += model.mass[v];
+  Json cloths = Json::array();
+  for (std::size_t k = 0; k < model.cloths.size(); ++k) {
+    const ClothPart& cloth = model.cloths[k];
+    cloths.push_back({{"name", cloth.name},
+                      {"fabric", cloth.fabric.name},
+                      {"first_particle", cloth.firstVertex},
+                      {"particles", cloth.vertices},
+                      {"material_offset_m", number(cloth.materialOffset)},
+                      {"mass_kg", number(mass[k])}});
+  }
+  return cloths;
+}
+
 std::string statusOf(const Simulation& simulation, bool interrupted) {
   if (simulation.failed()) return "failed";
   return interrupted ? "interrupted" : "done";
@@ -97,6 +113,7 @@ std::string summaryJson(const Simulation& simulation, const RunRecord& record, d
   json["failure"] = simulation.failure();
   json["particles"] = model.particleCount();
   json["faces"] = model.mesh.faceCount();
+  json["cloths"] = clothsJson(model);
   json["springs"] = springsJson(model.springs);
   json["broken"] = brokenJson(simulation.broken());
   json["pieces"] = simulation.pieces();

@@ -39,7 +39,7 @@ Incidence incidence(const BendNetwork& bending, const PackedParticles& particles
 
 void BendMatrix::build(const Model& model, const PackedParticles& particles) {
   const BendNetwork& bending = model.bending;
-  retardation_ = model.fabric.damping;
+  retardation_ = model.bendRetardation();
   const auto slots = static_cast<std::size_t>(particles.slots);
   const Incidence incident = incidence(bending, particles);
   start_.assign(1, 0);

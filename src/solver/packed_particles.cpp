@@ -1,5 +1,7 @@
 #include "cloth_sim/solver/packed_particles.h"
 
+#include <numeric>
+
 namespace cloth_sim {
 namespace {
 
@@ -18,17 +20,16 @@ int packedColumn(int i, int columns) {
 }  // namespace
 
 void PackedParticles::layOut(const Model& model) {
-  slotOf.clear();
-  if (model.grid) {
-    const Grid& grid = *model.grid;
-    slotOf.resize(static_cast<std::size_t>(grid.columns) * grid.rows);
+  slotOf.resize(static_cast<std::size_t>(model.particleCount()));
+  std::iota(slotOf.begin(), slotOf.end(), 0);
+  for (const ClothPart& cloth : model.cloths) {
+    if (!cloth.grid) continue;
+    const Grid& grid = *cloth.grid;
     for (int j = 0; j < grid.rows; ++j) {
-      for (int i = 0; i < grid.columns; ++i) {
-        slotOf[grid.vertex(i, j)] = grid.vertex(0, j) + packedColumn(i, grid.columns);
-      }
+      const VertexId row = cloth.firstVertex + grid.vertex(0, j);
+      for (int i = 0; i < grid.columns; ++i) slotOf[row + i] = row + packedColumn(i, grid.columns);
     }
   }
-  for (VertexId k = count(); k < model.particleCount(); ++k) slotOf.push_back(k);
   slots = count();
   resize();
 }

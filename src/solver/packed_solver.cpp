@@ -133,7 +133,7 @@ void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls,
       if (listed) touching_.push_back(static_cast<VertexId>(k));
     }
     Vec3 none = Vec3::Zero();
-    near.collider->project(touching_, view, time, length.dt, none);
+    near.collider->project(touching_, view, time, length.dt, none, near.cloth);
   }
 }
 

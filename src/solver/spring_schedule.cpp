@@ -43,7 +43,8 @@ int gridColour(const Model& model, const Spring& spring) {
   const Vec2& p = model.mesh.material(spring.a);
   const Vec2& q = model.mesh.material(spring.b);
   const int axis = spring.direction == ThreadDirection::kWarp ? 0 : 1;
-  const double low = std::min(p[axis], q[axis]);
+  const double origin = axis == 0 ? model.cloths[model.clothOf(spring.a)].materialOffset : 0.0;
+  const double low = std::min(p[axis], q[axis]) - origin;
   const double extent = std::abs(q[axis] - p[axis]);
   const auto cell = static_cast<long>(std::floor(low / extent + kGridTolerance));
   return colourOf(model, spring, static_cast<int>(cell & 1));

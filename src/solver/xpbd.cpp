@@ -143,7 +143,7 @@ class Xpbd final : public PackedSolver {
 
 void Xpbd::loadBending(const Model& model) {
   bending_.build(model.bending, particles_);
-  retardation_ = model.fabric.damping;
+  retardation_ = model.bendRetardation();
 }
 
 void Xpbd::prepare(const Controls& /*controls*/, double h) {

@@ -138,7 +138,7 @@ class TableMaker {
     const auto run = firstThatKeeps(error, rungsOf(study, method, dt));
     if (!run) return std::nullopt;
     const double substep = dt / run->substeps;
-    const ClothSpec& cloth = study.scene.cloth;
+    const ClothSpec& cloth = study.scene.cloths[0];
     return Need{kMargin * substep / stepUnit(scaleOf(method), cloth), kMargin * substep,
                 run->cost * substep / (static_cast<double>(cloth.columns) * cloth.rows)};
   }

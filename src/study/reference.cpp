@@ -35,8 +35,8 @@ double difference(const StudyScene& study, const RunResult& run, const RunResult
 
 /// What of a scene decides how it moves, in a few sums.
 std::vector<double> figuresOf(const StudyScene& study) {
-  const Model model = buildModel(study.scene.cloth);
-  const State state = initialState(study.scene.cloth, model, study.scene.seed);
+  const Model model = buildModel(study.scene.cloths);
+  const State state = initialState(study.scene.cloths, model, study.scene.seed);
   double stiffness = 0.0, damping = 0.0, rest = 0.0, ends = 0.0;
   for (const Spring& spring : model.springs.slots()) {
     stiffness += spring.stiffness;
@@ -50,7 +50,7 @@ std::vector<double> figuresOf(const StudyScene& study) {
     speed += (v + 1.0) * state.v[v].norm();
   }
   double pins = 0.0;
-  for (const KinematicTarget& pin : pinTargets(study.scene.cloth, model, state)) {
+  for (const KinematicTarget& pin : pinTargets(study.scene.cloths, model, state)) {
     pins += pin.vertex + 1.0;
   }
   const Vec3& g = study.scene.gravity;
@@ -125,7 +125,7 @@ double errorAgainst(const Reference& reference, const StudyScene& study, const R
 Reference convergeReference(const StudyScene& study, const ConvergenceGoal& goal) {
   const SolverInfo& method = referenceMethod();
   double dt = study.scene.solver.dt / kStepDivision;
-  const double longest = kMargin * stableStep(buildModel(study.scene.cloth));
+  const double longest = kMargin * stableStep(buildModel(study.scene.cloths));
   const int substeps = std::max(1, static_cast<int>(std::ceil(dt / longest)));
   RunResult run = runScene(study, configure(method, dt, substeps, 0));
   Reference reference;

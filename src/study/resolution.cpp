@@ -40,9 +40,9 @@ struct Experiment {
 
 Scene baseScene(int particles) {
   Scene scene;
-  scene.cloth.columns = scene.cloth.rows = particles;
-  scene.cloth.width = scene.cloth.height = kSide;
-  scene.cloth.fabric = fabricPreset("interlock");
+  scene.cloths[0].columns = scene.cloths[0].rows = particles;
+  scene.cloths[0].width = scene.cloths[0].height = kSide;
+  scene.cloths[0].fabric = fabricPreset("interlock");
   return scene;
 }
 
@@ -61,8 +61,8 @@ std::vector<PinSpec> upperEdge(int n) {
 
 Experiment sag(int n) {
   Experiment experiment{{{"sag", "m"}}, baseScene(n), 1.5, {}};
-  experiment.scene.cloth.pose = tilted(0.5 * M_PI);  // v points up
-  experiment.scene.cloth.pins = upperEdge(n);
+  experiment.scene.cloths[0].pose = tilted(0.5 * M_PI);  // v points up
+  experiment.scene.cloths[0].pins = upperEdge(n);
   experiment.scene.drag = kSettling;
   experiment.measure = [n](const Simulation& simulation) {
     double height = 0.0;
@@ -82,7 +82,7 @@ Experiment drape(int n) {
   experiment.scene.obstacles = {sphere};
   experiment.scene.drag = kSettling;
   experiment.measure = [n](const Simulation& simulation) {
-    const Grid& grid = *simulation.model().grid;
+    const Grid& grid = *simulation.model().cloths[0].grid;
     double sum = 0.0;
     for (int k = 0; k + 1 < n; ++k) {
       for (const VertexId v : {grid.vertex(k, 0), grid.vertex(n - 1, k), grid.vertex(k + 1, n - 1),
@@ -124,8 +124,8 @@ class PeriodMeter {
 Experiment swing(int n) {
   Experiment experiment{{{"swing_period", "s"}}, baseScene(n), 1.2, {}};
   const double angle = 0.5 * M_PI - kSwing;
-  experiment.scene.cloth.pose = tilted(angle);
-  experiment.scene.cloth.pins = upperEdge(n);
+  experiment.scene.cloths[0].pose = tilted(angle);
+  experiment.scene.cloths[0].pins = upperEdge(n);
   experiment.measure = PeriodMeter(0.5 * kSide * std::cos(angle));
   return experiment;
 }
@@ -144,7 +144,7 @@ Vec2 fromMiddle(const Grid& grid, int column, int row) {
 
 /// Depth of a point of the cloth that is `at` from its middle, between the particles around it.
 double depth(const Simulation& simulation, const Vec2& at) {
-  const Grid& grid = *simulation.model().grid;
+  const Grid& grid = *simulation.model().cloths[0].grid;
   const Vec2 cell = (at + 0.5 * Vec2(kSide, kSide)) / grid.spacingU();
   const int i = std::clamp(static_cast<int>(cell.x()), 0, grid.columns - 2);
   const int j = std::clamp(static_cast<int>(cell.y()), 0, grid.rows - 2);
@@ -174,7 +174,7 @@ std::vector<double> hoopFigures(const Simulation& simulation) {
 Experiment hoop(int n) {
   Experiment experiment{
       {{"hoop_sag", "m"}, {"hoop_bias", "1"}, {"hoop_skew", "1"}}, baseScene(n), 1.0, hoopFigures};
-  ClothSpec& cloth = experiment.scene.cloth;
+  ClothSpec& cloth = experiment.scene.cloths[0];
   cloth.fabric = isotropic(cloth.fabric);
   const Grid grid{n, n, kSide, kSide};
   for (int row = 0; row < n; ++row) {
@@ -188,7 +188,7 @@ Experiment hoop(int n) {
 
 std::vector<ResolutionRow> run(const Experiment& experiment) {
   const double dt = experiment.scene.solver.dt;
-  const double longest = kMargin * stableStep(buildModel(experiment.scene.cloth));
+  const double longest = kMargin * stableStep(buildModel(experiment.scene.cloths));
   const int substeps = static_cast<int>(std::ceil(dt / longest));
   const Configuration configuration = configure(referenceMethod(), dt, substeps, 0);
   Simulation simulation(withConfiguration(experiment.scene, configuration));
@@ -203,7 +203,7 @@ std::vector<ResolutionRow> run(const Experiment& experiment) {
   std::vector<ResolutionRow> rows;
   for (std::size_t k = 0; k < experiment.quantities.size(); ++k) {
     const Quantity& quantity = experiment.quantities[k];
-    rows.push_back({quantity.name, experiment.scene.cloth.columns,
+    rows.push_back({quantity.name, experiment.scene.cloths[0].columns,
                     simulation.failed() ? kNone : values[k], quantity.unit, 0.0, substeps,
                     cpu / simulation.time()});
   }

@@ -103,8 +103,9 @@ std::string pinsText(const Pins& pins, int columns, int rows) {
 }
 
 std::string obstacleTo(const Scene& scene) {
-  if (scene.cloth.raw) return "cloth.raw_springs are constants of springs, not of a fabric";
-  if (scene.cloth.particleMass) return "cloth.particle_mass is of each particle";
+  if (scene.cloths.size() > 1) return "the scene has several cloths";
+  if (scene.cloths[0].raw) return "cloth.raw_springs are constants of springs, not of a fabric";
+  if (scene.cloths[0].particleMass) return "cloth.particle_mass is of each particle";
   for (const PhaseSpec& phase : scene.phases) {
     if (phase.until.brokenAtLeast) return "phases." + phase.name + ".until.broken counts springs";
   }
@@ -134,11 +135,11 @@ Pins coarserPins(const std::vector<PinSpec>& from, const Coarsening& to) {
 /// \throws std::invalid_argument saying what stands in the way.
 std::vector<std::string> coarserOverrides(const Scene& scene, const Coarsening& to) {
   std::vector<std::string> overrides{"cloth.particles=" + pair(to.columns(), to.rows())};
-  const Pins pins = coarserPins(scene.cloth.pins, to);
+  const Pins pins = coarserPins(scene.cloths[0].pins, to);
   if (!pins.empty()) {
     overrides.push_back("cloth.pins=" + pinsText(pins, to.columns(), to.rows()));
   }
-  const double factor = (scene.cloth.columns - 1.0) / (to.columns() - 1.0);
+  const double factor = (scene.cloths[0].columns - 1.0) / (to.columns() - 1.0);
   for (const ClampSpec& clamp : scene.clamps) {
     if (!clamp.patch) continue;
     ClampPatch patch = *clamp.patch;
@@ -160,23 +161,24 @@ struct Omission {
   const char* override;
 };
 const Omission kOmissions[] = {
-    {"without hinges", [](const Scene& s) { return s.cloth.hinge; }, "cloth.bending=none"},
-    {"bend springs instead of hinges", [](const Scene& s) { return s.cloth.hinge; },
+    {"without hinges", [](const Scene& s) { return s.cloths[0].hinge; }, "cloth.bending=none"},
+    {"bend springs instead of hinges", [](const Scene& s) { return s.cloths[0].hinge; },
      "cloth.bending=springs"},
-    {"without bend springs", [](const Scene& s) { return s.cloth.springs.bend; },
+    {"without bend springs", [](const Scene& s) { return s.cloths[0].springs.bend; },
      "cloth.bending=none"},
-    {"without shear springs", [](const Scene& s) { return s.cloth.springs.shear; },
+    {"without shear springs", [](const Scene& s) { return s.cloths[0].springs.shear; },
      "cloth.shear=false"},
     {"without refinement along cuts",
-     [](const Scene& s) { return s.cloth.surgery.refineCuts.has_value(); },
+     [](const Scene& s) { return s.surgery.refineCuts.has_value(); },
      "cloth.surgery.refine_cuts=null"},
     {"without refinement of the tip",
      [](const Scene& s) { return s.tearing.refineTip.has_value(); }, "tearing.refine_tip=null"},
     {"without wind", [](const Scene& s) { return s.wind.has_value(); }, "wind=null"},
     {"without damping of the fabric",
-     [](const Scene& s) { return !s.cloth.raw && s.cloth.fabric.damping > 0.0; },
+     [](const Scene& s) { return !s.cloths[0].raw && s.cloths[0].fabric.damping > 0.0; },
      "cloth.fabric.damping=0"},
-    {"without dashpots", [](const Scene& s) { return s.cloth.raw && s.cloth.raw->dashpot > 0.0; },
+    {"without dashpots",
+     [](const Scene& s) { return s.cloths[0].raw && s.cloths[0].raw->dashpot > 0.0; },
      "cloth.raw_springs.dashpot=0"},
     {"without drag", [](const Scene& s) { return s.drag > 0.0; }, "drag=null"},
 };
@@ -184,12 +186,12 @@ const Omission kOmissions[] = {
 }  // namespace
 
 Grid gridOf(const Scene& scene) {
-  const ClothSpec& cloth = scene.cloth;
+  const ClothSpec& cloth = scene.cloths[0];
   return {cloth.columns, cloth.rows, cloth.width, cloth.height};
 }
 
 Simplification coarser(const Scene& scene, double factor) {
-  const Coarsening to(scene.cloth, factor);
+  const Coarsening to(scene.cloths[0], factor);
   Simplification result;
   result.what = std::to_string(to.columns()) + " x " + std::to_string(to.rows()) + " particles";
   result.obstacle = obstacleTo(scene);
@@ -207,6 +209,8 @@ std::vector<Simplification> simplificationsOf(const Scene& scene) {
   std::vector<Simplification> result{coarser(scene, 4.0), coarser(scene, 2.0),
                                      coarser(scene, 4.0 / 3.0)};
   for (const Omission& omission : kOmissions) {
+    const bool ofOneCloth = std::string(omission.override).rfind("cloth.", 0) == 0;
+    if (ofOneCloth && scene.cloths.size() > 1) continue;
     if (omission.isNamed(scene)) result.push_back({omission.what, {omission.override}, ""});
   }
   return result;

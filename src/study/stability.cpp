@@ -35,7 +35,7 @@ Model oneSpring(double stiffness) {
   model.mesh = TriangleMesh({{0, 0}, {kSpringLength, 0}, {0, kSpringLength}}, {{0, 1, 2}});
   model.springs = SpringNetwork(model.mesh, fabric, {false, false});
   model.mass = VertexData<double>(std::vector<double>{0.02, 0.03, 1.0});
-  model.fabric = fabric;
+  model.cloths[0].fabric = fabric;
   return model;
 }
 
@@ -121,7 +121,7 @@ VibratingSystem makeVibratingCloth() {
   system.stiffness = spec.fabric.tensileWarp;
   system.model = buildModel(spec);
   layFlat(system);
-  excite(kDisplacement * system.model.grid->spacingU(), system);
+  excite(kDisplacement * system.model.cloths[0].grid->spacingU(), system);
   return system;
 }
 

@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, Determinism,
 
 TEST_P(Determinism, OneThreadOrTwoOrFour) {
   // 64 x 64 has enough springs for more than one strand of 2048, so that sweeps split over threads.
-  const Model model = buildModel(busyScene(GetParam()).cloth);
+  const Model model = buildModel(busyScene(GetParam()).cloths[0]);
   PackedParticles particles;
   particles.layOut(model);
   SpringSchedule schedule;

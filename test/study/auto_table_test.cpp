@@ -34,7 +34,7 @@ TEST(MakeAutoTable, TakesTheLongestSubstepThatAndBelowWhichTheErrorIsKept) {
   const AutoRow& row = table.front();
   EXPECT_EQ(row.error, 0.01);
   EXPECT_EQ(row.dt, 0.01);
-  const double unit = stepUnit(StepScale::kCell, smoothScene().scene.cloth);
+  const double unit = stepUnit(StepScale::kCell, smoothScene().scene.cloths[0]);
   EXPECT_LT(row.substep * unit, 0.0025);
   EXPECT_GT(row.substep * unit, 0.5 * 0.0025);  // a margin, but not more
   EXPECT_DOUBLE_EQ(row.cost, 0.4 * 0.0025 / 100);

@@ -23,8 +23,8 @@ TEST(Coarser, CarriesPinsAndPatchesOver) {
   EXPECT_THAT(half.overrides, ElementsAre("cloth.particles=[7, 5]", "cloth.pins=[last_row, [2, 1]]",
                                           "clamps.left.patch={particle: [1, 2], radius: 1}"));
   const Scene coarse = sceneOf(text, half.overrides);
-  EXPECT_EQ(coarse.cloth.columns, 7);
-  EXPECT_EQ(coarse.cloth.pins.size(), 8U);
+  EXPECT_EQ(coarse.cloths[0].columns, 7);
+  EXPECT_EQ(coarse.cloths[0].pins.size(), 8U);
 }
 
 TEST(Coarser, SaysWhatItCannotCarryOver) {

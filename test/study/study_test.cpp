@@ -58,7 +58,7 @@ TEST(StudyScenes, KeptReferencesAreThoseOfTheScenes) {
     EXPECT_LT(reference.ownError, 1e-7);
     ASSERT_EQ(reference.trajectory.positions.size(), 4U);
     EXPECT_EQ(reference.trajectory.positions[0].size(),
-              static_cast<std::size_t>(study.scene.cloth.columns * study.scene.cloth.rows));
+              static_cast<std::size_t>(study.scene.cloths[0].columns * study.scene.cloths[0].rows));
   }
 }
 

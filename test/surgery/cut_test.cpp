@@ -191,7 +191,7 @@ TEST(Cut, ThroughHeldParticlesSeparatesAndMovesNoneOfThem) {
   Cloth cloth;
   std::vector<VertexId> held;
   for (int j = 12; j < 20; ++j) {
-    for (int i = 12; i < 20; ++i) held.push_back(cloth.model.grid->vertex(i, j));
+    for (int i = 12; i < 20; ++i) held.push_back(cloth.model.cloths[0].grid->vertex(i, j));
   }
   const State before = cloth.state;
   const std::vector<Vec2> rest = cloth.model.mesh.material();

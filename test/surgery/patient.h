@@ -65,17 +65,19 @@ class Patient {
     const double cell = 0.05;
     grid_ = Grid{with.columns, with.rows, cell * (with.columns - 1),
                  0.1 * with.aspect * cell * (with.rows - 1)};
-    model_.grid = grid_;
+    model_.cloths[0].grid = grid_;
+    model_.cloths[0].vertices = grid_.columns * grid_.rows;
     model_.mesh = irregularMesh(grid_, 0.01 * with.shake, random_);
-    model_.fabric = fabricPreset("interlock");
-    model_.fabric.damping = with.seed % 2 == 0 ? 0.0 : 2e-5;
+    model_.cloths[0].fabric = fabricPreset("interlock");
+    model_.cloths[0].fabric.damping = with.seed % 2 == 0 ? 0.0 : 2e-5;
     const SpringSelection selection{with.shear, with.bend};
     model_.springs = with.raw ? SpringNetwork(model_.mesh, raw(), selection)
-                              : SpringNetwork(model_.mesh, model_.fabric, selection);
+                              : SpringNetwork(model_.mesh, model_.cloths[0].fabric, selection);
     if (deep && with.bend && with.seed % 3 == 0) {
-      model_.bending = BendNetwork(model_.mesh, model_.fabric.bending, model_.fabric.tensileWeft);
+      model_.bending = BendNetwork(model_.mesh, model_.cloths[0].fabric.bending,
+                                   model_.cloths[0].fabric.tensileWeft);
     }
-    lumpMasses(model_.fabric.arealDensity, model_);
+    lumpMasses(model_.cloths[0].fabric.arealDensity, model_);
     if (with.ownMasses) setParticleMasses(1e-3, model_);
     original_ = std::make_unique<Shapes>(model_.mesh);
     limits_.shape.minEdge = 0.05 * shortestEdge(model_.mesh);
@@ -385,9 +387,10 @@ std::string Patient::carryOut(const Edit& edit) {
   }
   if (deep_ && !case_.raw && !cleared_) {
     check([&] {
-      return defectOfNetwork(model_.springs,
-                             SpringNetwork(model_.mesh, model_.fabric, {case_.shear, case_.bend}),
-                             renumbered_);
+      return defectOfNetwork(
+          model_.springs,
+          SpringNetwork(model_.mesh, model_.cloths[0].fabric, {case_.shear, case_.bend}),
+          renumbered_);
     });
   }
   return defect;

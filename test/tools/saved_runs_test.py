@@ -28,6 +28,16 @@ phases:
   - {name: notch, notch: [[0.2, 0.0], [0.2, 0.1]], timeout: 0.3}
 """
 
+TWO = """
+cloth:
+  - {name: sheet, size: [0.4, 0.4], particles: [9, 9], pose: {position: [0, 0, 0.3]}, fabric: cotton}
+  - {name: strip, size: [0.2, 0.4], particles: [5, 9], pose: {position: [1, 0, 0.3]}, fabric: denim}
+obstacles: {ground: {type: plane, position: [0, 0, 0.2]}}
+phases:
+  - {name: fall, timeout: 0.1}
+  - {name: cut, notch: {cloth: strip, path: [[-0.01, 0.21], [0.21, 0.23]]}, timeout: 0.2}
+"""
+
 
 class SavedRunsTest(unittest.TestCase):
     def setUp(self):
@@ -67,6 +77,23 @@ class SavedRunsTest(unittest.TestCase):
         self.assertEqual(rest['phases'], straight['phases'])
         self.assertEqual(rest['initial_mass_kg'], straight['initial_mass_kg'])
         self.assertGreater(rest['broken']['total'], 0)
+
+    def test_several_cloths_by_name_from_a_bag_and_from_a_state(self):
+        scene = self.path('two.yaml')
+        with open(scene, 'w') as file:
+            file.write(TWO)
+        overrides = ['--set', 'cloth.strip.particles=[7, 9]', '--set', 'cloth.0.fabric=silk']
+        bag, state = self.path('two.bag'), self.path('two.state')
+        summary = self.summary(scene, *overrides, '--bag', bag)
+        self.assertEqual([(c['name'], c['fabric'], c['particles']) for c in summary['cloths']],
+                         [('sheet', 'silk', 81), ('strip', 'denim', 63)])
+        self.assertEqual(summary['pieces'], 3)
+        self.run_cloth('--replay', bag)
+        self.run_cloth(scene, *overrides, '--duration', '0.15', '--save-state', state)
+        again = self.summary(scene, *overrides, '--load-state', state)
+        self.assertEqual(again['state_hash'], summary['state_hash'])
+        self.refused(scene, '--set', 'cloth.strip.name=sheet',
+                     says='cloth.sheet.name: expected a name that no other cloth has')
 
     def test_without_a_duration_the_phases_end_it(self):
         state = self.path('half.state')

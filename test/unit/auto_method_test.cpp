@@ -69,14 +69,14 @@ TEST_F(AutoMethod, ClassesAreWhatAScenesNames) {
 TEST_F(AutoMethod, FrequenciesOfAPatchAreThoseOfTheCloth) {
   const Scene scene = clothWith();
   // Gershgorin's bound is a maximum over the particles, and a piece has one of each kind.
-  EXPECT_NEAR(stepUnit(StepScale::kFrequency, scene.cloth),
-              0.5 * stableStep(buildModel(scene.cloth)), 1e-12);
+  EXPECT_NEAR(stepUnit(StepScale::kFrequency, scene.cloths[0]),
+              0.5 * stableStep(buildModel(scene.cloths[0])), 1e-12);
   // Half the spacing: half the step.
   const Scene finer = clothWith("", {"cloth.particles=[39, 39]"});
-  EXPECT_NEAR(
-      stepUnit(StepScale::kFrequency, finer.cloth) / stepUnit(StepScale::kFrequency, scene.cloth),
-      0.5, 0.1);  // bend springs are not quite independent of the spacing
-  EXPECT_DOUBLE_EQ(stepUnit(StepScale::kCell, scene.cloth), std::sqrt(0.5 / 9.81) / 20);
+  EXPECT_NEAR(stepUnit(StepScale::kFrequency, finer.cloths[0]) /
+                  stepUnit(StepScale::kFrequency, scene.cloths[0]),
+              0.5, 0.1);  // bend springs are not quite independent of the spacing
+  EXPECT_DOUBLE_EQ(stepUnit(StepScale::kCell, scene.cloths[0]), std::sqrt(0.5 / 9.81) / 20);
 }
 
 TEST_F(AutoMethod, TakesTheCheapestThatKeepsTheError) {
@@ -89,8 +89,8 @@ TEST_F(AutoMethod, TakesTheCheapestThatKeepsTheError) {
   const SolverSpec tight = chooseFrom(smallTable(), scene, 0.005);
   EXPECT_EQ(tight.method, "verlet");
   const double h = 0.02 / tight.parameters.at("substeps");
-  EXPECT_LE(h, 0.75 * stableStep(buildModel(scene.cloth)) * (1.0 + 1e-9));
-  EXPECT_GT(h, 0.6 * stableStep(buildModel(scene.cloth)));
+  EXPECT_LE(h, 0.75 * stableStep(buildModel(scene.cloths[0])) * (1.0 + 1e-9));
+  EXPECT_GT(h, 0.6 * stableStep(buildModel(scene.cloths[0])));
 }
 
 TEST_F(AutoMethod, OfASoftClothIsTheExplicitOne) {

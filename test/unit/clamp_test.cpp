@@ -304,7 +304,7 @@ struct GridCloth {
   State state;
 
   GridCloth() {
-    model.grid = Grid{10, 8, 0.09, 0.07};
+    model.cloths[0].grid = Grid{10, 8, 0.09, 0.07};
     std::vector<Vec3> places;
     for (int j = 0; j < 8; ++j) {
       for (int i = 0; i < 10; ++i) places.push_back(Vec3(0.01 * i, 0.01 * j, 0.0));

@@ -67,10 +67,10 @@ phases:
 TEST(Scene, NeedsOnlyACloth) {
   const Scene scene = parse("cloth: {}");
   EXPECT_EQ(scene.name, "s");
-  EXPECT_EQ(scene.cloth.columns, 64);
-  EXPECT_EQ(scene.cloth.fabric.name, "cotton");
-  EXPECT_TRUE(scene.cloth.springs.shear);
-  EXPECT_TRUE(scene.cloth.springs.bend);
+  EXPECT_EQ(scene.cloths[0].columns, 64);
+  EXPECT_EQ(scene.cloths[0].fabric.name, "cotton");
+  EXPECT_TRUE(scene.cloths[0].springs.shear);
+  EXPECT_TRUE(scene.cloths[0].springs.bend);
   EXPECT_EQ(scene.solver.method, "xpbd");
   EXPECT_EQ(scene.solver.parameters.count("substeps"), 1u);
   EXPECT_EQ(scene.gravity, Vec3(0.0, 0.0, -9.81));
@@ -85,8 +85,8 @@ TEST(Scene, NeedsOnlyACloth) {
 TEST(Scene, ReadsWhatIsGiven) {
   const Scene scene = parse(kFull);
   EXPECT_EQ(scene.seed, 5u);
-  EXPECT_EQ(scene.cloth.width, 2.0);
-  EXPECT_EQ(scene.cloth.rows, 11);
+  EXPECT_EQ(scene.cloths[0].width, 2.0);
+  EXPECT_EQ(scene.cloths[0].rows, 11);
   EXPECT_EQ(scene.solver.dt, 0.01);
   EXPECT_EQ(scene.solver.parameters.at("substeps"), 7.0);
   ASSERT_EQ(scene.obstacles.size(), 2u);
@@ -94,7 +94,7 @@ TEST(Scene, ReadsWhatIsGiven) {
   EXPECT_EQ(std::get<BoxShape>(scene.obstacles[0].shape).size, Vec3(1.0, 1.0, 0.1));
   EXPECT_EQ(scene.obstacles[0].friction, 0.7);
   EXPECT_EQ(std::get<SphereShape>(scene.obstacles[1].shape).radius, 0.1);
-  EXPECT_EQ(scene.obstacles[1].friction, scene.cloth.fabric.friction);
+  EXPECT_FALSE(scene.obstacles[1].friction.has_value()) << "the fabric's";
   EXPECT_TRUE(scene.tearing.enabled);
   EXPECT_EQ(scene.tearing.ratio, (TearRatios{2.0, 2.0, 2.0}));
   ASSERT_EQ(scene.tearing.seam->path.size(), 2u);
@@ -129,15 +129,15 @@ TEST(Scene, RotationsByAnglesOrQuaternion) {
       "cloth: {pose: {rpy: [1.5707963267948966, 0, 0]}}\n"
       "obstacles: {p: {type: plane, orientation: [0.7071068, 0, 0, 0.7071068]}}");
   const Quat quarterTurn(h, h, 0.0, 0.0);
-  EXPECT_LT(scene.cloth.pose.orientation.angularDistance(quarterTurn), 1e-12);
+  EXPECT_LT(scene.cloths[0].pose.orientation.angularDistance(quarterTurn), 1e-12);
   EXPECT_LT(scene.obstacles[0].pose.orientation.angularDistance(quarterTurn), 1e-6);
   EXPECT_NEAR(scene.obstacles[0].pose.orientation.norm(), 1.0, 1e-15);
 }
 
 TEST(Scene, FabricByNameOrByValues) {
-  EXPECT_EQ(parse("cloth: {fabric: denim}").cloth.fabric.arealDensity, 0.324);
-  EXPECT_EQ(parse("cloth: {fabric: {preset: denim}}").cloth.fabric.name, "denim");
-  const Fabric custom = parse("cloth: {fabric: {preset: denim, damping: 0}}").cloth.fabric;
+  EXPECT_EQ(parse("cloth: {fabric: denim}").cloths[0].fabric.arealDensity, 0.324);
+  EXPECT_EQ(parse("cloth: {fabric: {preset: denim}}").cloths[0].fabric.name, "denim");
+  const Fabric custom = parse("cloth: {fabric: {preset: denim, damping: 0}}").cloths[0].fabric;
   EXPECT_EQ(custom.name, "custom");
   EXPECT_EQ(custom.damping, 0.0);
   EXPECT_EQ(custom.tensileWarp, 2028.0);
@@ -145,20 +145,20 @@ TEST(Scene, FabricByNameOrByValues) {
 
 TEST(Scene, RawSpringsNameTheKindsThereAre) {
   const ClothSpec cloth =
-      parse("cloth: {raw_springs: {structural: 10, shear: 5, per_stretch: true}}").cloth;
+      parse("cloth: {raw_springs: {structural: 10, shear: 5, per_stretch: true}}").cloths[0];
   EXPECT_TRUE(cloth.springs.shear);
   EXPECT_FALSE(cloth.springs.bend);
   EXPECT_TRUE(cloth.raw->perStretch);
-  EXPECT_FALSE(parse("cloth: {bending: none}").cloth.springs.bend);
-  EXPECT_FALSE(parse("cloth: {bending: hinge}").cloth.springs.bend);
-  EXPECT_TRUE(parse("cloth: {bending: hinge}").cloth.hinge);
-  EXPECT_FALSE(parse("cloth: {bending: hinge, fabric: {bending: 0}}").cloth.hinge);
-  EXPECT_FALSE(parse("cloth: {fabric: {bending: 0}}").cloth.springs.bend);
+  EXPECT_FALSE(parse("cloth: {bending: none}").cloths[0].springs.bend);
+  EXPECT_FALSE(parse("cloth: {bending: hinge}").cloths[0].springs.bend);
+  EXPECT_TRUE(parse("cloth: {bending: hinge}").cloths[0].hinge);
+  EXPECT_FALSE(parse("cloth: {bending: hinge, fabric: {bending: 0}}").cloths[0].hinge);
+  EXPECT_FALSE(parse("cloth: {fabric: {bending: 0}}").cloths[0].springs.bend);
 }
 
 TEST(Scene, PinsByParticleAndByName) {
   const std::vector<PinSpec> pins =
-      parse("cloth: {particles: [4, 3], pins: [[1, 2], corner_10, first_column]}").cloth.pins;
+      parse("cloth: {particles: [4, 3], pins: [[1, 2], corner_10, first_column]}").cloths[0].pins;
   std::vector<std::pair<int, int>> got;
   for (const PinSpec& pin : pins) got.emplace_back(pin.column, pin.row);
   EXPECT_THAT(got, testing::ElementsAre(std::pair(1, 2), std::pair(3, 0), std::pair(0, 0),
@@ -166,8 +166,9 @@ TEST(Scene, PinsByParticleAndByName) {
 }
 
 TEST(Scene, RandomOffsetForAllAxesOrEach) {
-  EXPECT_EQ(parse("cloth: {random_offset: 0.1}").cloth.randomOffset, Vec3::Constant(0.1));
-  EXPECT_EQ(parse("cloth: {random_offset: [0.1, 0, 0]}").cloth.randomOffset, Vec3(0.1, 0.0, 0.0));
+  EXPECT_EQ(parse("cloth: {random_offset: 0.1}").cloths[0].randomOffset, Vec3::Constant(0.1));
+  EXPECT_EQ(parse("cloth: {random_offset: [0.1, 0, 0]}").cloths[0].randomOffset,
+            Vec3(0.1, 0.0, 0.0));
 }
 
 TEST(Scene, TearRatiosByKindAndInfinity) {
@@ -187,12 +188,12 @@ TEST(Scene, NotchIsOnePathOrSeveral) {
 
 TEST(Scene, SurgeryHasDefaults) {
   const Scene scene = parse("cloth: {}");
-  EXPECT_EQ(scene.cloth.surgery.snap, 0.2);
-  EXPECT_FALSE(scene.cloth.surgery.minEdge.has_value());
-  EXPECT_EQ(scene.cloth.surgery.maxParticles, 1048576);
-  EXPECT_EQ(scene.cloth.surgery.dropBelow, 0.0);
-  EXPECT_FALSE(scene.cloth.surgery.clearStrip);
-  EXPECT_FALSE(scene.cloth.surgery.refineCuts.has_value());
+  EXPECT_EQ(scene.surgery.snap, 0.2);
+  EXPECT_FALSE(scene.surgery.minEdge.has_value());
+  EXPECT_EQ(scene.surgery.maxParticles, 1048576);
+  EXPECT_EQ(scene.surgery.dropBelow, 0.0);
+  EXPECT_FALSE(scene.surgery.clearStrip);
+  EXPECT_FALSE(scene.surgery.refineCuts.has_value());
   EXPECT_EQ(scene.tearing.tipSpeed, TearingSettings().tipSpeed);
   EXPECT_FALSE(scene.tearing.refineTip.has_value());
 }
@@ -204,7 +205,7 @@ cloth:
             refine_cuts: {radius: 0.05, generations: 0, min_edge: 0.002}}
 )",
                                         {"cloth.particles=[50, 100]"})
-                                      .cloth.surgery;
+                                      .surgery;
   EXPECT_EQ(surgery.snap, 0.1);
   EXPECT_EQ(surgery.minEdge, 0.001);
   EXPECT_EQ(surgery.maxParticles, 5000);  // as many as the grid has: nothing can be added
@@ -216,7 +217,7 @@ cloth:
 }
 
 TEST(Scene, LargestGridsMayHaveTheParticlesTheyStartWith) {
-  EXPECT_EQ(parse("cloth: {particles: [1024, 1074]}").cloth.surgery.maxParticles, 1024 * 1074);
+  EXPECT_EQ(parse("cloth: {particles: [1024, 1074]}").surgery.maxParticles, 1024 * 1074);
 }
 
 TEST(Scene, ReadsHowTearsRun) {
@@ -323,10 +324,10 @@ TEST(ShippedScenes, AllLoad) {
 /// The figures of the published demo.
 void expectTheTearingRun(const Scene& scene) {
   const int n = 128;
-  EXPECT_EQ(scene.cloth.columns, n);
-  EXPECT_EQ(scene.cloth.rows, n);
-  EXPECT_EQ(scene.cloth.pose.position, Vec3(0.0, 0.0, 0.9));
-  EXPECT_EQ(scene.cloth.randomOffset, Vec3(0.05, 0.05, 0.0));
+  EXPECT_EQ(scene.cloths[0].columns, n);
+  EXPECT_EQ(scene.cloths[0].rows, n);
+  EXPECT_EQ(scene.cloths[0].pose.position, Vec3(0.0, 0.0, 0.9));
+  EXPECT_EQ(scene.cloths[0].randomOffset, Vec3(0.05, 0.05, 0.0));
   std::vector<std::string> names;
   for (const PhaseSpec& phase : scene.phases) names.push_back(phase.name);
   EXPECT_THAT(names, testing::ElementsAre("drop", "settle", "attach", "close", "lift",
@@ -361,11 +362,11 @@ TEST(ShippedScenes, ExplicitTearSeamHasThePublishedConstants) {
   const Scene scene = loadScene(shipped("tear_seam_explicit"));
   EXPECT_EQ(scene.solver.method, "symplectic_euler");
   EXPECT_NEAR(scene.solver.dt / scene.solver.parameters.at("substeps"), 0.04 / 128.0, 1e-15);
-  EXPECT_EQ(scene.cloth.raw->constant, (std::array<double, 3>{3e4, 3e4, 0.0}));
-  EXPECT_TRUE(scene.cloth.raw->perStretch);
-  EXPECT_EQ(scene.cloth.raw->dashpot, 1e4 / 128.0);
-  EXPECT_EQ(scene.cloth.particleMass, 1.0);
-  EXPECT_FALSE(scene.cloth.springs.bend);
+  EXPECT_EQ(scene.cloths[0].raw->constant, (std::array<double, 3>{3e4, 3e4, 0.0}));
+  EXPECT_TRUE(scene.cloths[0].raw->perStretch);
+  EXPECT_EQ(scene.cloths[0].raw->dashpot, 1e4 / 128.0);
+  EXPECT_EQ(scene.cloths[0].particleMass, 1.0);
+  EXPECT_FALSE(scene.cloths[0].springs.bend);
   EXPECT_EQ(scene.drag, 1.0);
   EXPECT_EQ(scene.obstacles[0].friction, 0.0);
   EXPECT_EQ(scene.obstacles[0].tangentialDecay, 2.0);
@@ -379,8 +380,8 @@ TEST(Overrides, ReplaceAddAndRemove) {
       parse(kFull, {"cloth.particles=[31, 41]", "cloth.particles.1=51", "drag=0.25",
                     "phases.go.timeout=9", "phases.0.until.elapsed=2", "obstacles.ball=null",
                     "clamps.left.gap_open=0.1", "wind.velocity=[1, 0, 0]"});
-  EXPECT_EQ(scene.cloth.columns, 31);
-  EXPECT_EQ(scene.cloth.rows, 51);
+  EXPECT_EQ(scene.cloths[0].columns, 31);
+  EXPECT_EQ(scene.cloths[0].rows, 51);
   EXPECT_EQ(scene.drag, 0.25);
   EXPECT_EQ(scene.phases[1].timeout, 9.0);
   EXPECT_EQ(scene.phases[0].until.elapsed, 2.0);
@@ -402,11 +403,12 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   const std::string yaml = "cloth: {}";
   EXPECT_EQ(complaint(yaml, {"drag=-1"}),
             "s.yaml: drag: expected a number >= 0 (got -1, by an override)");
-  EXPECT_EQ(complaint(yaml, {"cloth.shaer=true"}),
-            "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of obj, scale, "
-            "uv_scale, size, particles, pose, random_offset, velocity, fabric, raw_springs, "
-            "particle_mass, shear, "
-            "bending, pins, surgery");
+  EXPECT_EQ(
+      complaint(yaml, {"cloth.shaer=true"}),
+      "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of name, obj, scale, "
+      "uv_scale, size, particles, pose, random_offset, velocity, fabric, raw_springs, "
+      "particle_mass, shear, "
+      "bending, pins, surgery");
   EXPECT_EQ(complaint(yaml, {"drag"}), "s.yaml: override 'drag': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"drag="}), "s.yaml: override 'drag=': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"=1"}), "s.yaml: override '=1': expected dotted.key=value");
@@ -756,6 +758,7 @@ TEST(SceneDocumentation, ListsEveryKeyAndNoOther) {
       {"`phases.<name>.clamps.<name>`", keys::kClampAction},
       {"`phases.<name>.obstacles.<name>`", keys::kObstacleAction},
       {"`phases.<name>.tearing`", keys::kPhaseTearing},
+      {"`phases.<name>.notch`", keys::kNotch},
       {"`phases.<name>.cut`", keys::kStroke},
       {"`phases.<name>.refine`", keys::kRefine},
       {"`phases.<name>.until`", keys::kUntil},

@@ -32,7 +32,7 @@ TEST(SpringNetwork, GridHasTheClassicStencil) {
 
   // Offsets, in columns and rows, at which the particle in the middle has neighbours.
   std::map<SpringKind, std::vector<std::pair<int, int>>> offsets;
-  const VertexId middle = model.grid->vertex(3, 3);
+  const VertexId middle = model.cloths[0].grid->vertex(3, 3);
   for (const Spring& spring : model.springs.slots()) {
     if (spring.a != middle && spring.b != middle) continue;
     const VertexId other = spring.a == middle ? spring.b : spring.a;

@@ -85,7 +85,7 @@ struct Scheduled {
   }
   /// Cuts or refines the cloth somewhere; tells the particles, not the schedule.
   ModelChanges edit(Generator& random) {
-    const Grid& grid = *model.grid;
+    const Grid& grid = *model.cloths[0].grid;
     const auto somewhere = [&] {
       return Vec3(uniform(random, -0.1, 1.1) * grid.width, uniform(random, -0.1, 1.1) * grid.height,
                   0.0);

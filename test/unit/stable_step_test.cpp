@@ -53,7 +53,7 @@ SurgeryResult cutAlong(const std::vector<Vec3>& path, Model& model, State& state
 
 /// A cloth with a crossing of generic cuts.
 void damage(Model& model, State& state) {
-  const double w = model.grid->width;
+  const double w = model.cloths[0].grid->width;
   cutAlong({{-0.1 * w, 0.313 * w, 0.0}, {0.81 * w, 0.672 * w, 0.0}}, model, state);
   cutAlong({{0.287 * w, -0.1 * w, 0.0}, {0.614 * w, 0.913 * w, 0.0}}, model, state);
 }

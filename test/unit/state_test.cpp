@@ -29,7 +29,7 @@ TEST(State, FigureOfARigidMotion) {
     inertia += model.mass[v] * r.squaredNorm();
   }
   const double mass = totalMass(model);
-  EXPECT_NEAR(mass, model.fabric.arealDensity * 0.6 * 0.4, 1e-15);
+  EXPECT_NEAR(mass, model.cloths[0].fabric.arealDensity * 0.6 * 0.4, 1e-15);
   EXPECT_TRUE(linearMomentum(model, state).isApprox(mass * u, 1e-13));
   EXPECT_TRUE(angularMomentum(model, state, centre).isApprox(Vec3(0, 0, inertia * w), 1e-12));
   const Energies e = energies(model, state, Vec3(0.0, 0.0, -10.0));

@@ -110,7 +110,7 @@ TEST(StepGuard, AStepThatGainsEnergyIsRedoneFiner) {
   // Thrown at 20 m/s, the cloth is whipped over its pins and crumples: springs line up, and the
   // steps that were long enough for the flat cloth are too long.
   Scene scene = parseScene(sceneWith("verlet", "subdivide"), "s.yaml");
-  scene.cloth.velocity = Vec3(0.0, 0.0, 20.0);
+  scene.cloths[0].velocity = Vec3(0.0, 0.0, 20.0);
   Simulation watched(scene);
   const double before = energies(watched.model(), watched.state(), Vec3::Zero()).kinetic;
   double most = 0.0;

@@ -12,10 +12,10 @@ namespace {
 
 Scene hanging(double stiffness) {
   Scene scene;
-  scene.cloth.columns = scene.cloth.rows = 9;
-  scene.cloth.width = scene.cloth.height = 0.4;
-  scene.cloth.pins = {{0, 8}, {8, 8}};
-  Fabric& fabric = scene.cloth.fabric;
+  scene.cloths[0].columns = scene.cloths[0].rows = 9;
+  scene.cloths[0].width = scene.cloths[0].height = 0.4;
+  scene.cloths[0].pins = {{0, 8}, {8, 8}};
+  Fabric& fabric = scene.cloths[0].fabric;
   for (double* value : {&fabric.tensileWarp, &fabric.tensileWeft, &fabric.shear, &fabric.bending}) {
     *value *= stiffness;
   }
@@ -39,9 +39,9 @@ TEST(Tuning, StiffnessIsThatOfAStifferFabric) {
 
 TEST(Tuning, StiffnessIsThatOfTheBendingEnergyToo) {
   Scene scene = hanging(1.0);
-  scene.cloth.hinge = true;
+  scene.cloths[0].hinge = true;
   Scene stiff = hanging(3.0);
-  stiff.cloth.hinge = true;
+  stiff.cloths[0].hinge = true;
   Simulation turned(scene);
   ASSERT_TRUE(turned.apply(SetStiffness{3.0}).success);
   Simulation wanted(stiff);

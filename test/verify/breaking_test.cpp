@@ -97,9 +97,9 @@ Rig rigOf(const std::string& method, Model model) {
 /// A square cloth in the plane y = 0, its upper border at z = 0.
 Scene uprightScene(const std::string& method, int particles, double side, const Fabric& fabric) {
   Scene scene;
-  scene.cloth = clothOf(particles, particles, side / (particles - 1), fabric);
-  scene.cloth.pose.orientation = Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
-  scene.cloth.pose.position.z() = -0.5 * side;
+  scene.cloths[0] = clothOf(particles, particles, side / (particles - 1), fabric);
+  scene.cloths[0].pose.orientation = Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
+  scene.cloths[0].pose.position.z() = -0.5 * side;
   scene.drag = 3.0;
   scene.solver.method = method;
   scene.solver.dt = kDt;
@@ -108,8 +108,8 @@ Scene uprightScene(const std::string& method, int particles, double side, const 
 }
 
 void pinUpperRow(Scene& scene) {
-  for (int column = 0; column < scene.cloth.columns; ++column) {
-    scene.cloth.pins.push_back({column, scene.cloth.rows - 1});
+  for (int column = 0; column < scene.cloths[0].columns; ++column) {
+    scene.cloths[0].pins.push_back({column, scene.cloths[0].rows - 1});
   }
 }
 
@@ -125,8 +125,8 @@ Outcome stiffnessRatio(const std::string& method) {
   fabric.shear = 0.0;
   fabric.bending = 0.0;
   Scene scene = uprightScene(method, 6, 0.2, fabric);
-  scene.cloth.springs = {false, false};
-  scene.cloth.pins = {{0, 5}, {5, 5}};
+  scene.cloths[0].springs = {false, false};
+  scene.cloths[0].pins = {{0, 5}, {5, 5}};
   Simulation simulation(scene);
   Outcome outcome;
   watch(simulation, 2.0, outcome);
@@ -147,12 +147,12 @@ Outcome massRatio(const std::string& method) {
   rig.controls.drag = 20.0;
   for (Vec3& x : rig.state.x) x = Vec3(0.0, x.y(), -x.x());
   for (const int row : {0, 1}) {
-    rig.hold(rig.model.grid->vertex(0, row));
-    rig.model.mass[rig.model.grid->vertex(links, row)] = heavy;
+    rig.hold(rig.model.cloths[0].grid->vertex(0, row));
+    rig.model.mass[rig.model.cloths[0].grid->vertex(links, row)] = heavy;
   }
   Outcome outcome;
   watch(rig, kDt, 2.0, outcome);
-  const Vec3 way = rig.state.x[rig.model.grid->vertex(links, 0)] - rig.state.x[0];
+  const Vec3 way = rig.state.x[rig.model.cloths[0].grid->vertex(links, 0)] - rig.state.x[0];
   outcome.error = std::abs((way.norm() / (links * spacing) - 1.0) / 0.05 - 1.0);
   return outcome;
 }
@@ -165,7 +165,7 @@ Outcome yankedClamp(const std::string& method) {
   hand.name = "hand";
   hand.patch = ClampPatch{4, 8, 2};
   hand.pose.position.z() = -0.02;
-  hand.pose.orientation = scene.cloth.pose.orientation;
+  hand.pose.orientation = scene.cloths[0].pose.orientation;
   hand.maxLinearSpeed = 50.0;
   hand.maxLinearAcceleration = 1e5;
   hand.closingSpeed = 10.0;
@@ -246,8 +246,8 @@ Outcome degenerateFaces(const std::string& method) {
 Outcome slivers(const std::string& method) {
   Scene scene = uprightScene(method, 9, 0.2, fabricPreset("interlock"));
   pinUpperRow(scene);
-  scene.cloth.surgery.snap = 0.05;
-  scene.cloth.surgery.minEdge = 1e-6;
+  scene.surgery.snap = 0.05;
+  scene.surgery.minEdge = 1e-6;
   Simulation simulation(scene);
   Outcome outcome;
   watch(simulation, 0.2, outcome);
@@ -281,7 +281,7 @@ Outcome longSteps(const std::string& method) {
   Outcome outcome;
   watch(simulation, 5.0, outcome);
   const State& state = simulation.state();
-  const Grid& grid = *simulation.model().grid;
+  const Grid& grid = *simulation.model().cloths[0].grid;
   const double length = (state.x[grid.vertex(2, 5)] - state.x[grid.vertex(2, 0)]).norm();
   outcome.error = std::abs(length / 0.2 - 1.0 - 2e-4);
   return outcome;
@@ -297,7 +297,7 @@ Outcome tornByShock(const std::string& method) {
   hand.name = "hand";
   hand.patch = ClampPatch{4, 1, 1};
   hand.pose.position.z() = -0.18;
-  hand.pose.orientation = scene.cloth.pose.orientation;
+  hand.pose.orientation = scene.cloths[0].pose.orientation;
   hand.maxLinearSpeed = 20.0;
   hand.maxLinearAcceleration = 1e5;
   hand.closingSpeed = 10.0;

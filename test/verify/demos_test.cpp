@@ -30,7 +30,7 @@ TEST(Demos, TheRelaxedCurtainComesToRestUnderItsTopRow) {
   // Gravity pulls every row down by g h^2 a step, and three half-corrections can only give back so
   // much: the springs that bear more rows are the longer ones.
   const State& state = simulation.state();
-  const Grid& grid = *simulation.model().grid;
+  const Grid& grid = *simulation.model().cloths[0].grid;
   const auto length = [&](int row) {
     return (state.x[grid.vertex(32, row)] - state.x[grid.vertex(32, row + 1)]).norm();
   };

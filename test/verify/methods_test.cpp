@@ -168,7 +168,7 @@ Model oneSpring(double k, double mass0, double mass1) {
   model.mesh = TriangleMesh({{0, 0}, {kLength, 0}, {0, kLength}}, {{0, 1, 2}});
   model.springs = SpringNetwork(model.mesh, fabric, {false, false});
   model.mass = VertexData<double>(std::vector<double>{mass0, mass1, 1.0});
-  model.fabric = fabric;
+  model.cloths[0].fabric = fabric;
   return model;
 }
 
@@ -328,7 +328,8 @@ struct Swing {
       start.v[k] = 0.3 * Vec3(std::cos(5 * p.x()), std::sin(6 * p.y()), 1.0);
     }
     controls.drag = 0.5;
-    for (const VertexId corner : {model.grid->vertex(0, 3), model.grid->vertex(4, 3)}) {
+    for (const VertexId corner :
+         {model.cloths[0].grid->vertex(0, 3), model.cloths[0].grid->vertex(4, 3)}) {
       start.v[corner].setZero();
       controls.kinematic.push_back({corner, start.x[corner], Vec3::Zero()});
     }

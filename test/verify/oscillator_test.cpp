@@ -40,11 +40,11 @@ struct Phase {
 Phase swing(const SolverInfo& info, int perPeriod, int steps) {
   Rig rig(info, chainOf(2, kSpacing, kStiffness, kMass));
   rig.controls.gravity.setZero();
-  rig.hold(rig.model.grid->vertex(0, 0));
-  rig.hold(rig.model.grid->vertex(0, 1));
-  const VertexId free = rig.model.grid->vertex(1, 0);
+  rig.hold(rig.model.cloths[0].grid->vertex(0, 0));
+  rig.hold(rig.model.cloths[0].grid->vertex(0, 1));
+  const VertexId free = rig.model.cloths[0].grid->vertex(1, 0);
   rig.state.x[free].x() += kPull;
-  rig.state.x[rig.model.grid->vertex(1, 1)].x() += kPull;
+  rig.state.x[rig.model.cloths[0].grid->vertex(1, 1)].x() += kPull;
   const double omega = std::sqrt(kStiffness / kMass);
   EXPECT_TRUE(rig.run(2.0 * M_PI / omega / perPeriod, steps));
   return {(rig.state.x[free].x() - kSpacing) / kPull, -rig.state.v[free].x() / (omega * kPull)};

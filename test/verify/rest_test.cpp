@@ -21,7 +21,7 @@ class Resting : public OverMethods {
     const double omega = frequencyBound(buildModel(cloth));
     cloth.fabric.damping = 1.0 / omega;
     Scene scene;
-    scene.cloth = cloth;
+    scene.cloths[0] = cloth;
     scene.solver.method = GetParam();
     scene.solver.dt = dt;
     const double substeps = std::ceil(dt * omega / 0.5);
@@ -56,7 +56,7 @@ void layOnTable(Scene& scene, double angle) {
   table.pose = {turn * Vec3(0.0, 0.0, -0.05), turn};
   table.friction = kFriction;
   scene.obstacles = {table};
-  scene.cloth.pose = {turn * Vec3(0.0, 0.0, 0.5 * scene.cloth.fabric.thickness), turn};
+  scene.cloths[0].pose = {turn * Vec3(0.0, 0.0, 0.5 * scene.cloths[0].fabric.thickness), turn};
 }
 
 void run(Simulation& simulation, double seconds) {
@@ -98,7 +98,7 @@ TEST_P(Resting, SlidesOnALevelTableByCoulombsDistance) {
   const double speed = 0.8;
   Scene scene = sceneOf(clothOf(4, 4, 0.05, sheet()), kDt);
   layOnTable(scene, 0.0);
-  scene.cloth.velocity = Vec3(speed, 0.0, 0.0);
+  scene.cloths[0].velocity = Vec3(speed, 0.0, 0.0);
   scene.solver.parameters["substeps"] *= 8.0;
   Simulation simulation(scene);
   const Vec3 start = centreOfMass(simulation.model(), simulation.state());
@@ -153,7 +153,7 @@ TEST_P(Resting, ASphereBearsTheWeightOfTheClothDrapedOverIt) {
   ball.shape = SphereShape{radius};
   ball.friction = 0.8;
   scene.obstacles = {ball};
-  scene.cloth.pose.position.z() = radius + 0.5 * scene.cloth.fabric.thickness;
+  scene.cloths[0].pose.position.z() = radius + 0.5 * scene.cloths[0].fabric.thickness;
   scene.drag = 10.0;
   Simulation simulation(scene);
   run(simulation, 3.0);

@@ -168,15 +168,15 @@ TEST_P(Scenes, NothingPassesTheTableOrTheSphereAt20MetresPerSecond) {
   scene.clamps.clear();
   scene.phases.clear();
   scene.tearing = TearingSettings{};
-  scene.cloth = clothOf(9, 9, 0.05, fabricPreset("interlock"));
+  scene.cloths[0] = clothOf(9, 9, 0.05, fabricPreset("interlock"));
   scene.solver.method = GetParam();
   scene.solver.parameters = completeParameters(findSolver(GetParam()), {{"substeps", 40.0}});
   int touched = 0;
   for (const Vec3& from : {Vec3(0.0, 0.0, 1.0), Vec3(0.4, 0.1, 0.7), Vec3(0.5, 0.0, 0.35)}) {
-    scene.cloth.pose.position = from;
+    scene.cloths[0].pose.position = from;
     // At the table, or past it to the side into the sphere.
     for (const Vec3& velocity : {Vec3(0.0, 0.0, -20.0), Vec3(-15.0, 0.0, -13.0)}) {
-      scene.cloth.velocity = velocity;
+      scene.cloths[0].velocity = velocity;
       Simulation simulation(scene);
       for (int k = 0; k < 15; ++k) {
         simulation.step();

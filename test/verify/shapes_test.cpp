@@ -202,13 +202,14 @@ struct Cantilever {
     spec.fabric = fabric;
     Rig rig(info, buildModel(spec));
     for (const int row : {0, 1}) {
-      for (const int column : {0, 1}) rig.hold(rig.model.grid->vertex(column, row));
+      for (const int column : {0, 1}) rig.hold(rig.model.cloths[0].grid->vertex(column, row));
     }
     rig.controls.drag = 2.0 * std::sqrt(kGravity / overhang);
     const double h = kStep / frequencyBound(rig.model);
     EXPECT_TRUE(rig.run(h, static_cast<int>(seconds / h)));
-    const Vec3 edge = rig.state.x[rig.model.grid->vertex(1, 0)] - Vec3(clampedPart() * l, 0, 0);
-    const Vec3 chord = rig.state.x[rig.model.grid->vertex(kCells + 1, 0)] - edge;
+    const Vec3 edge =
+        rig.state.x[rig.model.cloths[0].grid->vertex(1, 0)] - Vec3(clampedPart() * l, 0, 0);
+    const Vec3 chord = rig.state.x[rig.model.cloths[0].grid->vertex(kCells + 1, 0)] - edge;
     return std::atan2(-chord.z(), chord.x());
   }
 };
@@ -314,10 +315,10 @@ Scene drapeScene(const std::string& method, double bending) {
   fabric.damping = 0.0;
   fabric.thickness = 1e-3;
   Scene scene;
-  scene.cloth = clothOf(9, 9, kSide / 8, fabric);
-  const double omega = frequencyBound(buildModel(scene.cloth));
-  scene.cloth.fabric.damping = 1.0 / omega;
-  scene.cloth.pose.position.z() = 0.5 * fabric.thickness;
+  scene.cloths[0] = clothOf(9, 9, kSide / 8, fabric);
+  const double omega = frequencyBound(buildModel(scene.cloths[0]));
+  scene.cloths[0].fabric.damping = 1.0 / omega;
+  scene.cloths[0].pose.position.z() = 0.5 * fabric.thickness;
   Obstacle table;
   table.name = "table";
   table.shape = BoxShape{Vec3(kSupport, kSupport, 0.1)};

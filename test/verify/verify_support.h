@@ -18,7 +18,7 @@ inline bool isConsistent(const SolverInfo& info) { return info.order > 0; }
 
 /// Bound on the largest angular frequency of a model, by Gershgorin's circles [rad/s].
 inline double frequencyBound(const Model& model) {
-  const double h = stableStep(model), tau = model.fabric.damping;
+  const double h = stableStep(model), tau = model.cloths[0].fabric.damping;
   return 2.0 / std::sqrt(h * h + 2.0 * h * tau);
 }
 
@@ -72,9 +72,9 @@ inline Model chainOf(int count, double spacing, double k, double m, double tau =
 /// Calls `visit(row, column, vertex)` on every particle of a grid.
 template <typename Visit>
 void forGrid(const Model& model, const Visit& visit) {
-  for (int row = 0; row < model.grid->rows; ++row) {
-    for (int column = 0; column < model.grid->columns; ++column) {
-      visit(row, column, model.grid->vertex(column, row));
+  for (int row = 0; row < model.cloths[0].grid->rows; ++row) {
+    for (int column = 0; column < model.cloths[0].grid->columns; ++column) {
+      visit(row, column, model.cloths[0].grid->vertex(column, row));
     }
   }
 }

@@ -17,11 +17,14 @@ namespace cloth_sim {
 struct ClampPatch {
   int column = 0;
   int row = 0;
-  int radius = 3;  ///< [particles], >= 0
+  int radius = 3;         ///< [particles], >= 0
+  std::size_t cloth = 0;  ///< which of the model's
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(column, row, radius);
+    std::uint64_t number = cloth;
+    archive(column, row, radius, number);
+    cloth = number;
   }
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 
+#include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
@@ -37,15 +38,22 @@ struct BendElement {
 /// wherever six points determine one, which energies of single hinges are not.
 class BendNetwork {
  public:
+  /// What the elements of one cloth are made from.
+  struct Plate {
+    double rigidity = 0.0;  ///< [N m], >= 0; 0: there are none
+    /// Stiffness that an element may put between particles [N/m], > 0. With the membrane's tensile
+    /// stiffness K, faces below sqrt(2 rigidity / K) in size (a millimetre or less: about the
+    /// thickness of the fabric) bend more easily, so that slivers beside cuts do not need shorter
+    /// steps for their bending than for their threads.
+    double most = std::numeric_limits<double>::infinity();
+  };
+
   BendNetwork() = default;
-  /// \param rigidity  [N m], > 0.
-  /// \param most  stiffness that an element may put between particles [N/m], > 0. With the
-  /// membrane's
-  ///              tensile stiffness K, faces below sqrt(2 rigidity / K) in size (a millimetre or
-  ///              less: about the thickness of the fabric) bend more easily, so that slivers beside
-  ///              cuts do not need shorter steps for their bending than for their threads.
+  /// Of one cloth; see Plate.
   BendNetwork(const TriangleMesh& mesh, double rigidity,
               double most = std::numeric_limits<double>::infinity());
+  /// \param plates  one for each strip.
+  BendNetwork(const TriangleMesh& mesh, MaterialStrips strips, std::vector<Plate> plates);
 
   bool empty() const { return elements_.empty(); }
   /// Three per face, of which some may be without stiffness.
@@ -63,16 +71,19 @@ class BendNetwork {
 
  private:
   friend class cereal::access;
+  /// What commands and edits change; the rest is as the scene has it.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rigidity_, most_, elements_);
+    archive(scale_, elements_);
   }
 
   static constexpr std::size_t kPerFace = 3;
   void deriveOn(const TriangleMesh& mesh, FaceId f);
+  void derive(const TriangleMesh& mesh);
 
-  double rigidity_ = 0.0;
-  double most_ = 0.0;  ///< [N/m]
+  MaterialStrips strips_;
+  std::vector<Plate> plates_;  ///< by strip
+  double scale_ = 1.0;         ///< of every stiffness
   std::vector<BendElement> elements_;
 };
 

@@ -1,13 +1,24 @@
 #pragma once
-/// \file The cloth: everything that is constant during a step.
+/// \file The cloth, or several: everything that is constant during a step.
 
 #include "cloth_sim/cloth/bend_network.h"
 #include "cloth_sim/cloth/spring_network.h"
 #include "cloth_sim/mesh/grid.h"
+#include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 #include "cloth_sim/mesh/vertex_data.h"
 
 namespace cloth_sim {
+
+/// One cloth of a model. Several do not know of each other: they are pieces of one mesh.
+struct ClothPart {
+  std::string name = "cloth";
+  Fabric fabric;
+  std::optional<Grid> grid;     ///< how its mesh came to be, if it was a grid
+  VertexId firstVertex = 0;     ///< of the undamaged mesh
+  std::int32_t vertices = 0;    ///< of the undamaged mesh
+  double materialOffset = 0.0;  ///< where its own u = 0 lies in the material plane [m]
+};
 
 struct Model {
   TriangleMesh mesh;
@@ -17,10 +28,15 @@ struct Model {
   /// Mass over a third of the rest area around each vertex [kg/m^2]: the fabric's, unless the scene
   /// gave the particles masses of their own.
   VertexData<double> arealDensity;
-  Fabric fabric;
-  std::optional<Grid> grid;  ///< how the mesh came to be, if it was a grid
+  std::vector<ClothPart> cloths{ClothPart()};  ///< at least one
+  MaterialStrips strips;                       ///< of the cloths, in their order
 
   std::int32_t particleCount() const { return mesh.vertexCount(); }
+  /// Number of the cloth that a vertex is of.
+  std::size_t clothOf(VertexId v) const { return strips.at(mesh.material(v)); }
+  /// Dashpot over stiffness of every bending element [s]: cloths with bending elements have the
+  /// same.
+  double bendRetardation() const { return cloths.front().fabric.damping; }
 
   /// What edits change; the rest is as the scene has it.
   template <class Archive>
@@ -35,14 +51,17 @@ struct ModelChanges {
   SpringChanges springs;
 };
 
-/// Masses and areal densities of a mesh of one areal density [kg/m^2]: a third of that times the
+/// Masses and areal densities of a cloth of one areal density [kg/m^2]: a third of that times the
 /// rest area of every face goes to each of its corners.
+void lumpMasses(double arealDensity, std::size_t cloth, Model& model);
+/// Of a model of one cloth.
 void lumpMasses(double arealDensity, Model& model);
-/// Masses and areal densities where every particle has the same mass [kg].
-void setParticleMasses(double particleMass, Model& model);
+/// Masses and areal densities of a cloth whose particles all have the same mass [kg].
+void setParticleMasses(double particleMass, std::size_t cloth, Model& model);
 
 /// Lumps the masses again around the vertices that an edit touched, at their areal densities. The
-/// total is kept to round-off, whatever the densities (but for pieces that were taken away).
+/// total of each cloth is kept to round-off, whatever the densities (but for pieces that were taken
+/// away).
 void followMasses(const MeshChanges& changes, Model& model);
 
 /// Summed in ascending order of vertices, so it is the same bits for the same model.

@@ -8,6 +8,7 @@
 
 #include "cloth_sim/cloth/fabric.h"
 #include "cloth_sim/cloth/raw_shares.h"
+#include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
@@ -56,6 +57,13 @@ struct RawSprings {
   double dashpot = 0.0;  ///< along every spring [N s/m]
 };
 
+/// What the springs of one cloth are made from.
+struct SpringRecipe {
+  Fabric fabric;
+  SpringSelection selection;
+  std::optional<RawSprings> raw;  ///< instead of the fabric
+};
+
 /// How springs changed when the network followed an edit of its mesh. Slots are stable and are not
 /// used again; a spring whose end was split goes on in its slot, as `modified`.
 struct SpringChanges {
@@ -77,6 +85,9 @@ class SpringNetwork {
   SpringNetwork() = default;
   SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric, const SpringSelection& selection);
   SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw, const SpringSelection& selection);
+  /// \param recipes  one for each strip.
+  SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
+                const std::vector<SpringRecipe>& recipes);
 
   /// All slots; some may be empty (`!exists()`) after edits.
   const std::vector<Spring>& slots() const { return slots_; }
@@ -100,8 +111,9 @@ class SpringNetwork {
   /// Multiplies the stiffness of every spring, there now or made later, by `scale` against that of
   /// the fabric or the raw constants. Dashpots of a fabric keep their retardation time, raw ones
   /// their constant.
+  /// \param mesh   what the springs stand on.
   /// \param scale  > 0; not on top of an earlier one.
-  SpringChanges setScale(double scale);
+  SpringChanges setScale(const TriangleMesh& mesh, double scale);
   double scale() const { return scale_; }
 
  private:
@@ -114,7 +126,20 @@ class SpringNetwork {
     double bendStretchCap = 0.0;  ///< most that bend springs may add to the tensile stiffness [N/m]
     double damping = 0.0;         ///< [s]
   };
+  /// A recipe, worked out.
+  struct Cloth {
+    SpringSelection selection;
+    Calibration calibration;  ///< of the fabric
+    std::optional<RawSprings> raw;
+    /// Usual rest lengths of raw bend springs along warp and weft at first [m].
+    std::array<double, 2> rawBendLength{0.0, 0.0};
+  };
+  static Calibration calibrate(const Fabric& fabric, const SpringSelection& selection);
+  const Cloth& clothAt(const TriangleMesh& mesh, VertexId v) const {
+    return cloths_[strips_.at(mesh.material(v))];
+  }
   void build(const TriangleMesh& mesh);
+  void measureRawBends(const TriangleMesh& mesh);
   void followCleared(const MeshChanges& changes);
   SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
   void deriveAround(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
@@ -137,13 +162,11 @@ class SpringNetwork {
     archive(rawShares_, slots_, standing_, count_, cleared_, scale_);
   }
 
-  SpringSelection selection_;
-  double scale_ = 1.0;  ///< of every stiffness
-  Calibration calibration_;
-  std::optional<RawSprings> raw_;
-  RawShares rawShares_;
-  /// Usual rest lengths of bend springs along warp and weft at first [m].
-  std::array<double, 2> rawBendLength_{0.0, 0.0};
+  MaterialStrips strips_;
+  std::vector<Cloth> cloths_{Cloth()};  ///< by strip
+  bool anyRaw_ = false;
+  double scale_ = 1.0;   ///< of every stiffness
+  RawShares rawShares_;  ///< kept if `anyRaw_`
   std::vector<Spring> slots_;
   std::vector<std::vector<std::int32_t>> standing_;
   std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};

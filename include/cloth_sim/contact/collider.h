@@ -1,7 +1,9 @@
 #pragma once
 /// \file Obstacles: shapes that may move, and the detection of particles near them.
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "cloth_sim/cloth/state.h"
@@ -63,8 +65,9 @@ struct Obstacle {
   Shape shape;
   Pose pose;
   Vec3 velocity =
-      Vec3::Zero();       ///< of the pose's origin [m/s]; obstacles do not turn by themselves
-  double friction = 0.3;  ///< Coulomb coefficient [-], >= 0
+      Vec3::Zero();  ///< of the pose's origin [m/s]; obstacles do not turn by themselves
+  /// Coulomb coefficient [-], >= 0; absent: that of the cloth's fabric.
+  std::optional<double> friction;
   /// Rate at which touching particles lose their tangential speed relative to the obstacle, besides
   /// friction [1/s], >= 0.
   double tangentialDecay = 0.0;
@@ -75,17 +78,34 @@ struct Obstacle {
   }
 };
 
+/// What of a cloth decides how it meets obstacles.
+struct ContactSkin {
+  /// Distance that particles keep from a surface [m], >= 0: half the cloth's thickness. Edges of
+  /// boards are rounded by it.
+  double margin = 0.0;
+  double friction = 0.3;  ///< Coulomb coefficient where the obstacle names none [-], >= 0
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(margin, friction);
+  }
+};
+
 /// An obstacle at work: knows where it is at any time of the current step.
 class Collider {
  public:
-  /// \param margin  distance that particles keep from the surface [m], >= 0 (half the cloth's
-  ///                thickness). Edges of boards are rounded by it.
-  /// \throws std::invalid_argument if a length is not positive, or the margin, the friction or the
+  /// \param skins  by cloth, at least one.
+  /// \throws std::invalid_argument if a length is not positive, or a margin, a friction or the
   ///         decay is negative or not finite.
-  Collider(Obstacle obstacle, double margin);
+  Collider(Obstacle obstacle, std::vector<ContactSkin> skins);
+  /// For one cloth.
+  Collider(Obstacle obstacle, double margin)
+      : Collider(std::move(obstacle), std::vector<ContactSkin>{{margin}}) {}
 
   const Obstacle& obstacle() const { return obstacle_; }
-  double margin() const { return margin_; }
+  /// The largest of any cloth [m].
+  double margin() const;
+  const std::vector<ContactSkin>& skins() const { return skins_; }
   /// Where it is at `time`, given where it was at `referenceTime` and its velocity.
   Pose poseAt(double time) const;
   /// Moves it: the pose holds at `time`, from where `velocity` goes on.
@@ -93,7 +113,8 @@ class Collider {
   /// It is where it would have been `by` earlier [s].
   void shiftTime(double by) { referenceTime_ += by; }
 
-  /// Signed distance from `point` to the surface less the margin (negative inside) [m] at `time`.
+  /// Signed distance from `point` to the surface less the largest margin (negative inside) [m] at
+  /// `time`.
   double gap(const Vec3& point, double time) const;
   /// The unit vector in which the gap at `point` grows fastest: away from the closest face, edge or
   /// corner.
@@ -104,37 +125,40 @@ class Collider {
   void collect(const State& state, double dt, double reach, std::vector<VertexId>& out) const;
 
   /// See Contacts::project. Adds to `impulse` what the particles gave the collider [N s].
+  /// \param cloth  that the vertices are of.
   void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
-               double h, Vec3& impulse) const;
+               double h, Vec3& impulse, std::size_t cloth = 0) const;
 
  private:
   friend class ColliderSet;
   friend class cereal::access;
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(obstacle_, margin_, referenceTime_);
+    archive(obstacle_, skins_, referenceTime_);
   }
 
   void collectWithin(const MotionBounds& bounds, const State& state, double dt, double reach,
                      std::vector<VertexId>& out) const;
 
   Obstacle obstacle_;
-  double margin_ = 0.0;
+  std::vector<ContactSkin> skins_;  ///< by cloth
   double referenceTime_ = 0.0;
 };
 
 /// All obstacles of a scene.
 class ColliderSet {
  public:
-  void add(Obstacle obstacle, double margin);
+  void add(Obstacle obstacle, std::vector<ContactSkin> skins);
+  void add(Obstacle obstacle, double margin) {
+    add(std::move(obstacle), std::vector<ContactSkin>{{margin}});
+  }
   std::vector<Collider>& all() { return colliders_; }
   const std::vector<Collider>& all() const { return colliders_; }
   /// nullptr if there is none of that name.
   Collider* find(const std::string& name);
 
-  /// Candidates of the step from state.t to state.t + dt. Colliders that nothing can reach cost a
-  /// bounding-box test and appear in no loop.
-  /// Allocates nothing once `out` is warm.
+  /// Candidates, of any cloth, of the step from state.t to state.t + dt. Colliders that nothing can
+  /// reach cost a bounding-box test and appear in no loop. Allocates nothing once `out` is warm.
   /// \param reach  how far a particle may be pulled beyond its own speed times dt [m].
   void detect(const State& state, double dt, double reach, Contacts& out) const;
 

@@ -1,6 +1,7 @@
 #pragma once
 /// \file What a solver knows of obstacles: which particles are near them, and how to be pushed out.
 
+#include <functional>
 #include <vector>
 
 #include "cloth_sim/types.h"
@@ -24,9 +25,10 @@ struct ParticleView {
   const std::int32_t* slotOf = nullptr;  ///< by vertex; nullptr: the identity
 };
 
-/// The particles that may touch one collider during one step.
+/// The particles of one cloth that may touch one collider during one step.
 struct ContactCandidates {
   const Collider* collider = nullptr;
+  std::size_t cloth = 0;
   std::vector<VertexId> vertices;  ///< ascending
   /// Impulse that the cloth has given the collider since detection [N s].
   Vec3 impulse = Vec3::Zero();
@@ -49,9 +51,12 @@ class Contacts {
   /// Empties the list but keeps the memory, so that a step allocates nothing once warm.
   void clear();
   /// Appends an entry with no vertices and no impulse.
-  ContactCandidates& add(const Collider* collider);
+  ContactCandidates& add(const Collider* collider, std::size_t cloth = 0);
   /// Takes back the last entry.
   void dropLast();
+
+  /// Divides every entry by cloth: what detection found of any goes to where it belongs.
+  void divide(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf);
 
   /// Moves particles out of the colliders and applies friction, as displacements within one
   /// substep that ends at `time` [s] and lasted `h` [s], > 0. Non-penetration is inelastic; sliding

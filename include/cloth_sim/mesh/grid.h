@@ -15,6 +15,8 @@ struct Grid {
 
   /// Vertices are numbered row by row.
   VertexId vertex(int i, int j) const { return j * columns + i; }
+  /// Material coordinates of a vertex [m].
+  Vec2 place(int i, int j) const { return Vec2(i * spacingU(), j * spacingV()); }
   double spacingU() const { return width / (columns - 1); }
   double spacingV() const { return height / (rows - 1); }
 };

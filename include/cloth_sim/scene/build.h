@@ -5,13 +5,17 @@
 
 namespace cloth_sim {
 
-Model buildModel(const ClothSpec& spec);
+/// All cloths as one model: its vertices are those of the first, then those of the second, and so
+/// on; they share no face, and no spring.
+Model buildModel(const std::vector<ClothSpec>& cloths);
+/// Of one cloth.
+Model buildModel(const ClothSpec& cloth);
 
-/// The cloth where the scene drops it. `seed` decides the random offset.
-State initialState(const ClothSpec& spec, const Model& model, std::uint64_t seed);
+/// The cloths where the scene drops them. `seed` decides the random offsets.
+State initialState(const std::vector<ClothSpec>& cloths, const Model& model, std::uint64_t seed);
 
 /// Where the pinned particles stay, ascending by vertex.
-std::vector<KinematicTarget> pinTargets(const ClothSpec& spec, const Model& model,
+std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, const Model& model,
                                         const State& state);
 
 ColliderSet buildColliders(const Scene& scene);

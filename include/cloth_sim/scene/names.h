@@ -17,6 +17,10 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known);
 
+/// Empty if `name` is made of letters, digits and _, and begins with a letter; otherwise what was
+/// expected.
+std::string plainNameDefect(const std::string& name);
+
 /// Clamps give their names to topics and frames. Empty if `name` will do, otherwise what was
 /// expected.
 std::string clampNameDefect(const std::string& name);

@@ -32,6 +32,7 @@ struct ClothMesh {
 };
 
 struct ClothSpec {
+  std::string name = "cloth";
   int columns = 64;     ///< particles along u, 2 ... 2048
   int rows = 64;        ///< particles along v
   double width = 1.0;   ///< along u [m]
@@ -51,8 +52,15 @@ struct ClothSpec {
   SpringSelection springs;
   bool hinge = false;  ///< bending is an energy of curvature (BendNetwork), not springs
   std::vector<PinSpec> pins;
-  SurgerySettings surgery;
 };
+
+/// The longest side of any [m].
+double longestSide(const std::vector<ClothSpec>& cloths);
+
+/// Where each cloth's own u = 0 lies in the material plane [m]: the first at 0, each further one at
+/// the first whole metre that is at least 1 m, and twice the longest side of any, beyond the end of
+/// the one before. So what is beside a cloth is no other one.
+std::vector<double> materialOffsets(const std::vector<ClothSpec>& cloths);
 
 /// How a method was chosen for a scene that left it open.
 struct AutoChoice {
@@ -119,7 +127,8 @@ struct PhaseSpec {
 struct Scene {
   std::string name;  ///< file name without path and ending
   std::string text;  ///< the scene file with the overrides in it, as YAML; "" if it is of no file
-  ClothSpec cloth;
+  std::vector<ClothSpec> cloths{ClothSpec()};  ///< at least one
+  SurgerySettings surgery;                     ///< of all cloths
   SolverSpec solver;
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);
   double drag = 0.0;  ///< [1/s]

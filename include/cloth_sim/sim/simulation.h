@@ -1,5 +1,5 @@
 #pragma once
-/// \file One cloth with everything that acts on it.
+/// \file One cloth, or several, with everything that acts on them.
 
 #include <memory>
 
@@ -99,6 +99,7 @@ class Simulation {
   void refineMesh(const RefineNear& request);
   void follow(const SurgeryResult& result);
   void dropScraps();
+  std::vector<std::int32_t> largestPieces(const std::vector<double>& area) const;
   std::vector<VertexId> heldVertices() const;
   void count(const FailureEvent& event);
   void fail(const std::string& why);

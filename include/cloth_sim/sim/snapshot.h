@@ -10,9 +10,18 @@
 
 namespace cloth_sim {
 
+/// Where a cloth is among the particles, and in the material plane.
+struct ClothPlace {
+  std::string name;
+  std::int32_t firstParticle = 0;  ///< of those that it had at the start: ids in a row
+  std::int32_t particles = 0;      ///< at the start; edits add more at the end of all
+  double materialOffset = 0.0;     ///< u where its own u is 0 [m]
+};
+
 /// The surface at one revision; shared by all snapshots of that revision.
 struct Topology {
   std::uint64_t revision = 0;
+  std::vector<ClothPlace> cloths;
   std::vector<Face> faces;
   std::vector<Vec2> material;  ///< per vertex [m]
   /// Structural and shear springs, as vertex pairs with rest lengths: what strain is drawn from.

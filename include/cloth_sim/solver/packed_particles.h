@@ -25,9 +25,10 @@ struct PackedVectors {
   }
 };
 
-/// Particles in slots. On a grid, each row is stored as its columns 0, 4, 8, ..., then 1, 5, ...,
-/// 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a colouring lets
-/// run together, have their ends in two contiguous stretches, and a sweep needs no gathers.
+/// Particles in slots. Of a cloth that is a grid, each row is stored as its columns 0, 4, 8, ...,
+/// then 1, 5, ..., 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a
+/// colouring lets run together, have their ends in two contiguous stretches, and a sweep needs no
+/// gathers.
 struct PackedParticles {
   PackedVectors x;                   ///< [m]
   PackedVectors start;               ///< positions at the start of the substep [m]

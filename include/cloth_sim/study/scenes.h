@@ -23,8 +23,8 @@ struct StudyScene {
   /// Runs that take longer are broken off [s of CPU time].
   double mostCpuTime = std::numeric_limits<double>::infinity();
 
-  /// Side that errors are relative to: the longer one of the cloth [m].
-  double side() const { return std::max(scene.cloth.width, scene.cloth.height); }
+  /// Side that errors are relative to: the longest one of any cloth [m].
+  double side() const { return longestSide(scene.cloths); }
   /// Whether springs, dashpots, drag and gravity are all that acts, on pins that rest: a system of
   /// smooth equations that a general integrator can solve.
   bool isSmooth() const;

@@ -25,12 +25,12 @@ constexpr long kMostSteps = 10000000;
 class Motion {
  public:
   explicit Motion(const StudyScene& study)
-      : model_(buildModel(study.scene.cloth)),
-        start_(initialState(study.scene.cloth, model_, study.scene.seed)),
+      : model_(buildModel(study.scene.cloths)),
+        start_(initialState(study.scene.cloths, model_, study.scene.seed)),
         gravity_(study.scene.gravity),
         drag_(study.scene.drag),
         held_(static_cast<std::size_t>(model_.particleCount()), false) {
-    for (const KinematicTarget& pin : pinTargets(study.scene.cloth, model_, start_)) {
+    for (const KinematicTarget& pin : pinTargets(study.scene.cloths, model_, start_)) {
       held_[pin.vertex] = true;
       start_.v[pin.vertex].setZero();
     }

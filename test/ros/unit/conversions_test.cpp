@@ -58,6 +58,17 @@ TEST(StateMessage, HasNoPieceOfACompletelyDroppedCloth) {
   EXPECT_TRUE(state.piece.empty());
 }
 
+TEST(TopologyMessage, SaysWhichParticlesAreOfWhichCloth) {
+  Topology topology;
+  topology.cloths = {{"scarf", 0, 12, 0.0}, {"banner", 12, 6, 2.0}};
+  const ClothTopology message = toTopologyMessage(topology, std_msgs::Header());
+  ASSERT_EQ(message.cloths.size(), 2U);
+  EXPECT_EQ(message.cloths[1].name, "banner");
+  EXPECT_EQ(message.cloths[1].first_particle, 12U);
+  EXPECT_EQ(message.cloths[1].particles, 6U);
+  EXPECT_EQ(message.cloths[1].material_offset, 2.0);
+}
+
 TEST(EventsMessage, TellsWhereAndWhy) {
   FailureEvent event;
   event.time = 0.5;
