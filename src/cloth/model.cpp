@@ -3,9 +3,11 @@
 namespace cloth_sim {
 namespace {
 
+/// Whatever masses there are, if they are of this mesh, stay.
 void makeRoom(Model& model) {
   const auto count = static_cast<std::size_t>(model.particleCount());
-  if (model.mass.size() == count) return;
+  const bool fits = model.mass.size() == count && model.mass.revision() == model.mesh.revision();
+  if (fits) return;
   model.arealDensity = VertexData<double>(count, 0.0, model.mesh.revision());
   model.mass = VertexData<double>(count, 0.0, model.mesh.revision());
 }

@@ -78,7 +78,7 @@ class Patient {
                                    model_.cloths[0].fabric.tensileWeft);
     }
     lumpMasses(model_.cloths[0].fabric.arealDensity, model_);
-    if (with.ownMasses) setParticleMasses(1e-3, model_);
+    if (with.ownMasses) setParticleMasses(1e-3, 0, model_);
     original_ = std::make_unique<Shapes>(model_.mesh);
     limits_.shape.minEdge = 0.05 * shortestEdge(model_.mesh);
     dt_ = 0.5 * stableStep(model_);

@@ -785,7 +785,7 @@ TEST(Masses, AreAThirdOfEveryFaceToEachCorner) {
 
 TEST(Masses, OfParticlesAreTheSameForAll) {
   Model model = modelOn(makeGridMesh({3, 3, 2.0, 2.0}));
-  setParticleMasses(0.5, model);
+  setParticleMasses(0.5, 0, model);
   for (double mass : model.mass) EXPECT_EQ(mass, 0.5);
   EXPECT_DOUBLE_EQ(model.arealDensity[4], 0.5 / (6 * 0.5 / 3));  // six faces around the middle
   EXPECT_DOUBLE_EQ(model.arealDensity[2], 0.5 / (1 * 0.5 / 3));
@@ -817,7 +817,7 @@ TEST(Masses, FollowSplitsByTheAreaOnEachSideAndKeepTheTotal) {
 
 TEST(Masses, OfEqualParticlesAreSharedToo) {
   Model model = modelOn(makeGridMesh({3, 3, 1.0, 1.0}));
-  setParticleMasses(1.0, model);
+  setParticleMasses(1.0, 0, model);
   MeshEditor editor(model.mesh);
   ASSERT_TRUE(editor.splitVertex(4, {model.mesh.facesAround(4)[0]}));
   followMasses(editor.finish(), model);
@@ -837,7 +837,7 @@ TEST_P(AnyEdit, KeepsTheTotalMass) {
     if (GetParam() == MassMode::kFabric) {
       lumpMasses(0.3, model);
     } else {
-      setParticleMasses(1e-3, model);
+      setParticleMasses(1e-3, 0, model);
     }
     const double before = totalMass(model);
     MeshEditor editor(model.mesh);

@@ -108,7 +108,7 @@ TEST(StableStepBound, OfTwoParticlesIsExact) {
   model.mesh = TriangleMesh({{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}});
   RawSprings raw{{100.0, 0.0, 0.0}, false, 0.0};
   model.springs = SpringNetwork(model.mesh, raw, {false, false});
-  setParticleMasses(0.25, model);
+  setParticleMasses(0.25, 0, model);
   // Two springs at a right angle meet at vertex 0; the bound adds them up.
   EXPECT_DOUBLE_EQ(stableStep(model), 2.0 / std::sqrt(2.0 * 200.0 / 0.25));
   // h^2 omega^2 + 2 h tau omega^2 = 4 with damping.
@@ -123,7 +123,7 @@ TEST(StableStepBound, OfAClothWithoutSpringsIsInfinite) {
   Model model;
   model.mesh = TriangleMesh({{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}});
   model.springs = SpringNetwork(model.mesh, RawSprings{}, {false, false});
-  setParticleMasses(0.25, model);
+  setParticleMasses(0.25, 0, model);
   EXPECT_EQ(stableStep(model), std::numeric_limits<double>::infinity());
 }
 
