@@ -94,6 +94,9 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const 
     const Spring& spring = model.springs[slot];
     if (!spring.exists()) continue;
     const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
+    // Most springs are far from failing: that shows without a root.
+    const double near = (1.0 + kNear * (ratio - 1.0)) * spring.restLength;
+    if ((state.x[spring.b] - state.x[spring.a]).squaredNorm() <= near * near) continue;
     const double stretched = stretch(spring, state);
     const double load = (stretched - 1.0) / (ratio - 1.0);
     if (load > worst_ && idle_.count(slot) == 0) worst_ = load;

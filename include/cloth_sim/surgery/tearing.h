@@ -125,7 +125,7 @@ class Tearing {
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
   std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
-  double worst_ = 0.0;           ///< largest strain over the strain that tears, seen last
+  double worst_ = 0.0;           ///< largest strain over the strain that tears, if it is near 1
   double plannedAt_ = 0.0;       ///< time of the state of the last plan [s]
   std::vector<Stride> strides_;  ///< of the last plan, by path
 };
