@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
@@ -99,14 +100,14 @@ bool hasHandle(const Obstacle& obstacle) {
 
 Handles::Handles(const ros::NodeHandle& privateNode, const std::string& world,
                  const RequestChecker& checker, SimulationThread& simulation)
-    : checker_(checker), simulation_(simulation), server_(privateNode.resolveName("handles")) {
+    : checker_(checker),
+      simulation_(simulation),
+      world_(world),
+      server_(privateNode.resolveName("handles")) {
   menu_.insert("Grasp", [this](const auto& feedback) { onGrasp(feedback->marker_name, true); });
   menu_.insert("Release", [this](const auto& feedback) { onGrasp(feedback->marker_name, false); });
   const Observation observation = simulation.observe();
-  for (const ClampSnapshot& clamp : observation.snapshot->clamps) {
-    add(clampHandle(clamp, world));
-    menu_.apply(server_, kClampPrefix + clamp.name);
-  }
+  followClamps(*observation.snapshot);
   for (const Obstacle& obstacle : observation.snapshot->obstacles) {
     if (hasHandle(obstacle)) add(obstacleHandle(obstacle, world));
   }
@@ -118,6 +119,22 @@ Handles::Handles(const ros::NodeHandle& privateNode, const std::string& world,
 
 void Handles::add(const InteractiveMarker& marker) {
   server_.insert(marker, [this](const auto& feedback) { onFeedback(*feedback); });
+}
+
+/// Clamps come and go while the node runs.
+void Handles::followClamps(const Snapshot& now) {
+  std::set<std::string> gone = std::exchange(clamps_, {});
+  for (const ClampSnapshot& clamp : now.clamps) {
+    clamps_.insert(clamp.name);
+    if (gone.erase(clamp.name) != 0) continue;
+    add(clampHandle(clamp, world_));
+    menu_.apply(server_, kClampPrefix + clamp.name);
+  }
+  for (const std::string& name : gone) {
+    server_.erase(kClampPrefix + name);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    shown_.erase(kClampPrefix + name);
+  }
 }
 
 void Handles::onFeedback(const Feedback& feedback) {
@@ -158,23 +175,24 @@ void Handles::guide(const std::string& obstacle, const Vec3& goal) {
 
 /// The server calls `onFeedback` with its own mutex locked: so it is not called with ours locked.
 void Handles::refresh() {
-  for (const auto& [marker, pose] : moved()) server_.setPose(marker, toPoseMessage(pose));
+  const std::shared_ptr<const Snapshot> now = simulation_.observe().snapshot;
+  followClamps(*now);
+  for (const auto& [marker, pose] : moved(*now)) server_.setPose(marker, toPoseMessage(pose));
   server_.applyChanges();
 }
 
 /// Sends obstacles on their way, and says which handles are not where they should be.
-std::map<std::string, Pose> Handles::moved() {
-  const std::shared_ptr<const Snapshot> now = simulation_.observe().snapshot;
+std::map<std::string, Pose> Handles::moved(const Snapshot& now) {
   std::map<std::string, Pose> poses;
   const std::lock_guard<std::mutex> lock(mutex_);
   for (auto& [obstacle, guided] : guided_) {
-    if (guided.underWay) advance(obstacle, guided, now->time);
+    if (guided.underWay) advance(obstacle, guided, now.time);
   }
-  for (const ClampSnapshot& clamp : now->clamps) {
+  for (const ClampSnapshot& clamp : now.clamps) {
     const std::string marker = kClampPrefix + clamp.name;
     if (shallShow(marker, clamp.pose)) poses[marker] = clamp.pose;
   }
-  for (const Obstacle& obstacle : now->obstacles) {
+  for (const Obstacle& obstacle : now.obstacles) {
     const std::string marker = kObstaclePrefix + obstacle.name;
     const auto guided = guided_.find(obstacle.name);
     if (!hasHandle(obstacle) || (guided != guided_.end() && guided->second.underWay)) continue;

@@ -171,6 +171,22 @@ class HandlesTest(unittest.TestCase):
         self.assertEqual(menus['clamp/left'], ['Grasp', 'Release'])
         self.assertEqual(menus['obstacle/sphere'], [])
 
+    def test_handles_come_and_go_with_clamps(self):
+        def handled():
+            with Listener('/cloth/handles/update_full', InteractiveMarkerInit) as inits:
+                return {marker.name for marker in inits.wait().markers}
+        request = srv.AddClampRequest(name='extra')
+        request.pose.header.frame_id = 'world'
+        request.pose.pose.position = Point(0.0, 0.0, 2.0)
+        request.pose.pose.orientation.w = 1.0
+        reply = rospy.ServiceProxy('/cloth/add_clamp', srv.AddClamp)(request)
+        self.assertTrue(reply.success, reply.message)
+        wait_until(lambda: 'clamp/extra' in handled(), 'its handle')
+        self.assertIn('clamp/left', handled())
+        call('remove_clamp', srv.RemoveClamp, 'extra')
+        wait_until(lambda: 'clamp/extra' not in handled(), 'no handle')
+        self.assertIn('clamp/left', handled())
+
     def test_clamp_follows_its_handle(self):
         self.feedback('clamp/right', InteractiveMarkerFeedback.POSE_UPDATE, (0.25, 0.1, 0.7))
 

@@ -394,8 +394,7 @@ TEST(Cloths, AreInSnapshotAndSummary) {
   EXPECT_EQ(shot->topology->cloths[1].particles, 66);
   EXPECT_EQ(shot->topology->cloths[1].materialOffset,
             materialOffsets(simulation.scene().cloths)[1]);
-  const auto summary =
-      nlohmann::json::parse(summaryJson(simulation, startRecord(simulation), 1.0));
+  const auto summary = nlohmann::json::parse(summaryJson(simulation, startRecord(simulation), 1.0));
   ASSERT_EQ(summary["cloths"].size(), 2U);
   EXPECT_EQ(summary["cloths"][0]["name"], "sheet");
   EXPECT_EQ(summary["cloths"][1]["first_particle"], 63);

@@ -8,6 +8,7 @@
 
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "cloth_sim/ros/requests.h"
@@ -51,7 +52,8 @@ class Handles {
   void onGrasp(const std::string& marker, bool grasp);
   void guide(const std::string& obstacle, const Vec3& goal);
   void refresh();
-  std::map<std::string, Pose> moved();
+  void followClamps(const Snapshot& now);
+  std::map<std::string, Pose> moved(const Snapshot& now);
   void advance(const std::string& obstacle, Guided& guided, double time);
   /// Whether a handle is to be moved there; then it is remembered to be.
   bool shallShow(const std::string& marker, const Pose& pose);
@@ -59,6 +61,8 @@ class Handles {
 
   const RequestChecker& checker_;
   SimulationThread& simulation_;
+  std::string world_;
+  std::set<std::string> clamps_;          ///< that have a handle; for the constructor and the timer
   std::mutex mutex_;                      ///< of what is below; callbacks come from several threads
   std::string held_;                      ///< marker that a mouse holds; empty: none
   std::map<std::string, Pose> shown_;     ///< by marker
