@@ -145,7 +145,10 @@ std::vector<Contender> settingsOfBullet(bool few) {
 std::vector<Contender> settingsOfOurs() {
   return {own("projective", {"solver.substeps=1", "solver.iterations=1"}),
           own("projective", {"solver.substeps=1", "solver.iterations=2"}),
-          own("xpbd", {"solver.substeps=20"})};
+          own("projective", {"solver.substeps=2", "solver.iterations=1"}),
+          own("xpbd", {"solver.substeps=20"}),
+          own("xpbd", {"solver.substeps=32"}),
+          own("xpbd", {"solver.substeps=40"})};
 }
 
 }  // namespace
