@@ -1,19 +1,23 @@
 #!/usr/bin/env bash
-# Measures everything that docs/performance.md tells, and writes that page.
+# Measures what docs/performance.md tells, and writes that page.
 #
-# usage: bench/measure.sh BUILD [OUT]
+# usage: bench/measure.sh BUILD [OUT [PART]...]
 #
 # BUILD is a build folder of the package (scripts/bench.sh makes one: .ws/build). The tables go to OUT
-# (default: docs/data/performance), the page to docs/performance.md. A quarter of an hour on one core;
-# nothing else should run. The line in OUT/machine.txt says what machine it was: write it first.
+# (default: docs/data/performance), the page to docs/performance.md. PARTS: hang and sphere (beside a
+# peer; ten minutes each), parts (two minutes), steps (a quarter of an hour); by default all of them.
+# Parts that are not asked for stay as OUT has them. Nothing else should run. The line in
+# OUT/machine.txt says what machine it was: write it first.
 set -euo pipefail
 
 case ${1:-} in
-  -h | --help | '') sed -n '2,8p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
+  -h | --help | '') sed -n '2,11p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
 esac
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$1
 out=${2:-$root/docs/data/performance}
+parts=("${@:3}")
+[[ ${#parts[@]} -gt 0 ]] || parts=(hang sphere parts steps)
 mkdir -p "$out"
 [[ -s $out/machine.txt ]] ||
   { echo "error: $out/machine.txt: missing, expected a line on the machine" >&2; exit 2; }
@@ -25,16 +29,25 @@ bench=$(find_program cloth_bench)
 [[ -x $peer && -x $bench ]] ||
   { echo "error: $build: no peer_bullet or cloth_bench (make peer_bullet cloth_bench)" >&2; exit 2; }
 
-taskset -c 0 "$peer" --json "$out/peer.json"
-taskset -c 0 "$bench" --benchmark_filter='^(kernel|part|floor)/' --benchmark_repetitions=5 \
-  --benchmark_min_time=0.1 --benchmark_report_aggregates_only=true --benchmark_format=json \
-  > "$out/parts.json" 2> /dev/null
-# The larger sizes of the slower methods take minutes a step.
-"$bench" --benchmark_filter='^step/.*/side:(32|64|128|256)/' --benchmark_repetitions=5 \
-  --benchmark_min_time=0.05 --benchmark_report_aggregates_only=true --benchmark_format=json \
-  > "$out/steps.json" 2> /dev/null
-"$bench" --benchmark_filter='^step/(xpbd|verlet)/.*/side:(512|1024)/' --benchmark_repetitions=3 \
-  --benchmark_min_time=0.05 --benchmark_report_aggregates_only=true --benchmark_format=json \
-  > "$out/large.json" 2> /dev/null
-/usr/bin/python3 "$root/bench/report.py" "$out" > "$root/docs/performance.md"
+# run_bench <file> <core or all> <filter>: five repetitions of these benchmarks.
+run_bench() {
+  local pinned=()
+  [[ $2 == all ]] || pinned=(taskset -c "$2")
+  "${pinned[@]}" "$bench" --benchmark_filter="$3" --benchmark_repetitions=5 \
+    --benchmark_min_time=0.05 --benchmark_report_aggregates_only=true --benchmark_format=json \
+    > "$1.part" 2> /dev/null
+  mv "$1.part" "$1"
+}
+
+for part in "${parts[@]}"; do
+  case $part in
+    hang | sphere) taskset -c 0 "$peer" --scenes "$part" --json "$out/$part.json" ;;
+    parts) run_bench "$out/parts.json" 0 '^(kernel|part|floor)/' ;;
+    steps) run_bench "$out/steps.json" all '^step/.*/side:(32|64|128|256)/' ;;
+    *) echo "error: unknown part '$part' (hang, sphere, parts, steps)" >&2 && exit 2 ;;
+  esac
+done
+/usr/bin/python3 "$root/bench/report.py" "$out" > "$out/page.part"
+cat "$out/page.part" > "$root/docs/performance.md"
+rm "$out/page.part"
 echo "$root/docs/performance.md"

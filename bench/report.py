@@ -9,6 +9,9 @@ TRIED = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'tried.md')
 
 
 def read(folder, name):
+    """What a file says; nothing if that part was not measured."""
+    if not os.path.exists(os.path.join(folder, name)):
+        return None
     with open(os.path.join(folder, name), encoding='utf-8') as file:
         return file.read().strip() if name.endswith('.txt') else json.load(file)
 
@@ -16,6 +19,10 @@ def read(folder, name):
 def table(header, rows):
     lines = ['| ' + ' | '.join(header) + ' |', '|' + '---|' * len(header)]
     return '\n'.join(lines + ['| ' + ' | '.join(row) + ' |' for row in rows])
+
+
+def told(document, tell):
+    return tell(document) if document else 'Not measured yet.'
 
 
 def peers(comparisons):
@@ -65,16 +72,15 @@ def parts(document):
     return table(['what', 'CPU time, microseconds', 'ns a spring'], rows)
 
 
-def steps(documents):
+def steps(document):
     rows = []
-    for document in documents:
-        for name, entry in medians(document).items():
-            found = re.match(r'step/(\w+)/threads:(\d+)/side:(\d+)/', name)
-            if not found:
-                continue
-            median = entry['median']
-            rows.append((found.group(1), int(found.group(3)), int(found.group(2)),
-                         median['real_time'], spread(entry), median))
+    for name, entry in medians(document).items():
+        found = re.match(r'step/(\w+)/threads:(\d+)/side:(\d+)/', name)
+        if not found:
+            continue
+        median = entry['median']
+        rows.append((found.group(1), int(found.group(3)), int(found.group(2)),
+                     median['real_time'], spread(entry), median))
     by = {(method, side, threads): real for method, side, threads, real, _, _ in rows}
     lines = []
     for method, side, threads, real, variation, median in sorted(rows, key=lambda r: r[:3]):
@@ -124,10 +130,11 @@ The hanging cloth, with each method's default parameters.
 
 %(steps)s
 
-%(tried)s''' % {'machine': read(folder, 'machine.txt'), 'peers': peers(read(folder, 'peer.json')),
-                'parts': parts(read(folder, 'parts.json')),
-                'steps': steps([read(folder, 'steps.json'), read(folder, 'large.json')]),
-                'tried': tried})
+%(tried)s''' % {'machine': read(folder, 'machine.txt'),
+                'peers': told((read(folder, 'hang.json') or []) + (read(folder, 'sphere.json') or []),
+                              peers),
+                'parts': told(read(folder, 'parts.json'), parts),
+                'steps': told(read(folder, 'steps.json'), steps), 'tried': tried})
 
 
 if __name__ == '__main__':
