@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "bend_matrix.h"
@@ -36,9 +37,9 @@ double residualAxis(std::size_t n, double h, double g, double drag, const Terms&
                     double* residual) {
   constexpr std::size_t kLanes = 8;
   const Terms t = terms;
-  const double held = 1.0 + h * drag;
+  const double inertia = 1.0 + h * drag;
   const auto at = [&](std::size_t k) {
-    const double aim = h * t.velocity[k] + h * h * g - held * (t.x[k] - t.start[k]);
+    const double aim = h * t.velocity[k] + h * h * g - inertia * (t.x[k] - t.start[k]);
     const double r = t.inverseMass[k] > 0.0 ? t.mass[k] * aim + h * h * t.force[k] : 0.0;
     residual[k] = r;
     return r * r * t.inverseMass[k];
@@ -80,9 +81,9 @@ class Projective final : public PackedSolver {
     drag_ = controls.drag;
     freeMass_ = std::accumulate(particles_.mass.begin(), particles_.mass.end(), 0.0);
     listHeldSprings();
-    if (scaled || factor_.rows() == 0) return factorise();
+    if (scaled || !isSolvable_ || factor_.rows() == 0) return factorise();
     const UpdatableFactor::Matrix matrix = globalMatrix();
-    if (!factor_.follow(matrix)) factor_.compute(matrix);
+    isSolvable_ = factor_.follow(matrix) || factor_.compute(matrix);
   }
 
   void substep(const Substep& now) override {
@@ -162,6 +163,7 @@ class Projective final : public PackedSolver {
           },
           residual_);
     }
+    if (!isSolvable_) return setNaN(particles_.x);
     factor_.solve(residual_, change_);
     if (isFree) {
       axis = 0;
@@ -174,6 +176,15 @@ class Projective final : public PackedSolver {
           change_);
     }
     addScaled(1.0, change_, particles_.x);
+  }
+
+  /// The step is then refused.
+  static void setNaN(PackedVectors& q) {
+    forAxes(
+        [](auto& axis) {
+          std::fill(axis.begin(), axis.end(), std::numeric_limits<double>::quiet_NaN());
+        },
+        q);
   }
 
   /// What kinematic targets bear: the forces on them where the substep ends.
@@ -210,7 +221,7 @@ class Projective final : public PackedSolver {
     for (double m : particles_.mass) largest = std::max(largest, m);
     for (std::int32_t p = 0; p < schedule_.size(); ++p) largest = std::max(largest, weight(p));
     holdWeight_ = kHold * (largest > 0.0 ? largest : 1.0);
-    factor_.compute(globalMatrix());
+    isSolvable_ = factor_.compute(globalMatrix());
   }
 
   /// What a spring counts in the global step's matrix [kg].
@@ -258,6 +269,7 @@ class Projective final : public PackedSolver {
   double holdWeight_ = 0.0;  ///< on the diagonal, for particles that are held [kg]
   double freeMass_ = 0.0;    ///< of particles that are not held [kg]
   UpdatableFactor factor_;
+  bool isSolvable_ = true;  ///< the matrix was positive definite in spite of rounding
   std::vector<std::int32_t> heldSprings_;  ///< positions of springs at kinematic particles
   PackedVectors velocity_;                 ///< at the start of the substep [m/s]
   PackedVectors wind_, residual_, change_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 namespace cloth_sim {
 namespace {
@@ -22,12 +21,10 @@ constexpr std::size_t kMostGrowth = 2;
 
 }  // namespace
 
-void UpdatableFactor::compute(const Matrix& matrix) {
+bool UpdatableFactor::compute(const Matrix& matrix) {
   Eigen::SimplicialLDLT<Matrix> factor(matrix);
   const Eigen::VectorXd d = factor.vectorD();
-  if (factor.info() != Eigen::Success || !(d.minCoeff() > 0.0)) {
-    throw std::runtime_error("the matrix of a step is not positive definite");
-  }
+  if (factor.info() != Eigen::Success || !(d.minCoeff() > 0.0)) return false;
   const auto& l = factor.matrixL().nestedExpression();
   const auto n = static_cast<std::size_t>(l.cols());
   matrix_ = matrix;
@@ -52,6 +49,7 @@ void UpdatableFactor::compute(const Matrix& matrix) {
   u_.assign(n, 0.0);
   entriesAtFirst_ = factor_.row.size();
   changes_ = 0;
+  return true;
 }
 
 bool UpdatableFactor::follow(const Matrix& matrix) {
@@ -72,6 +70,7 @@ bool UpdatableFactor::follow(const Matrix& matrix) {
       changes.push_back({position_[k], kNone, rest[k]});
     }
   }
+  if (changes.empty() && n == before) return true;
   matrix_ = matrix;
   panelsFollow_ = false;
   if (!isCheap(changes)) return false;

@@ -20,9 +20,9 @@ class UpdatableFactor {
   /// Of these, the lower triangle is read.
   using Matrix = Eigen::SparseMatrix<double>;
 
-  /// Orders (approximate minimum degree) and factorises.
-  /// \throws std::runtime_error if the matrix is not positive definite.
-  void compute(const Matrix& matrix);
+  /// Orders (approximate minimum degree) and factorises. False: the matrix is not positive
+  /// definite, or not finite; all is as before.
+  bool compute(const Matrix& matrix);
 
   /// Goes from the matrix before to this one, which may have more rows but not fewer.
   /// False: to compute it anew costs less, or is due after many changes, or rounding made it

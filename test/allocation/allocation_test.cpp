@@ -55,7 +55,8 @@ TEST_P(Allocation, AStepAllocatesNothingOnceWarm) {
   const ThreadLimit oneThread(1);
   Simulation simulation(
       parseScene(kScene, "scene", {"solver.method=" + GetParam(), "solver.dt=0.0002"}));
-  for (int k = 0; k < 60; ++k) simulation.step();
+  // Until the clamp has closed.
+  for (int k = 0; k < 150; ++k) simulation.step();
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
   const long before = allocations;
   for (int k = 0; k < 20; ++k) simulation.step();

@@ -111,7 +111,7 @@ constexpr double kSolved = 1e-5;
 TEST(UpdatableFactor, SolvesWhatItFactorised) {
   const UpdatableFactor::Matrix matrix = grid(9).matrix();
   UpdatableFactor factor;
-  factor.compute(matrix);
+  ASSERT_TRUE(factor.compute(matrix));
   EXPECT_LT(errorOf(factor, matrix), kClose);
   EXPECT_LT(errorOfSolution(factor, matrix), kSolved);
 }
@@ -120,13 +120,15 @@ TEST(UpdatableFactor, RefusesWhatIsIndefinite) {
   Network network = grid(4);
   network.mass[3] = -1e6;
   UpdatableFactor factor;
-  EXPECT_THROW(factor.compute(network.matrix()), std::runtime_error);
+  EXPECT_FALSE(factor.compute(network.matrix()));
+  network.mass[3] = std::nan("");
+  EXPECT_FALSE(factor.compute(network.matrix()));
 }
 
 TEST(UpdatableFactor, FollowsSpringsThatGo) {
   Network network = grid(15);
   UpdatableFactor factor;
-  factor.compute(network.matrix());
+  ASSERT_TRUE(factor.compute(network.matrix()));
   for (int k = 0; k < 4; ++k) network.springs.erase({7 * 15 + k, 8 * 15 + k});
   ASSERT_TRUE(factor.follow(network.matrix()));
   EXPECT_LT(errorOf(factor, network.matrix()), kClose);
@@ -136,7 +138,7 @@ TEST(UpdatableFactor, FollowsSpringsThatGo) {
 TEST(UpdatableFactor, FollowsAParticleThatIsSplit) {
   Network network = grid(15);
   UpdatableFactor factor;
-  factor.compute(network.matrix());
+  ASSERT_TRUE(factor.compute(network.matrix()));
   const int old = 7 * 15 + 7;
   const int fresh = static_cast<int>(network.mass.size());
   network.mass.push_back(0.4);
@@ -155,7 +157,7 @@ TEST(UpdatableFactor, FollowsAParticleThatIsHeldAndLetGo) {
   Network network = grid(15);
   const UpdatableFactor::Matrix before = network.matrix();
   UpdatableFactor factor;
-  factor.compute(before);
+  ASSERT_TRUE(factor.compute(before));
   network.mass[100] += 1e8;
   ASSERT_TRUE(factor.follow(network.matrix()));
   EXPECT_LT(errorOf(factor, network.matrix()), kClose);
@@ -168,7 +170,7 @@ TEST(UpdatableFactor, FollowsAParticleThatIsHeldAndLetGo) {
 TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
   Network network = grid(12);
   UpdatableFactor factor;
-  factor.compute(network.matrix());
+  ASSERT_TRUE(factor.compute(network.matrix()));
   std::mt19937 random(7);
   const auto upTo = [&](std::size_t n) {
     return static_cast<int>(random() % static_cast<unsigned>(n));
@@ -196,7 +198,7 @@ TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
     if (factor.follow(network.matrix())) {
       ++followed;
     } else {
-      factor.compute(network.matrix());
+      ASSERT_TRUE(factor.compute(network.matrix()));
     }
     ASSERT_LT(errorOf(factor, network.matrix()), kClose) << "round " << round;
     ASSERT_LT(errorOfSolution(factor, network.matrix()), kSolved) << "round " << round;
@@ -207,7 +209,7 @@ TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
 TEST(UpdatableFactor, SaysWhenAllOfItChanged) {
   Network network = grid(12);
   UpdatableFactor factor;
-  factor.compute(network.matrix());
+  ASSERT_TRUE(factor.compute(network.matrix()));
   for (auto& [ends, weight] : network.springs) weight *= 2.0;
   EXPECT_FALSE(factor.follow(network.matrix()));
 }
@@ -215,7 +217,7 @@ TEST(UpdatableFactor, SaysWhenAllOfItChanged) {
 TEST(UpdatableFactor, GoesOnFromWhatWasSaved) {
   Network network = grid(12);
   UpdatableFactor factor;
-  factor.compute(network.matrix());
+  ASSERT_TRUE(factor.compute(network.matrix()));
   network.springs.erase({30, 31});
   ASSERT_TRUE(factor.follow(network.matrix()));
   std::stringstream file;
