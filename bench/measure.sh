@@ -22,7 +22,7 @@ mkdir -p "$out"
 [[ -s $out/machine.txt ]] ||
   { echo "error: $out/machine.txt: missing, expected a line on the machine" >&2; exit 2; }
 find_program() {
-  find "$build" "$build/../devel" -type f -name "$1" 2> /dev/null | head -n 1
+  find "$build" "$build/../devel" -type f -name "$1" -print -quit 2> /dev/null || true
 }
 peer=$(find_program peer_bullet)
 bench=$(find_program cloth_bench)
