@@ -112,10 +112,11 @@ class ClothStudyTest(unittest.TestCase):
         self.assertEqual(len(reasons), skipped)
 
     def error(self, scene, solver, substeps):
-        """Of the run with the scene's own step."""
-        [row] = [row for row in self.rows('work_precision.csv')
-                 if row['scene'] == scene and row['solver'] == solver
-                 and row['substeps'] == str(substeps) and float(row['dt']) > 0.01]
+        """Of the run with the scene's own step, and the most iterations where there are any."""
+        rows = [row for row in self.rows('work_precision.csv')
+                if row['scene'] == scene and row['solver'] == solver
+                and row['substeps'] == str(substeps) and float(row['dt']) > 0.01]
+        row = max(rows, key=lambda row: int(row['iterations']))
         self.assertEqual(row['status'], 'ok', row)
         return float(row['error'])
 
