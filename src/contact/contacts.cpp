@@ -1,6 +1,5 @@
 #include "cloth_sim/contact/contacts.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "cloth_sim/contact/collider.h"
@@ -23,24 +22,29 @@ ContactCandidates& Contacts::add(const Collider* collider, std::size_t cloth) {
   return entry;
 }
 
+void Contacts::keepMemoryOf(std::vector<VertexId>& vertices) {
+  vertices.clear();
+  spare_.push_back(std::move(vertices));
+}
+
 void Contacts::dropLast() {
-  candidates.back().vertices.clear();
-  spare_.push_back(std::move(candidates.back().vertices));
+  keepMemoryOf(candidates.back().vertices);
   candidates.pop_back();
 }
 
 void Contacts::divide(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf) {
-  std::vector<ContactCandidates> found;
-  found.swap(candidates);
-  for (ContactCandidates& whole : found) {
-    const std::size_t first = candidates.size();
-    for (std::size_t cloth = 0; cloth < cloths; ++cloth) add(whole.collider, cloth);
-    for (const VertexId v : whole.vertices) candidates[first + clothOf(v)].vertices.push_back(v);
-    whole.vertices.clear();
-    spare_.push_back(std::move(whole.vertices));
+  whole_.swap(candidates);
+  for (ContactCandidates& whole : whole_) {
+    for (std::size_t cloth = 0; cloth < cloths; ++cloth) {
+      ContactCandidates& part = add(whole.collider, cloth);
+      for (const VertexId v : whole.vertices) {
+        if (clothOf(v) == cloth) part.vertices.push_back(v);
+      }
+      if (part.vertices.empty()) dropLast();
+    }
   }
-  const auto isEmpty = [](const ContactCandidates& entry) { return entry.vertices.empty(); };
-  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), isEmpty), candidates.end());
+  for (ContactCandidates& whole : whole_) keepMemoryOf(whole.vertices);
+  whole_.clear();
 }
 
 void Contacts::project(const ParticleView& particles, double time, double h) {

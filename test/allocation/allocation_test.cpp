@@ -51,19 +51,46 @@ tearing: {enabled: true, ratio: 100.0}
 phases: [{name: all, timeout: 100.0, clamps: {hand: {grasp: true}}}]
 )";
 
+/// The same, and a smaller cloth beside it on the same ball.
+const char* const kTwoCloths = R"(
+cloth:
+  - {name: sheet, particles: [24, 24], size: [0.5, 0.5], pose: {position: [0, 0, 0.2505]},
+     fabric: {preset: silk}, pins: [corner_00]}
+  - {name: scrap, particles: [9, 9], size: [0.2, 0.2], pose: {position: [0.02, 0, 0.251]},
+     fabric: {preset: silk}}
+drag: 1.0
+obstacles:
+  ball: {type: sphere, radius: 0.15, position: [0, 0, 0.1], friction: 0.3}
+phases: [{name: all, timeout: 100.0}]
+)";
+
+/// Allocations of some steps after others.
+long allocationsOf(Simulation& simulation, int warmUp, int steps) {
+  for (int k = 0; k < warmUp; ++k) simulation.step();
+  const long before = allocations;
+  for (int k = 0; k < steps; ++k) simulation.step();
+  return allocations - before;
+}
+
+Simulation simulationOf(const char* scene, const std::string& method) {
+  return Simulation(parseScene(scene, "scene", {"solver.method=" + method, "solver.dt=0.0002"}));
+}
+
 TEST_P(Allocation, AStepAllocatesNothingOnceWarm) {
   const ThreadLimit oneThread(1);
-  Simulation simulation(
-      parseScene(kScene, "scene", {"solver.method=" + GetParam(), "solver.dt=0.0002"}));
-  // Until the clamp has closed.
-  for (int k = 0; k < 150; ++k) simulation.step();
-  ASSERT_FALSE(simulation.failed()) << simulation.failure();
-  const long before = allocations;
-  for (int k = 0; k < 20; ++k) simulation.step();
-  EXPECT_EQ(allocations - before, 0);
+  Simulation simulation = simulationOf(kScene, GetParam());
+  EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);  // the clamp closes in the first 80
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
   EXPECT_FALSE(simulation.contacts().empty());
   EXPECT_FALSE(simulation.clamps().front().held().empty());
+}
+
+TEST_P(Allocation, NorWithTwoClothsOnOneBall) {
+  const ThreadLimit oneThread(1);
+  Simulation simulation = simulationOf(kTwoCloths, GetParam());
+  EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);
+  ASSERT_FALSE(simulation.failed()) << simulation.failure();
+  EXPECT_EQ(simulation.contacts().candidates.size(), 2U);
 }
 
 std::vector<std::string> methods() {

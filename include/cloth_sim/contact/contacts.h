@@ -55,7 +55,8 @@ class Contacts {
   /// Takes back the last entry.
   void dropLast();
 
-  /// Divides every entry by cloth: what detection found of any goes to where it belongs.
+  /// Divides every entry by cloth: what detection found of any goes to where it belongs. Allocates
+  /// nothing once warm.
   void divide(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf);
 
   /// Moves particles out of the colliders and applies friction, as displacements within one
@@ -69,7 +70,10 @@ class Contacts {
   void project(const ParticleView& particles, double time, double h);
 
  private:
+  void keepMemoryOf(std::vector<VertexId>& vertices);
+
   std::vector<std::vector<VertexId>> spare_;  ///< memory of entries that are not listed now
+  std::vector<ContactCandidates> whole_;      ///< for divide; empty otherwise
 };
 
 }  // namespace cloth_sim
