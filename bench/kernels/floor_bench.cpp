@@ -81,9 +81,7 @@ void structuredSweep(benchmark::State& run) {
     }
     benchmark::ClobberMemory();
   }
-  run.counters["per_spring"] = benchmark::Counter(
-      static_cast<double>(springs),
-      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  tellPerSpring(static_cast<double>(springs), run);
 }
 BENCHMARK(structuredSweep)->Name("floor/structured")->RangeMultiplier(2)->Range(32, 1024);
 
@@ -148,9 +146,7 @@ void anySweep(benchmark::State& run) {
     }
     benchmark::ClobberMemory();
   }
-  run.counters["per_spring"] = benchmark::Counter(
-      static_cast<double>(rest.size()),
-      benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  tellPerSpring(static_cast<double>(rest.size()), run);
 }
 BENCHMARK(anySweep)->Name("floor/any_topology")->RangeMultiplier(2)->Range(32, 1024);
 

@@ -2,21 +2,13 @@
 
 #include <benchmark/benchmark.h>
 
-#include "cloth_sim/cloth/stable_step.h"
-#include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/snapshot.h"
 #include "scenes.h"
-#include "solver/packed_ops.h"
 #include "solver/spring_forces.h"
 #include "solver/updatable_factor.h"
 
 namespace cloth_sim::bench {
 namespace {
-
-void perSpring(benchmark::State& run, double springs) {
-  run.counters["per_spring"] = benchmark::Counter(
-      springs, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
-}
 
 /// Particles and springs of a hanging cloth, packed.
 struct Packed {
@@ -42,7 +34,7 @@ void springForces(benchmark::State& run) {
     addSpringForces(packed.schedule, packed.particles.x, packed.particles.v, packed.force);
     benchmark::ClobberMemory();
   }
-  perSpring(run, packed.schedule.size());
+  tellPerSpring(packed.schedule.size(), run);
 }
 BENCHMARK(springForces)->Name("kernel/spring_forces")->RangeMultiplier(2)->Range(32, 1024);
 
@@ -82,7 +74,7 @@ void solve(benchmark::State& run) {
   factor.compute(globalMatrix(packed));
   PackedVectors x;
   for (auto _ : run) factor.solve(packed.particles.x, x);
-  perSpring(run, packed.schedule.size());
+  tellPerSpring(packed.schedule.size(), run);
 }
 BENCHMARK(solve)
     ->Name("kernel/triangular_solves")

@@ -19,11 +19,11 @@ std::string solverOf(const std::string& method) { return "solver: {method: " + m
 
 }  // namespace
 
-Scene hanging(int n, const std::string& method, const std::string& more) {
+Scene hanging(int n, const std::string& method) {
   return parseScene(clothOf(n,
                             "  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}\n"
                             "  pins: [corner_01, corner_11]\n") +
-                        "drag: 0.5\n" + solverOf(method) + more,
+                        "drag: 0.5\n" + solverOf(method),
                     "hanging");
 }
 
@@ -37,6 +37,11 @@ Scene overSphere(int n, const std::string& method) {
 Warm::Warm(Scene scene, int steps) : simulation_(std::make_unique<Simulation>(std::move(scene))) {
   for (int k = 0; k < steps; ++k) simulation_->step();
   bytes_ = simulation_->save();
+}
+
+void tellPerSpring(double springs, benchmark::State& run) {
+  run.counters["per_spring"] = benchmark::Counter(
+      springs, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 }  // namespace cloth_sim::bench

@@ -1,6 +1,8 @@
 #pragma once
 /// \file Simulations that the benchmarks measure.
 
+#include <benchmark/benchmark.h>
+
 #include <string>
 
 #include "cloth_sim/sim/simulation.h"
@@ -8,8 +10,7 @@
 namespace cloth_sim::bench {
 
 /// A cloth of n x n particles on one metre that hangs from two corners; 0.2 kg.
-/// \param more  lines of YAML for the end of the scene.
-Scene hanging(int n, const std::string& method, const std::string& more = "");
+Scene hanging(int n, const std::string& method);
 
 /// The same cloth, level, just above a sphere.
 Scene overSphere(int n, const std::string& method);
@@ -26,5 +27,8 @@ class Warm {
   std::unique_ptr<Simulation> simulation_;
   std::string bytes_;
 };
+
+/// Tells the time per spring, besides that per iteration.
+void tellPerSpring(double springs, benchmark::State& run);
 
 }  // namespace cloth_sim::bench

@@ -28,8 +28,7 @@ void step(benchmark::State& run, const std::string& method, int threads) {
     simulation.step();
   }
   const double springs = simulation.model().springs.count();
-  run.counters["per_spring"] = benchmark::Counter(
-      springs, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  tellPerSpring(springs, run);
   run.counters["substeps"] = simulation.lastReport().substeps;
   run.counters["iterations"] = simulation.lastReport().iterations;
 }
