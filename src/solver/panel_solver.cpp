@@ -1,6 +1,7 @@
 #include "panel_solver.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "cloth_sim/solver/vector_clones.h"
 

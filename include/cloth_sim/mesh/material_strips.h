@@ -1,6 +1,7 @@
 #pragma once
 /// \file Where several cloths lie in the material plane.
 
+#include <utility>
 #include <vector>
 
 #include "cloth_sim/types.h"
