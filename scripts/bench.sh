@@ -30,6 +30,6 @@ done
 
 workspace=$repo_root/.ws
 prepare build bench
-run_timed build build_workspace "$workspace" cloth_bench -DCMAKE_BUILD_TYPE=Release -DCLOTH_SIM_SANITIZE=
+run_timed build build_workspace "$workspace" "cloth_bench peer_bullet" -DCMAKE_BUILD_TYPE=Release -DCLOTH_SIM_SANITIZE=
 enter_workspace "$workspace"
 taskset -c "$core" "$(find "$workspace" -type f -name cloth_bench | head -n 1)" "${arguments[@]}"

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cloth.h"
 #include "cloth_sim/sim/parallel.h"
@@ -114,6 +115,7 @@ nlohmann::json compare(const Comparison& comparison) {
   const std::vector<Result> peers = measureAll(comparison.peers);
   const std::vector<Result> ours = measureAll(comparison.ours);
   const Result* peer = cheapest(peers, comparison.ask, std::numeric_limits<double>::infinity());
+  if (peers.empty()) return json;
   if (peer == nullptr) {
     std::printf("  no setting of the peer keeps columns below %.3g %%\n\n", 100.0 * comparison.ask);
     return json;
@@ -142,10 +144,22 @@ std::vector<Contender> settingsOfBullet(bool few) {
   return result;
 }
 
+/// \param text  as in "projective substeps=1 iterations=2".
+Contender ownSetting(const std::string& text) {
+  std::istringstream words(text);
+  std::string method, word;
+  words >> method;
+  std::vector<std::string> overrides;
+  while (words >> word) overrides.push_back("solver." + word);
+  return own(method, overrides);
+}
+
 std::vector<Contender> settingsOfOurs() {
   return {own("projective", {"solver.substeps=1", "solver.iterations=1"}),
           own("projective", {"solver.substeps=1", "solver.iterations=2"}),
           own("projective", {"solver.substeps=2", "solver.iterations=1"}),
+          own("projective", {"solver.substeps=3", "solver.iterations=1"}),
+          own("projective", {"solver.substeps=4", "solver.iterations=1"}),
           own("xpbd", {"solver.substeps=20"}),
           own("xpbd", {"solver.substeps=32"}),
           own("xpbd", {"solver.substeps=40"})};
@@ -158,6 +172,8 @@ int main(int argc, char** argv) {
   using namespace cloth_sim::bench;
   Task task;
   bool few = false;
+  bool noPeer = false;
+  std::vector<std::string> settings;
   std::string file;
   std::vector<std::string> only = {"hang", "sphere"};
   CLI::App app{"Compares cloth_sim with Bullet's soft body: CPU time of a frame and stretch."};
@@ -169,13 +185,20 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--scenes", only, "hang, sphere or both")->delimiter(',');
   app.add_flag("--few", few, "only the cheapest settings of the peer");
+  app.add_flag("--no-peer", noPeer, "nothing of the peer: only what ours do");
+  app.add_option("--ours", settings,
+                 "settings of ours instead of the usual ones: \"METHOD KEY=VALUE...\" each");
   app.add_option("--json", file, "writes the rows there, too");
   CLI11_PARSE(app, argc, argv);
   try {
     const cloth_sim::ThreadLimit oneThread(1);
+    std::vector<Contender> ours;
+    for (const std::string& text : settings) ours.push_back(ownSetting(text));
+    if (ours.empty()) ours = settingsOfOurs();
     nlohmann::json all = nlohmann::json::array();
     for (const std::string& name : only) {
-      Comparison comparison{name, task, settingsOfBullet(few), settingsOfOurs(), 0.05};
+      Comparison comparison{name, task, settingsOfBullet(few), ours, 0.05};
+      if (noPeer) comparison.peers.clear();
       if (name == "sphere") {
         comparison.task.sphere = Task::Sphere{{0.0, 0.0, 0.35}, 0.25};
         comparison.task.height = 0.7;

@@ -12,6 +12,7 @@
 #include "packed_ops.h"
 #include "spring_forces.h"
 #include "updatable_factor.h"
+#include "warm_contacts.h"
 
 namespace cloth_sim {
 namespace {
@@ -87,6 +88,7 @@ class Projective final : public PackedSolver {
   }
 
   void substep(const Substep& now) override {
+    if (now.before == 0.0) obstacles_.begin(now.contacts, particles_, now.time - now.h, now.h);
     markStart();
     velocity_ = particles_.v;
     findWind(now);
@@ -103,7 +105,7 @@ class Projective final : public PackedSolver {
     noteIterations(k, residual);
     findVelocity(now.h);
     bearForces(now);
-    enforceContacts(now);
+    obstacles_.enforce(now.time, now.h, now.contacts, particles_);
   }
 
   void findWind(const Substep& now) {
@@ -126,6 +128,7 @@ class Projective final : public PackedSolver {
     } else {
       setZero(particles_.mass.size(), force_);
     }
+    obstacles_.addForces(particles_.mass, force_);
     // Dashpots: of the motion in the substep.
     if (schedule_.damped || bending_.retardation() > 0.0) findVelocity(now.h);
     addSpringForces(schedule_, particles_.x, particles_.v, force_);
@@ -257,9 +260,11 @@ class Projective final : public PackedSolver {
   }
 
   void saveMemory(StateWriter& archive) const override {
-    archive(step_, drag_, holdWeight_, factor_);
+    archive(step_, drag_, holdWeight_, factor_, obstacles_);
   }
-  void loadMemory(StateReader& archive) override { archive(step_, drag_, holdWeight_, factor_); }
+  void loadMemory(StateReader& archive) override {
+    archive(step_, drag_, holdWeight_, factor_, obstacles_);
+  }
 
   BendMatrix bending_;
   int iterations_;
@@ -272,6 +277,7 @@ class Projective final : public PackedSolver {
   bool isSolvable_ = true;  ///< the matrix was positive definite in spite of rounding
   std::vector<std::int32_t> heldSprings_;  ///< positions of springs at kinematic particles
   PackedVectors velocity_;                 ///< at the start of the substep [m/s]
+  WarmContacts obstacles_;
   PackedVectors wind_, residual_, change_;
 };
 
@@ -284,7 +290,7 @@ SolverInfo projectiveInfo() {
   info.reference = "Liu, Bargteil, O'Brien & Kavan, Fast Simulation of Mass-Spring Systems, 2013";
   info.limitations =
       "backward Euler's damping; converges slowly where stiff cloth turns in a substep; "
-      "strains near obstacles at long substeps";
+      "single edges strain near obstacles at long substeps";
   info.order = 1;
   SolverParameter iterations = substepsParameter(10);
   iterations.name = "iterations";

@@ -5,14 +5,16 @@ import os
 import resource
 import signal
 import subprocess
-import tempfile
+import sys
 import time
-import unittest
 
 import rosbag
 import rosunit
 
 from cloth_sim.msg import GraspEvent
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import ScratchTest  # noqa: E402
 
 BENCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'ros', 'bench.yaml')
 CLOTH_RUN = subprocess.check_output(
@@ -43,18 +45,10 @@ phases:
 """
 
 
-class ClothRunTest(unittest.TestCase):
+class ClothRunTest(ScratchTest):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
+        super().setUp()
         self.scene = self.path('quick.yaml', QUICK)
-
-    def path(self, name, text=None):
-        path = os.path.join(self.folder.name, name)
-        if text is not None:
-            with open(path, 'w') as file:
-                file.write(text)
-        return path
 
     def run_cloth(self, *arguments, timeout=120):
         return subprocess.run([CLOTH_RUN, *arguments], capture_output=True, text=True,

@@ -4,11 +4,13 @@ import json
 import os
 import resource
 import subprocess
-import tempfile
-import unittest
+import sys
 
 import rosbag
 import rosunit
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import ScratchTest  # noqa: E402
 
 CLOTH_RUN = subprocess.check_output(
     ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
@@ -39,16 +41,10 @@ phases:
 """
 
 
-class SavedRunsTest(unittest.TestCase):
+class SavedRunsTest(ScratchTest):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.scene = self.path('scene.yaml')
-        with open(self.scene, 'w') as file:
-            file.write(SCENE)
-
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
+        super().setUp()
+        self.scene = self.path('scene.yaml', SCENE)
 
     def run_cloth(self, *arguments, expected=0):
         result = subprocess.run([CLOTH_RUN, *arguments], capture_output=True, text=True,

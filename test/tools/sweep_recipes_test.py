@@ -164,7 +164,7 @@ class RecipesTest(SweepTest):
         environment = self.cluster()
         script = os.path.join(ROOT, 'scripts', 'sweep.sbatch')
         self.check('sbatch', '--wait', '--array=1-4', script, self.job_list(*self.GRID),
-                   env=environment, cwd=self.temporary.name)
+                   env=environment, cwd=self.folder.name)
         self.all_done()
 
     def test_a_task_that_the_list_does_not_have(self):

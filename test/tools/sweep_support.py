@@ -2,8 +2,8 @@
 import os
 import subprocess
 import sys
-import tempfile
-import unittest
+
+from scratch import ScratchTest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 SWEEP = os.path.join(ROOT, 'scripts', 'cloth_sweep')
@@ -25,19 +25,11 @@ phases:
 """
 
 
-class SweepTest(unittest.TestCase):
+class SweepTest(ScratchTest):
     def setUp(self):
-        self.temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(self.temporary.cleanup)
+        super().setUp()
         self.scene = self.path('hang.yaml', SCENE)
         self.out = self.path('sweep')
-
-    def path(self, name, text=None):
-        path = os.path.join(self.temporary.name, name)
-        if text is not None:
-            with open(path, 'w') as file:
-                file.write(text)
-        return path
 
     def sweep(self, *arguments, expected=0):
         result = subprocess.run([sys.executable, SWEEP, *arguments], capture_output=True, text=True,

@@ -3,12 +3,14 @@
 import json
 import os
 import subprocess
-import tempfile
-import unittest
+import sys
 
 import rosbag
 import rosunit
 from cloth_sim.msg import TearEvent
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import ScratchTest  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CLOTH_RUN = subprocess.check_output(
@@ -16,11 +18,7 @@ CLOTH_RUN = subprocess.check_output(
 PHASES = ['drop', 'settle', 'attach', 'close', 'lift', 'lower_and_notch', 'pull_and_tear', 'stop']
 
 
-class TearingRunTest(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-
+class TearingRunTest(ScratchTest):
     def run_scene(self, scene, *arguments):
         result = subprocess.run([CLOTH_RUN, scene, '--summary', '-', *arguments],
                                 capture_output=True, text=True, timeout=900)
@@ -51,7 +49,7 @@ class TearingRunTest(unittest.TestCase):
                     for event in message.events]
 
     def test_tear_seam(self):
-        bag = os.path.join(self.folder.name, 'run.bag')
+        bag = self.path('run.bag')
         summary = self.run_scene('tear_seam', '--threads', '1', '--bag', bag)
         self.expect_torn_in_two(summary)
         # The seam lies in the middle: each half has half of everything.

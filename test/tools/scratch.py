@@ -1,0 +1,18 @@
+"""What tests of programs share: a folder of their own."""
+import os
+import tempfile
+import unittest
+
+
+class ScratchTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name, text=None):
+        """Of a file in the folder; with a text, one that has it."""
+        path = os.path.join(self.folder.name, name)
+        if text is not None:
+            with open(path, 'w') as file:
+                file.write(text)
+        return path
