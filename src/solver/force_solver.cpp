@@ -21,10 +21,19 @@ void kickAxis(std::size_t count, double h, double g, const double* force, const 
   }
 }
 
+/// a = f / m + g [m > 0] along one axis.
+CLOTH_SIM_VECTOR_CLONES
+void accelerationAxis(std::size_t count, double g, const double* force, const double* inverseMass,
+                      double* a) {
+  for (std::size_t k = 0; k < count; ++k) {
+    a[k] = force[k] * inverseMass[k] + (inverseMass[k] > 0.0 ? g : 0.0);
+  }
+}
+
 /// a = f / m + (g - drag v) [m > 0] along one axis.
 CLOTH_SIM_VECTOR_CLONES
-void accelerationAxis(std::size_t count, double g, double drag, const double* force,
-                      const double* v, const double* inverseMass, double* a) {
+void draggedAccelerationAxis(std::size_t count, double g, double drag, const double* force,
+                             const double* v, const double* inverseMass, double* a) {
   for (std::size_t k = 0; k < count; ++k) {
     const double fall = inverseMass[k] > 0.0 ? g - drag * v[k] : 0.0;
     a[k] = force[k] * inverseMass[k] + fall;
@@ -65,8 +74,12 @@ void ForceSolver::evaluateAccelerations(const Controls& controls, PackedVectors&
   out.resize(n);
   const auto axis = [&](double g, const std::vector<double>& f, const std::vector<double>& v,
                         std::vector<double>& a) {
-    accelerationAxis(n, g, controls.drag, f.data(), v.data(), particles_.inverseMass.data(),
-                     a.data());
+    const double* const w = particles_.inverseMass.data();
+    if (controls.drag != 0.0) {
+      draggedAccelerationAxis(n, g, controls.drag, f.data(), v.data(), w, a.data());
+    } else {
+      accelerationAxis(n, g, f.data(), w, a.data());
+    }
   };
   axis(controls.gravity.x(), force_.x, particles_.v.x, out.x);
   axis(controls.gravity.y(), force_.y, particles_.v.y, out.y);

@@ -1,5 +1,6 @@
 #include "packed_ops.h"
 
+#include <algorithm>
 #include <array>
 
 #include "cloth_sim/solver/vector_clones.h"
@@ -10,6 +11,11 @@ namespace {
 CLOTH_SIM_VECTOR_CLONES
 void sumAxis(std::size_t n, const double* b, double s, const double* c, double* a) {
   for (std::size_t k = 0; k < n; ++k) a[k] = b[k] + s * c[k];
+}
+
+CLOTH_SIM_VECTOR_CLONES
+void differenceAxis(std::size_t n, const double* b, const double* c, double s, double* a) {
+  for (std::size_t k = 0; k < n; ++k) a[k] = s * (b[k] - c[k]);
 }
 
 /// Eight partial sums, so that it can be vectorised without changing the order.
@@ -30,22 +36,41 @@ double dotAxis(std::size_t n, const double* a, const double* b) {
 }  // namespace
 
 void setZero(std::size_t n, PackedVectors& a) {
-  forAxes([n](std::vector<double>& axis) { axis.assign(n, 0.0); }, a);
+  a.resize(n);
+  forParts(n, [&](std::size_t first, std::size_t count) {
+    forAxes([&](std::vector<double>& axis) { std::fill_n(axis.data() + first, count, 0.0); }, a);
+  });
+}
+
+void copy(const PackedVectors& b, PackedVectors& a) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes([&](const auto& from,
+                auto& to) { std::copy_n(from.data() + first, count, to.data() + first); },
+            b, a);
+  });
 }
 
 void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVectors& a) {
   a.resize(b.x.size());
-  forAxes([s](auto& p, const auto& q,
-              const auto& r) { sumAxis(q.size(), q.data(), s, r.data(), p.data()); },
-          a, b, c);
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes(
+        [&](auto& p, const auto& q, const auto& r) {
+          sumAxis(count, q.data() + first, s, r.data() + first, p.data() + first);
+        },
+        a, b, c);
+  });
 }
 
-void scale(double s, PackedVectors& a) {
-  forAxes(
-      [s](auto& axis) {
-        for (double& value : axis) value *= s;
-      },
-      a);
+void setDifference(const PackedVectors& b, const PackedVectors& c, double s, PackedVectors& a) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes(
+        [&](auto& p, const auto& q, const auto& r) {
+          differenceAxis(count, q.data() + first, r.data() + first, s, p.data() + first);
+        },
+        a, b, c);
+  });
 }
 
 void addScaled(double s, const PackedVectors& b, PackedVectors& a) { setSum(a, s, b, a); }

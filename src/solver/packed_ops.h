@@ -1,6 +1,7 @@
 #pragma once
-/// \file Arithmetic on packed vectors, one axis at a time.
+/// \file Arithmetic on packed vectors, on several threads where that pays.
 
+#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/solver/packed_particles.h"
 
 namespace cloth_sim {
@@ -13,12 +14,23 @@ void forAxes(const Body& body, Vectors&... vectors) {
   body(vectors.z...);
 }
 
+/// Calls `body(first, count)` on parts of `n` particles that together cover them.
+template <typename Body>
+void forParts(std::size_t n, const Body& body) {
+  constexpr std::int32_t kGrain = 4096;  // so many are worth a second thread
+  parallelFor(static_cast<std::int32_t>(n), kGrain, [&](std::int32_t first, std::int32_t last) {
+    body(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
+  });
+}
+
 /// All coordinates of `n` particles zero.
 void setZero(std::size_t n, PackedVectors& a);
+/// a = b.
+void copy(const PackedVectors& b, PackedVectors& a);
 /// a = b + s c.
 void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVectors& a);
-/// a *= s.
-void scale(double s, PackedVectors& a);
+/// a = s (b - c).
+void setDifference(const PackedVectors& b, const PackedVectors& c, double s, PackedVectors& a);
 /// a += s b.
 void addScaled(double s, const PackedVectors& b, PackedVectors& a);
 /// Sum over all coordinates of a b, in an order that depends on nothing but the size.

@@ -2,11 +2,16 @@
 
 #include <numeric>
 
+#include "cloth_sim/parallel_for.h"
+
 namespace cloth_sim {
 namespace {
 
 /// See PackedParticles: spans of one and two columns both map to contiguous stretches.
 constexpr int kInterleave = 4;
+
+/// Particles for which a second thread pays.
+constexpr std::int32_t kGrain = 4096;
 
 /// Place of column i within a stored row.
 int packedColumn(int i, int columns) {
@@ -54,17 +59,21 @@ void PackedParticles::resize() {
 }
 
 void PackedParticles::load(const State& state) {
-  for (VertexId k = 0; k < count(); ++k) {
-    x.set(slotOf[k], state.x[k]);
-    v.set(slotOf[k], state.v[k]);
-  }
+  parallelFor(count(), kGrain, [&](VertexId first, VertexId last) {
+    for (VertexId k = first; k < last; ++k) {
+      x.set(slotOf[k], state.x[k]);
+      v.set(slotOf[k], state.v[k]);
+    }
+  });
 }
 
 void PackedParticles::store(State& state) const {
-  for (VertexId k = 0; k < count(); ++k) {
-    state.x[k] = x.at(slotOf[k]);
-    state.v[k] = v.at(slotOf[k]);
-  }
+  parallelFor(count(), kGrain, [&](VertexId first, VertexId last) {
+    for (VertexId k = first; k < last; ++k) {
+      state.x[k] = x.at(slotOf[k]);
+      state.v[k] = v.at(slotOf[k]);
+    }
+  });
 }
 
 void PackedParticles::loadMasses(const Model& model,

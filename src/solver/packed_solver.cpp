@@ -6,6 +6,7 @@
 
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/sim/archive.h"
+#include "packed_ops.h"
 
 namespace cloth_sim {
 namespace {
@@ -146,11 +147,7 @@ void PackedSolver::finishReactions(const Model& model, const Controls& controls,
   }
 }
 
-void PackedSolver::markStart() {
-  particles_.start.x = particles_.x.x;
-  particles_.start.y = particles_.x.y;
-  particles_.start.z = particles_.x.z;
-}
+void PackedSolver::markStart() { copy(particles_.x, particles_.start); }
 
 void PackedSolver::placeKinematic(double fraction) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {

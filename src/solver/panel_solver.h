@@ -47,6 +47,11 @@ struct SparseFactor {
 /// twice and does little else: in single precision that is half the bytes. What it is used for is a
 /// step of an iteration whose residual is in double precision, so the result of that is not
 /// rounded.
+///
+/// Subtrees of the elimination tree share no row but those above them, so they go in parallel: they
+/// are gathered into groups of about the same work, and what is above all of them, the top, comes
+/// after (forward) or before (backward). What groups add to the top is summed up group by group.
+/// The division depends on L alone, so the result does not depend on the number of threads.
 class PanelSolver {
  public:
   /// \param position  row of L by row of the matrix.
@@ -60,19 +65,35 @@ class PanelSolver {
 
   /// Consecutive columns.
   struct Panel {
-    std::int32_t first = 0;  ///< column
-    std::int32_t width = 0;  ///< columns
-    std::int32_t rows = 0;   ///< below the last column's diagonal
-    std::size_t row = 0;     ///< in row_
-    std::size_t value = 0;   ///< in value_: the square on the diagonal by rows, then the rows below
+    std::int32_t first = 0;    ///< column
+    std::int32_t width = 0;    ///< columns
+    std::int32_t rows = 0;     ///< below the last column's diagonal
+    std::int32_t ownRows = 0;  ///< of these, in the panel's own group; the rest are in the top
+    std::size_t row = 0;       ///< in row_
+    std::size_t value = 0;  ///< in value_: the square on the diagonal by rows, then the rows below
   };
 
+  /// Consecutive panels.
+  struct Group {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+    std::vector<Float4> toTop;  ///< what its panels take from the rows of the top
+  };
+
+  struct Layout;
   /// Kernels for panels of one width.
   struct Kernels;
 
-  void add(const SparseFactor& factor, std::int32_t first, std::int32_t width);
+  void add(const SparseFactor& factor, const Layout& layout, std::int32_t panel);
+  void forward();
+  void backward();
+  template <typename Body>
+  void forGroups(const Body& body);
 
-  std::vector<Panel> panels_;
+  std::vector<Panel> panels_;  ///< by group; then the top
+  std::vector<Group> groups_;
+  std::size_t firstOfTop_ = 0;  ///< panel
+  std::int32_t topRow_ = 0;     ///< the first row of the top
   std::vector<std::int32_t> row_;
   std::vector<float> value_;
   std::vector<float> inverseDiagonal_;

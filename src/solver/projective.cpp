@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "bend_matrix.h"
+#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/sim/archive.h"
 #include "cloth_sim/solver/packed_solver.h"
 #include "cloth_sim/solver/vector_clones.h"
@@ -20,6 +21,9 @@ namespace {
 /// On the diagonal for a particle that is held, relative to the largest entry there; letting it go
 /// costs six digits out of sixteen.
 constexpr double kHold = 1e6;
+
+/// Particles that a thread takes at once.
+constexpr std::size_t kPart = 4096;
 
 /// What the residual of one coordinate is made of.
 struct Terms {
@@ -90,7 +94,7 @@ class Projective final : public PackedSolver {
   void substep(const Substep& now) override {
     if (now.before == 0.0) obstacles_.begin(now.contacts, particles_, now.time - now.h, now.h);
     markStart();
-    velocity_ = particles_.v;
+    copy(particles_.v, velocity_);
     findWind(now);
     setSum(particles_.start, now.h, particles_.v, particles_.x);
     placeKinematic(now.fraction);
@@ -117,14 +121,13 @@ class Projective final : public PackedSolver {
 
   /// v = (x - start) / h.
   void findVelocity(double h) {
-    setSum(particles_.x, -1.0, particles_.start, particles_.v);
-    scale(1.0 / h, particles_.v);
+    setDifference(particles_.x, particles_.start, 1.0 / h, particles_.v);
   }
 
   /// h^2 times the forces that are out of balance, in `residual_`; as a mean acceleration [m/s^2].
   double findResidual(const Substep& now) {
     if (now.controls.hasLoads()) {
-      force_ = wind_;
+      copy(wind_, force_);
     } else {
       setZero(particles_.mass.size(), force_);
     }
@@ -135,18 +138,35 @@ class Projective final : public PackedSolver {
     bending_.addForces(particles_.x, particles_.v, force_);
     const std::size_t n = particles_.mass.size();
     residual_.resize(n);
-    const double* const m = particles_.mass.data();
-    const double* const w = particles_.inverseMass.data();
-    const Vec3& g = now.controls.gravity;
+    squares_.assign((n + kPart - 1) / kPart, 0.0);
+    parallelFor(static_cast<std::int32_t>(squares_.size()), 1,
+                [&](std::int32_t first, std::int32_t last) {
+                  for (auto part = first; part < last; ++part) {
+                    squares_[static_cast<std::size_t>(part)] =
+                        findResidualOf(static_cast<std::size_t>(part), now);
+                  }
+                });
+    const double square = std::accumulate(squares_.begin(), squares_.end(), 0.0);
+    return freeMass_ > 0.0 ? std::sqrt(square / freeMass_) / (now.h * now.h) : 0.0;
+  }
+
+  /// \return the sum of the squares over the masses.
+  double findResidualOf(std::size_t part, const Substep& now) {
+    const std::size_t begin = part * kPart;
+    const std::size_t count = std::min(kPart, residual_.x.size() - begin);
+    const double* const m = particles_.mass.data() + begin;
+    const double* const w = particles_.inverseMass.data() + begin;
     double square = 0.0;
     int axis = 0;
     forAxes(
         [&](const auto& v, const auto& f, const auto& start, const auto& x, auto& r) {
-          square += residualAxis(n, now.h, g[axis++], now.controls.drag,
-                                 {m, w, v.data(), f.data(), start.data(), x.data()}, r.data());
+          square += residualAxis(
+              count, now.h, now.controls.gravity[axis++], now.controls.drag,
+              {m, w, v.data() + begin, f.data() + begin, start.data() + begin, x.data() + begin},
+              r.data() + begin);
         },
         velocity_, force_, particles_.start, particles_.x, residual_);
-    return freeMass_ > 0.0 ? std::sqrt(square / freeMass_) / (now.h * now.h) : 0.0;
+    return square;
   }
 
   /// x += A^-1 residual. Where nothing is held, the motion of the whole is kept out of the
@@ -279,6 +299,7 @@ class Projective final : public PackedSolver {
   PackedVectors velocity_;                 ///< at the start of the substep [m/s]
   WarmContacts obstacles_;
   PackedVectors wind_, residual_, change_;
+  std::vector<double> squares_;  ///< of the residual, by part
 };
 
 }  // namespace

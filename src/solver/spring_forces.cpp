@@ -100,7 +100,11 @@ void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, con
       [&](std::int32_t first, std::int32_t count) {
         pullRun(count, first, schedule.endA[first], schedule.endB[first], schedule, x, v, force);
       },
-      [&](std::int32_t position) { addSpringForce(schedule, position, x, v, force); });
+      [&](std::int32_t first, std::int32_t count) {
+        for (std::int32_t p = first; p < first + count; ++p) {
+          addSpringForce(schedule, p, x, v, force);
+        }
+      });
 }
 
 }  // namespace cloth_sim

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cloth_sim/mesh/quality.h"
+#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/surgery/tear_line.h"
 
 namespace cloth_sim {
@@ -18,6 +19,8 @@ constexpr double kMemory = 1.0;
 constexpr double kLongAgo = -1e9;
 /// From this strain over the strain that tears on, a spring may fail soon.
 constexpr double kNear = 0.7;
+/// Springs for which a second thread pays.
+constexpr std::int32_t kGrain = 8192;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
   return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
@@ -87,16 +90,35 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
   }
 }
 
+/// Most springs are far from failing: that shows without a root.
+void Tearing::markNear(const Model& model, const State& state) {
+  isNear_.resize(candidates_.size());
+  parallelFor(static_cast<std::int32_t>(candidates_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
+                     ++k) {
+                  const Spring& spring = model.springs[candidates_[k]];
+                  isNear_[k] = spring.exists() && isPast(kNear, spring, state);
+                }
+              });
+}
+
+/// Whether the strain is more than this part of what tears.
+bool Tearing::isPast(double part, const Spring& spring, const State& state) const {
+  const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
+  const double length = (1.0 + part * (ratio - 1.0)) * spring.restLength;
+  return (state.x[spring.b] - state.x[spring.a]).squaredNorm() > length * length;
+}
+
 std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const State& state) {
   std::vector<Overload> found;
   worst_ = 0.0;
-  for (std::int32_t slot : candidates_) {
+  markNear(model, state);
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    if (!isNear_[k]) continue;
+    const std::int32_t slot = candidates_[k];
     const Spring& spring = model.springs[slot];
-    if (!spring.exists()) continue;
     const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
-    // Most springs are far from failing: that shows without a root.
-    const double near = (1.0 + kNear * (ratio - 1.0)) * spring.restLength;
-    if ((state.x[spring.b] - state.x[spring.a]).squaredNorm() <= near * near) continue;
     const double stretched = stretch(spring, state);
     const double load = (stretched - 1.0) / (ratio - 1.0);
     if (load > worst_ && idle_.count(slot) == 0) worst_ = load;

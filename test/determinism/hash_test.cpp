@@ -7,9 +7,9 @@
 #include <set>
 #include <thread>
 
+#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/solver/parallel_for.h"
 #include "cloth_sim/solver/spring_schedule.h"
 #include "determinism/busy_scene.h"
 #include "unit/core_support.h"

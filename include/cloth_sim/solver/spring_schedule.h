@@ -2,7 +2,7 @@
 /// \file The order in which sweeps visit springs, and their constants in that order.
 
 #include "cloth_sim/cloth/model.h"
-#include "cloth_sim/solver/parallel_for.h"
+#include "cloth_sim/parallel_for.h"
 
 namespace cloth_sim {
 
@@ -49,18 +49,19 @@ class SpringSchedule {
   /// Position of a spring by its slot in the network.
   std::int32_t positionOf(std::int32_t springSlot) const { return position_[springSlot]; }
 
-  /// Calls `runVisitor(first, count)` for runs and `singleVisitor(position)` for other springs, in
-  /// the order of the sweep, on several threads where that pays.
-  template <typename RunVisitor, typename SingleVisitor>
-  void sweep(const RunVisitor& runVisitor, const SingleVisitor& singleVisitor) const;
+  /// Calls `runVisitor(first, count)` for runs and `otherVisitor(first, count)` for spans of
+  /// springs whose ends are anywhere, but no two of them share a particle, in the order of the
+  /// sweep, on several threads where that pays.
+  template <typename RunVisitor, typename OtherVisitor>
+  void sweep(const RunVisitor& runVisitor, const OtherVisitor& otherVisitor) const;
 
   /// The same, with `visitor(position)` for every spring.
   template <typename Visitor>
   void sweep(const Visitor& visitor) const {
-    const auto run = [&visitor](std::int32_t first, std::int32_t count) {
+    const auto each = [&visitor](std::int32_t first, std::int32_t count) {
       for (std::int32_t p = first; p < first + count; ++p) visitor(p);
     };
-    sweep(run, visitor);
+    sweep(each, each);
   }
 
   // By position:
@@ -105,8 +106,8 @@ class SpringSchedule {
   Extent original_;
 };
 
-template <typename RunVisitor, typename SingleVisitor>
-void SpringSchedule::sweep(const RunVisitor& runVisitor, const SingleVisitor& singleVisitor) const {
+template <typename RunVisitor, typename OtherVisitor>
+void SpringSchedule::sweep(const RunVisitor& runVisitor, const OtherVisitor& otherVisitor) const {
   /// Fewer springs are not worth a second thread.
   constexpr std::int32_t kGrainSprings = 2048;
   for (const Batch& batch : batches_) {
@@ -121,7 +122,7 @@ void SpringSchedule::sweep(const RunVisitor& runVisitor, const SingleVisitor& si
         if (span.isRun) {
           runVisitor(span.first, span.count);
         } else {
-          for (std::int32_t p = span.first; p < span.first + span.count; ++p) singleVisitor(p);
+          otherVisitor(span.first, span.count);
         }
       }
     });

@@ -108,6 +108,8 @@ class Tearing {
   }
 
   bool allowed(const Model& model, const Spring& spring) const;
+  void markNear(const Model& model, const State& state);
+  bool isPast(double part, const Spring& spring, const State& state) const;
   std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
   /// \param faces  that the spring stands on; of `lineFor` too.
@@ -125,6 +127,7 @@ class Tearing {
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
   std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
+  std::vector<char> isNear_;     ///< by candidate: it is near failing; scratch
   double worst_ = 0.0;           ///< largest strain over the strain that tears, if it is near 1
   double plannedAt_ = 0.0;       ///< time of the state of the last plan [s]
   std::vector<Stride> strides_;  ///< of the last plan, by path
