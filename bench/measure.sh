@@ -42,8 +42,8 @@ run_bench() {
 for part in "${parts[@]}"; do
   case $part in
     hang | sphere) taskset -c 0 "$peer" --scenes "$part" --json "$out/$part.json" ;;
-    parts) run_bench "$out/parts.json" 0 '^(kernel|part|floor)/' ;;
-    steps) run_bench "$out/steps.json" all '^step/.*/side:(32|64|128|256)/' ;;
+    parts) run_bench "$out/parts.json" 0 '^(kernel|part|floor|whole|message|sleep)/' ;;
+    steps) run_bench "$out/steps.json" all '^step/' ;;
     *) echo "error: unknown part '$part' (hang, sphere, parts, steps)" >&2 && exit 2 ;;
   esac
 done

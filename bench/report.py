@@ -61,9 +61,59 @@ def nanoseconds(seconds):
     return '%.2f' % (1e9 * seconds)
 
 
+def per_spring(found, name):
+    """Seconds; nothing if it was not measured."""
+    return found[name]['median'].get('per_spring') if name in found else None
+
+
+def floors(document):
+    """What a spring costs over what it costs at the floor."""
+    found = medians(document)
+    rows = []
+    for side in (32, 64, 128, 256, 512, 1024):
+        row = [str(side)]
+        for kernel, floor in (('spring_corrections', 'structured'),
+                              ('spring_corrections_any', 'any_topology')):
+            own = per_spring(found, 'kernel/%s/%d' % (kernel, side))
+            single, double = (per_spring(found, 'floor/%s/%s/%d' % (floor, real, side))
+                              for real in ('float', 'double'))
+            if not (own and single and double):
+                return 'Not measured yet.'
+            row += [nanoseconds(own), nanoseconds(double), nanoseconds(single),
+                    '%.2f' % (own / double), '%.2f' % (own / single)]
+        rows.append(row)
+    return table(['side'] + ['grid: `xpbd`', 'floor, double', 'floor, float', 'over double',
+                             'over float', 'any: `xpbd`', 'floor, double', 'floor, float',
+                             'over double', 'over float'], rows)
+
+
+def whole(document):
+    """Steps of whole scenes over those of the bare one."""
+    found = medians(document)
+    rows = []
+    for method in ('xpbd', 'projective'):
+        bare = found.get('whole/%s/pins' % method)
+        for what, told in (('pins', 'hanging from two pins'),
+                           ('armed', 'from two clamps, over ground and ball, tearing armed'),
+                           ('armed_cut', 'the same after three cuts'),
+                           ('armed_cut_refined', 'the same, refined around the cuts')):
+            entry = found.get('whole/%s/%s' % (method, what))
+            if not (bare and entry):
+                return 'Not measured yet.'
+            time = entry['median']['cpu_time']
+            rows.append(['`%s`' % method, told, '%d' % entry['median'].get('particles', 0),
+                         '%.2f%s' % (time, spread(entry)),
+                         '%.2f' % (time / bare['median']['cpu_time']),
+                         '%.2f' % (entry['median']['per_spring'] / bare['median']['per_spring'])])
+    return table(['method', 'scene', 'particles', 'ms a step', 'over the first',
+                  'the same a spring'], rows)
+
+
 def parts(document):
     rows = []
     for name, entry in medians(document).items():
+        if name.startswith(('floor/', 'whole/')):
+            continue
         median = entry['median']
         scale = {'ns': 1e-3, 'us': 1.0, 'ms': 1e3}[median['time_unit']]
         per = median.get('per_spring')
@@ -116,11 +166,23 @@ the soft body of Bullet 3.24, `substeps x iterations`, with bending links and fu
 ours. `bench/peer/peer_bullet.cpp`
 
 %(peers)s
-## Parts, and the floor
+## The floor
 
-`floor/structured` and `floor/any_topology` are sweeps that do nothing but correct lengths in single
-precision; what a spring costs a method beyond that is double precision, material, damping, contact and
-tearing.
+Nanoseconds a spring. The floors are sweeps that do nothing but correct lengths, on a grid whose structure is
+known and over any topology by colours, in the double precision that `xpbd` has and in single precision. *Any*:
+particles along a Z curve, so that no springs are in a row. `bench/kernels/floor_bench.cpp`
+
+%(floors)s
+
+## Whole scenes
+
+128 x 128 particles, one thread. `bench/kernels/whole_bench.cpp`
+
+%(whole)s
+
+## Parts
+
+`part/start_up` is a simulation made and its first step.
 
 %(parts)s
 
@@ -133,6 +195,8 @@ The hanging cloth, with each method's default parameters.
 %(tried)s''' % {'machine': read(folder, 'machine.txt'),
                 'peers': told((read(folder, 'hang.json') or []) + (read(folder, 'sphere.json') or []),
                               peers),
+                'floors': told(read(folder, 'parts.json'), floors),
+                'whole': told(read(folder, 'parts.json'), whole),
                 'parts': told(read(folder, 'parts.json'), parts),
                 'steps': told(read(folder, 'steps.json'), steps), 'tried': tried})
 

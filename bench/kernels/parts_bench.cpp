@@ -1,86 +1,13 @@
-// What a step and its surroundings are made of, each alone, at 128 x 128 and other sizes.
+// What surrounds a solve in a step, each alone, at 128 x 128 and other sizes.
 
 #include <benchmark/benchmark.h>
 
 #include "cloth_sim/sim/snapshot.h"
+#include "cloth_sim/solver/packed_particles.h"
 #include "scenes.h"
-#include "solver/spring_forces.h"
-#include "solver/updatable_factor.h"
 
 namespace cloth_sim::bench {
 namespace {
-
-/// Particles and springs of a hanging cloth, packed.
-struct Packed {
-  explicit Packed(int n) : simulation(hanging(n, "xpbd")) {
-    const Model& model = simulation.model();
-    particles.layOut(model);
-    particles.resize();
-    particles.load(simulation.state());
-    particles.loadMasses(model, {});
-    schedule.build(model, particles.slotOf);
-    force.resize(static_cast<std::size_t>(particles.slots));
-  }
-
-  Simulation simulation;
-  PackedParticles particles;
-  SpringSchedule schedule;
-  PackedVectors force;
-};
-
-void springForces(benchmark::State& run) {
-  Packed packed(static_cast<int>(run.range(0)));
-  for (auto _ : run) {
-    addSpringForces(packed.schedule, packed.particles.x, packed.particles.v, packed.force);
-    benchmark::ClobberMemory();
-  }
-  tellPerSpring(packed.schedule.size(), run);
-}
-BENCHMARK(springForces)->Name("kernel/spring_forces")->RangeMultiplier(2)->Range(32, 1024);
-
-UpdatableFactor::Matrix globalMatrix(const Packed& packed) {
-  std::vector<Eigen::Triplet<double>> entries;
-  constexpr double kFrame = 1.0 / 60.0;
-  for (Eigen::Index k = 0; k < packed.particles.slots; ++k) {
-    entries.emplace_back(k, k, packed.particles.mass[static_cast<std::size_t>(k)]);
-  }
-  for (std::size_t p = 0; p < packed.schedule.endA.size(); ++p) {
-    const double w = kFrame * kFrame * packed.schedule.stiffness[p];
-    const std::int32_t a = packed.schedule.endA[p];
-    const std::int32_t b = packed.schedule.endB[p];
-    entries.emplace_back(a, a, w);
-    entries.emplace_back(b, b, w);
-    entries.emplace_back(std::max(a, b), std::min(a, b), -w);
-  }
-  UpdatableFactor::Matrix matrix(packed.particles.slots, packed.particles.slots);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
-}
-
-void factorise(benchmark::State& run) {
-  const UpdatableFactor::Matrix matrix = globalMatrix(Packed(static_cast<int>(run.range(0))));
-  UpdatableFactor factor;
-  for (auto _ : run) factor.compute(matrix);
-}
-BENCHMARK(factorise)
-    ->Name("kernel/factorise")
-    ->RangeMultiplier(2)
-    ->Range(32, 256)
-    ->Unit(benchmark::kMillisecond);
-
-void solve(benchmark::State& run) {
-  const Packed packed(static_cast<int>(run.range(0)));
-  UpdatableFactor factor;
-  factor.compute(globalMatrix(packed));
-  PackedVectors x;
-  for (auto _ : run) factor.solve(packed.particles.x, x);
-  tellPerSpring(packed.schedule.size(), run);
-}
-BENCHMARK(solve)
-    ->Name("kernel/triangular_solves")
-    ->RangeMultiplier(2)
-    ->Range(32, 256)
-    ->Unit(benchmark::kMillisecond);
 
 void detectContacts(benchmark::State& run) {
   Warm warm(overSphere(static_cast<int>(run.range(0)), "xpbd"), 20);

@@ -19,10 +19,11 @@ std::string solverOf(const std::string& method) { return "solver: {method: " + m
 
 }  // namespace
 
-Scene hanging(int n, const std::string& method) {
+Scene hanging(int n, const std::string& method, const std::string& bending) {
   return parseScene(clothOf(n,
                             "  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}\n"
-                            "  pins: [corner_01, corner_11]\n") +
+                            "  pins: [corner_01, corner_11]\n  bending: " +
+                                bending + "\n") +
                         "drag: 0.5\n" + solverOf(method),
                     "hanging");
 }

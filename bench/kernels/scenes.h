@@ -10,7 +10,8 @@
 namespace cloth_sim::bench {
 
 /// A cloth of n x n particles on one metre that hangs from two corners; 0.2 kg.
-Scene hanging(int n, const std::string& method);
+/// \param bending  the scene key of that name.
+Scene hanging(int n, const std::string& method, const std::string& bending = "springs");
 
 /// The same cloth, level, just above a sphere.
 Scene overSphere(int n, const std::string& method);

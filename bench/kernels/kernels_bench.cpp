@@ -1,0 +1,138 @@
+// What springs and bending cost in one pass, by kernel; and the global solve.
+
+#include <benchmark/benchmark.h>
+
+#include "packed.h"
+#include "solver/bend_matrix.h"
+#include "solver/bend_sweep.h"
+#include "solver/spring_correction.h"
+#include "solver/spring_forces.h"
+#include "solver/spring_matrix.h"
+#include "solver/updatable_factor.h"
+
+namespace cloth_sim::bench {
+namespace {
+
+constexpr double kFrame = 1.0 / 60.0;
+constexpr double kSubstep = kFrame / 20.0;
+
+void springForces(benchmark::State& run, Order order) {
+  Packed packed(static_cast<int>(run.range(0)), order);
+  for (auto _ : run) {
+    addSpringForces(packed.schedule, packed.particles.x, packed.particles.v, packed.force);
+    benchmark::ClobberMemory();
+  }
+  tellPerSpring(packed.schedule.size(), run);
+}
+BENCHMARK_CAPTURE(springForces, grid, Order::kGrid)
+    ->Name("kernel/spring_forces")
+    ->RangeMultiplier(2)
+    ->Range(32, 1024);
+BENCHMARK_CAPTURE(springForces, any, Order::kAny)->Name("kernel/spring_forces_any")->Arg(128);
+
+void springCorrections(benchmark::State& run, Order order) {
+  Packed packed(static_cast<int>(run.range(0)), order);
+  SpringGains gains;
+  setGains(packed.schedule, packed.particles.inverseMass, kSubstep, gains);
+  for (auto _ : run) {
+    correctSprings(packed.schedule, gains, packed.particles);
+    benchmark::ClobberMemory();
+  }
+  tellPerSpring(packed.schedule.size(), run);
+}
+BENCHMARK_CAPTURE(springCorrections, grid, Order::kGrid)
+    ->Name("kernel/spring_corrections")
+    ->RangeMultiplier(2)
+    ->Range(32, 1024);
+BENCHMARK_CAPTURE(springCorrections, any, Order::kAny)
+    ->Name("kernel/spring_corrections_any")
+    ->RangeMultiplier(2)
+    ->Range(32, 1024);
+
+void springProduct(benchmark::State& run) {
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
+  const BendMatrix noBending;
+  const SpringMatrix::Elements elements{packed.schedule, noBending};
+  SpringMatrix matrix;
+  matrix.linearise(elements, packed.particles.x, kFrame * kFrame, kFrame, packed.particles.mass);
+  PackedVectors product;
+  for (auto _ : run) {
+    matrix.multiply(elements, packed.particles.x, product);
+    benchmark::ClobberMemory();
+  }
+  tellPerSpring(packed.schedule.size(), run);
+}
+BENCHMARK(springProduct)->Name("kernel/spring_product")->RangeMultiplier(2)->Range(32, 1024);
+
+/// Bending elements of a cloth that resists bending, over its springs.
+void bendCorrections(benchmark::State& run) {
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "hinge");
+  BendSweep sweep;
+  sweep.build(packed.simulation.model().bending, packed.particles);
+  sweep.setStep(kSubstep, 0.0, packed.particles.inverseMass);
+  for (auto _ : run) {
+    sweep.project(packed.particles, [](std::size_t, const Vec3&) {});
+    benchmark::ClobberMemory();
+  }
+  tellPerSpring(packed.schedule.size(), run);
+}
+BENCHMARK(bendCorrections)->Name("kernel/bend_corrections")->Arg(64)->Arg(128)->Arg(256);
+
+void bendForces(benchmark::State& run) {
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "hinge");
+  BendMatrix matrix;
+  matrix.build(packed.simulation.model(), packed.particles);
+  for (auto _ : run) {
+    matrix.addForces(packed.particles.x, packed.particles.v, packed.force);
+    benchmark::ClobberMemory();
+  }
+  tellPerSpring(packed.schedule.size(), run);
+}
+BENCHMARK(bendForces)->Name("kernel/bend_forces")->Arg(64)->Arg(128)->Arg(256);
+
+UpdatableFactor::Matrix globalMatrix(const Packed& packed) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index k = 0; k < packed.particles.slots; ++k) {
+    entries.emplace_back(k, k, packed.particles.mass[static_cast<std::size_t>(k)]);
+  }
+  for (std::size_t p = 0; p < packed.schedule.endA.size(); ++p) {
+    const double w = kFrame * kFrame * packed.schedule.stiffness[p];
+    const std::int32_t a = packed.schedule.endA[p];
+    const std::int32_t b = packed.schedule.endB[p];
+    entries.emplace_back(a, a, w);
+    entries.emplace_back(b, b, w);
+    entries.emplace_back(std::max(a, b), std::min(a, b), -w);
+  }
+  UpdatableFactor::Matrix matrix(packed.particles.slots, packed.particles.slots);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+void factorise(benchmark::State& run) {
+  const UpdatableFactor::Matrix matrix =
+      globalMatrix(Packed(static_cast<int>(run.range(0)), Order::kGrid));
+  UpdatableFactor factor;
+  for (auto _ : run) factor.compute(matrix);
+}
+BENCHMARK(factorise)
+    ->Name("kernel/factorise")
+    ->RangeMultiplier(2)
+    ->Range(32, 256)
+    ->Unit(benchmark::kMillisecond);
+
+void solve(benchmark::State& run) {
+  const Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
+  UpdatableFactor factor;
+  factor.compute(globalMatrix(packed));
+  PackedVectors x;
+  for (auto _ : run) factor.solve(packed.particles.x, x);
+  tellPerSpring(packed.schedule.size(), run);
+}
+BENCHMARK(solve)
+    ->Name("kernel/triangular_solves")
+    ->RangeMultiplier(2)
+    ->Range(32, 256)
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace cloth_sim::bench

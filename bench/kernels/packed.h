@@ -1,0 +1,26 @@
+#pragma once
+/// \file The particles and springs of a hanging cloth, as solvers have them.
+
+#include "cloth_sim/solver/packed_particles.h"
+#include "cloth_sim/solver/spring_schedule.h"
+#include "scenes.h"
+
+namespace cloth_sim::bench {
+
+/// Of the slots of particles.
+enum class Order {
+  kGrid,  ///< as PackedParticles chooses for a grid
+  kAny,   ///< along a Z curve: neighbours are near, but no two springs of a colour are in a row
+};
+
+/// A hanging cloth of n x n particles.
+struct Packed {
+  Packed(int n, Order order, const std::string& bending = "springs");
+
+  Simulation simulation;
+  PackedParticles particles;
+  SpringSchedule schedule;
+  PackedVectors force;
+};
+
+}  // namespace cloth_sim::bench

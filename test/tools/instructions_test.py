@@ -1,0 +1,119 @@
+#!/usr/bin/python3
+"""A scene pays only for what it names: instructions in steps, counted by valgrind's callgrind.
+
+Counts do not depend on what else the machine does. Each is that of steps 4 to 6, so that what the
+first ones set up is not in it.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+import rosunit
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import ScratchTest  # noqa: E402
+
+CLOTH_RUN = subprocess.check_output(
+    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+SIDE = 32
+SUBSTEPS = 8
+FIRST, LAST = 3, 6
+DT = 1.0 / 64.0
+
+SCENE = '''
+cloth:
+  particles: [%(side)d, %(side)d]
+  fabric: {preset: cotton, damping: 0}
+  bending: %(bending)s
+  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}
+  pins: [corner_01, corner_11]
+drag: %(drag)s
+solver: {method: %(method)s, substeps: %(substeps)d, dt: %(dt)g}
+%(more)s
+'''
+
+# What a scene may name, and whose functions then run.
+FEATURES = {
+    'obstacle': ({'more': 'obstacles:\n  ball: {type: sphere, radius: 0.1, position: [0, 0.04, 1]}'},
+                 r'ColliderSet::detect|Contacts::project|Collider::project|contactReach'),
+    'wind': ({'more': 'wind: {velocity: [0, 1, 0]}'}, r'[wW]ind|addLoads'),
+    'bending': ({'bending': 'hinge'}, r'Bend'),
+    'tearing': ({'more': 'tearing: {ratio: 5}'}, r'Tearing::|SpringFailure'),
+}
+
+
+@unittest.skipUnless(shutil.which('valgrind'), 'valgrind is not installed')
+class InstructionsTest(ScratchTest):
+    def count(self, steps, scene):
+        """By function, with what it calls, in all steps."""
+        out = self.path('callgrind.out')
+        run = subprocess.run(
+            ['valgrind', '--tool=callgrind', '--toggle-collect=cloth_sim::Simulation::step()',
+             '--callgrind-out-file=' + out, CLOTH_RUN, scene, '--threads', '1', '--duration',
+             '%g' % (steps * DT)], capture_output=True, text=True, timeout=600)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        told = subprocess.run(['callgrind_annotate', '--inclusive=yes', '--threshold=100', out],
+                              check=True, capture_output=True, text=True).stdout
+        counts = {}
+        for line in told.splitlines():
+            found = re.match(r'\s*([\d,]+) \([\s\d.]+%\)\s+(?:\S+:)?(.*)', line)
+            if found:
+                name = re.sub(r' \[.*', '', found.group(2))
+                count = int(found.group(1).replace(',', ''))
+                counts[name] = max(count, counts.get(name, 0))
+        return counts
+
+    def per_step(self, method='xpbd', **named):
+        values = {'side': SIDE, 'substeps': SUBSTEPS, 'dt': DT, 'drag': 0, 'bending': 'none',
+                  'more': '', 'method': method, **named}
+        scene = self.path('scene.yaml', SCENE % values)
+        first, last = self.count(FIRST, scene), self.count(LAST, scene)
+        return {name: (count - first.get(name, 0)) / (LAST - FIRST)
+                for name, count in last.items()}
+
+    def whole(self, counts):
+        return next(count for name, count in counts.items() if 'Simulation::step()' in name)
+
+    def most(self, counts, pattern):
+        """What the costliest of these functions costs, and its name."""
+        return max(((count, name) for name, count in counts.items() if re.search(pattern, name)),
+                   default=(0, 'none'))
+
+    def expect_paid_only_if_named(self, method):
+        bare = self.per_step(method)
+        whole = self.whole(bare)
+        for feature, (named, functions) in FEATURES.items():
+            count, name = self.most(bare, functions)
+            self.assertLess(count, 0.01 * whole, '%s: %s in a bare scene' % (feature, name))
+            with_it = self.per_step(method, **named)
+            count, name = self.most(with_it, functions)
+            self.assertGreater(count, 0.01 * self.whole(with_it),
+                               '%s: %s: the pattern does not find what it costs' % (feature, name))
+
+    def test_xpbd(self):
+        self.expect_paid_only_if_named('xpbd')
+
+    def test_projective(self):
+        self.expect_paid_only_if_named('projective')
+
+    def test_symplectic_euler(self):
+        self.expect_paid_only_if_named('symplectic_euler')
+
+    def test_drag_is_not_computed_where_there_is_none(self):
+        """The smallest of them: less than an instruction for each coordinate and substep."""
+        for method in ('xpbd', 'symplectic_euler', 'rk4'):
+            bare = self.whole(self.per_step(method))
+            dragged = self.whole(self.per_step(method, drag=0.5))
+            self.assertGreater(dragged - bare, 0.25 * SUBSTEPS * SIDE * SIDE, method)
+
+    def test_what_is_named_but_off_is_not_paid(self):
+        bare = self.whole(self.per_step())
+        off = self.whole(self.per_step(more='tearing: {enabled: false}\nwind: {velocity: [0, 0, 0]}'))
+        self.assertLess(abs(off - bare), 0.01 * bare)
+
+
+if __name__ == '__main__':
+    rosunit.unitrun('cloth_sim', 'instructions_test', InstructionsTest)
