@@ -156,6 +156,7 @@ class ColliderSet {
   const std::vector<Collider>& all() const { return colliders_; }
   /// nullptr if there is none of that name.
   Collider* find(const std::string& name);
+  const Collider* find(const std::string& name) const;
 
   /// Candidates, of any cloth, of the step from state.t to state.t + dt. Colliders that nothing can
   /// reach cost a bounding-box test and appear in no loop. Allocates nothing once `out` is warm.
