@@ -1,0 +1,57 @@
+// A step of a cloth that has come to rest: asleep, and as it would be if it never slept.
+
+#include <benchmark/benchmark.h>
+
+#include <map>
+#include <string>
+
+#include "cloth_sim/sim/parallel.h"
+#include "scenes.h"
+
+namespace cloth_sim::bench {
+namespace {
+
+constexpr int kSide = 128;        ///< particles
+constexpr int kMostSteps = 3000;  ///< to come to rest
+
+/// In thick air, so that it comes to rest soon.
+Scene settling(const std::string& method) {
+  Scene scene = hanging(kSide, method);
+  scene.drag = 10.0;
+  return scene;
+}
+
+/// A state of the cloth asleep, found once for each method.
+const std::string& settled(const std::string& method) {
+  static std::map<std::string, std::string> found;
+  std::string& bytes = found[method];
+  if (!bytes.empty()) return bytes;
+  Simulation simulation(settling(method));
+  for (int k = 0; k < kMostSteps && !simulation.isAsleep(); ++k) simulation.step();
+  return bytes = simulation.save();
+}
+
+void step(benchmark::State& run, const std::string& method, bool sleeps) {
+  const ThreadLimit limit(1);
+  Scene scene = settling(method);
+  if (!sleeps) scene.solver.sleep.reset();
+  Simulation simulation(scene);
+  simulation.load(settled(method));
+  if (simulation.isAsleep() != sleeps) return run.SkipWithError("it did not come to rest");
+  for (auto _ : run) simulation.step();
+}
+
+const bool registered = [] {
+  for (const char* method : {"xpbd", "projective"}) {
+    for (const bool sleeps : {true, false}) {
+      const std::string name = std::string("sleep/") + method + (sleeps ? "/asleep" : "/awake");
+      benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& run) {
+        step(run, method, sleeps);
+      })->Unit(benchmark::kMicrosecond);
+    }
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace cloth_sim::bench
