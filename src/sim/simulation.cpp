@@ -21,13 +21,6 @@ constexpr double kStill = 1e-12;
 /// Strides that the tip of a tear takes in a step at most.
 constexpr int kMostStrides = 16;
 
-/// A particle that rests may be pulled along by the fastest one.
-double contactReach(const State& state, double dt) {
-  double fastest = 0.0;
-  for (const Vec3& v : state.v) fastest = std::max(fastest, v.squaredNorm());
-  return std::max(kContactReach, std::sqrt(fastest) * dt);
-}
-
 std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
   return std::vector<Clamp>(specs.begin(), specs.end());
 }
@@ -231,7 +224,9 @@ void Simulation::gatherControls() {
 
 void Simulation::detectContacts(double dt) {
   if (colliders_.all().empty()) return;
-  colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
+  const MotionBounds bounds = motionBounds(state_);
+  // A particle that rests may be pulled along by the fastest one.
+  colliders_.detect(state_, bounds, dt, std::max(kContactReach, bounds.speed * dt), contacts_);
   if (model_.cloths.size() == 1) return;
   contacts_.divide(model_.cloths.size(), [this](VertexId v) { return model_.clothOf(v); });
 }
