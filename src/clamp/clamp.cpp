@@ -98,6 +98,18 @@ bool Clamp::atTarget() const {
          linearVelocity_.norm() <= kAtTarget && angularVelocity_.norm() <= kAtTarget;
 }
 
+bool Clamp::isStill() const {
+  const Pose& there = target_.pose;
+  const bool arrived = target_.isStill() && linearVelocity_.isZero(0.0) &&
+                       angularVelocity_.isZero(0.0) &&
+                       (there.position - pose_.position).norm() <= kArrived &&
+                       rotationBetween(pose_.orientation, there.orientation).norm() <= kArrived;
+  const bool opened = state_ == ClampState::kOpen && gap_ == spec_.gapOpen;
+  const bool closed = state_ == ClampState::kClosed && gap_ == spec_.gapClosed;
+  return arrived && (opened || closed) && !slip_.on &&
+         std::all_of(grips_.begin(), grips_.end(), [](const Grip& g) { return g.squeeze == 0.0; });
+}
+
 void Clamp::close() {
   if (state_ != ClampState::kOpen) return;
   state_ = ClampState::kClosing;

@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace cloth_sim {
-namespace {
-
-constexpr double kArrived = 1e-12;  // [m] or [rad]: nearer than this is there
-
-}  // namespace
-
 // In units of v0 = acceleration dt, braking from the speed r = k + f (k whole, 0 <= f < 1) covers
 // (k + f) + (k - 1 + f) + ... + f = k (k + 1) / 2 + (k + 1) f steps of v0 dt. This is increasing
 // and piecewise linear in r; we invert it. Each step then leaves exactly the distance of r - 1, and

@@ -5,6 +5,9 @@
 
 namespace cloth_sim {
 
+/// What is nearer to its target than this is there [m] or [rad].
+constexpr double kArrived = 1e-12;
+
 /// Of a motion: [m/s] and [m/s^2], or [rad/s] and [rad/s^2].
 struct MotionLimits {
   double speed = 0.0;         ///< > 0

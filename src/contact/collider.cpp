@@ -78,11 +78,15 @@ void ColliderSet::add(Obstacle obstacle, std::vector<ContactSkin> skins) {
   colliders_.emplace_back(std::move(obstacle), std::move(skins));
 }
 
-Collider* ColliderSet::find(const std::string& name) {
-  for (Collider& collider : colliders_) {
+const Collider* ColliderSet::find(const std::string& name) const {
+  for (const Collider& collider : colliders_) {
     if (collider.obstacle().name == name) return &collider;
   }
   return nullptr;
+}
+
+Collider* ColliderSet::find(const std::string& name) {
+  return const_cast<Collider*>(std::as_const(*this).find(name));
 }
 
 }  // namespace cloth_sim

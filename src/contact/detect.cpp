@@ -7,29 +7,20 @@
 
 namespace cloth_sim {
 
-/// Where a cloth is, as an axis-aligned box, and how fast its fastest particle moves.
-struct MotionBounds {
-  Vec3 centre = Vec3::Zero();  ///< [m]
-  Vec3 half = Vec3::Zero();    ///< half edge lengths [m]
-  double speed = 0.0;          ///< [m/s]
-};
-
-namespace {
-
-/// The cloth must not be empty.
-MotionBounds boundsOf(const State& state) {
-  Vec3 low = state.x[0];
-  Vec3 high = state.x[0];
-  for (const Vec3& x : state.x) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
+MotionBounds motionBounds(const State& state) {
+  const std::vector<Vec3>& x = state.x.values();
+  const std::vector<Vec3>& v = state.v.values();
+  if (x.empty()) return {};
+  Vec3 low = x[0];
+  Vec3 high = x[0];
   double speed2 = 0.0;
-  for (const Vec3& v : state.v) speed2 = std::max(speed2, v.squaredNorm());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    low = low.cwiseMin(x[k]);
+    high = high.cwiseMax(x[k]);
+    speed2 = std::max(speed2, v[k].squaredNorm());
+  }
   return {0.5 * (low + high), 0.5 * (high - low), std::sqrt(speed2)};
 }
-
-}  // namespace
 
 void Collider::collectWithin(const MotionBounds& bounds, const State& state, double dt,
                              double reach, std::vector<VertexId>& out) const {
@@ -51,13 +42,13 @@ void Collider::collectWithin(const MotionBounds& bounds, const State& state, dou
 void Collider::collect(const State& state, double dt, double reach,
                        std::vector<VertexId>& out) const {
   if (state.x.size() == 0) return;
-  collectWithin(boundsOf(state), state, dt, reach, out);
+  collectWithin(motionBounds(state), state, dt, reach, out);
 }
 
-void ColliderSet::detect(const State& state, double dt, double reach, Contacts& out) const {
+void ColliderSet::detect(const State& state, const MotionBounds& bounds, double dt, double reach,
+                         Contacts& out) const {
   out.clear();
   if (colliders_.empty() || state.x.size() == 0) return;
-  const MotionBounds bounds = boundsOf(state);
   for (const Collider& collider : colliders_) {
     ContactCandidates& entry = out.add(&collider);
     collider.collectWithin(bounds, state, dt, reach, entry.vertices);

@@ -143,6 +143,7 @@ void resolveAutoMethod(Scene& scene) {
     choice.source = std::string("measured on scenes of the class ") + toString(classOf(scene));
   }
   solver->guard = scene.solver.guard;
+  solver->sleep = scene.solver.sleep;
   solver->choice = choice;
   scene.solver = std::move(*solver);
 }

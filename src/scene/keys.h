@@ -26,7 +26,8 @@ inline const Keys kSurgery{"snap",       "min_edge",    "max_particles",
                            "drop_below", "clear_strip", "refine_cuts"};
 inline const Keys kRefinement{"radius", "generations", "min_edge"};
 
-inline const Keys kSolver{"method", "dt", "step_guard", "error"};
+inline const Keys kSolver{"method", "dt", "step_guard", "error", "sleep"};
+inline const Keys kSleep{"speed", "after"};
 inline const Keys kWind{"velocity", "density", "drag_coefficient"};
 
 inline const Keys kPlane{"type",     "position",        "rpy", "orientation", "velocity",

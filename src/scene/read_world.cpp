@@ -48,6 +48,15 @@ void readParameters(const SceneNode& node, const SolverInfo& info, SolverParamet
   }
 }
 
+std::optional<SleepSettings> readSleep(const SceneNode& node) {
+  SleepSettings sleep;
+  if (node.isScalar()) return node.boolean() ? std::optional(sleep) : std::nullopt;
+  node.expectKeys(keys::kSleep);
+  node.read("speed", sleep.speed, kPositive);
+  node.read("after", sleep.after, kPositive);
+  return sleep;
+}
+
 Shape readShape(const SceneNode& node) {
   enum class Type { kPlane, kSphere, kCapsule, kBoard, kBounds };
   const std::string what = "one of plane, sphere, capsule, board, box, bounds";
@@ -175,6 +184,7 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
                                              {"subdivide", StepGuard::kSubdivide},
                                              {"refuse", StepGuard::kRefuse}});
   }
+  if (const auto sleep = node.find("sleep")) solver.sleep = readSleep(*sleep);
   const auto error = node.find("error");
   if (info == nullptr) {
     solver.choice = AutoChoice{node.need("error", kError.text()).number(kError), ""};

@@ -5,6 +5,17 @@
 #include "cloth_sim/sim/command.h"
 
 namespace cloth_sim {
+namespace {
+
+/// What is nearer to its target than this is there: round-off [m] or [-].
+constexpr double kRoundOff = 1e-12;
+
+bool isNear(const Pose& a, const Pose& b) {
+  return (a.position - b.position).norm() <= kRoundOff &&
+         (a.orientation.coeffs() - b.orientation.coeffs()).norm() <= kRoundOff;
+}
+
+}  // namespace
 
 void ObstacleGuides::set(const std::string& obstacle, const MovingPose& target) {
   drop(obstacle);
@@ -14,6 +25,14 @@ void ObstacleGuides::set(const std::string& obstacle, const MovingPose& target) 
 void ObstacleGuides::drop(const std::string& obstacle) {
   const auto named = [&](const Guide& guide) { return guide.obstacle == obstacle; };
   guides_.erase(std::remove_if(guides_.begin(), guides_.end(), named), guides_.end());
+}
+
+bool ObstacleGuides::areIdle(double time, const ColliderSet& colliders) const {
+  return std::all_of(guides_.begin(), guides_.end(), [&](const Guide& guide) {
+    const Collider* collider = colliders.find(guide.obstacle);
+    return collider == nullptr ||
+           (guide.target.isStill() && isNear(collider->poseAt(time), guide.target.pose));
+  });
 }
 
 void ObstacleGuides::steer(double time, double dt, ColliderSet& colliders) {

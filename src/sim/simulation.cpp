@@ -16,15 +16,10 @@ namespace {
 constexpr double kContactReach = 0.05;
 /// Shortest edge that surgery makes, if the scene says nothing: this part of the original ones.
 constexpr double kMinEdgePart = 0.05;
+/// An obstacle that moves less than this in a step stands still: its guide rounds [m].
+constexpr double kStill = 1e-12;
 /// Strides that the tip of a tear takes in a step at most.
 constexpr int kMostStrides = 16;
-
-/// A particle that rests may be pulled along by the fastest one.
-double contactReach(const State& state, double dt) {
-  double fastest = 0.0;
-  for (const Vec3& v : state.v) fastest = std::max(fastest, v.squaredNorm());
-  return std::max(kContactReach, std::sqrt(fastest) * dt);
-}
 
 std::vector<Clamp> makeClamps(const std::vector<ClampSpec>& specs) {
   return std::vector<Clamp>(specs.begin(), specs.end());
@@ -59,6 +54,7 @@ Simulation::Simulation(Scene scene)
       colliders_(buildColliders(scene_)),
       solver_(makeSolver(scene_.solver, model_, state_)),
       watch_(scene_.solver, solver_->substeps()),
+      sleep_(scene_.solver.sleep),
       script_(scene_.phases),
       tearing_(scene_.tearing, model_),
       limits_(limitsFor(scene_.surgery, model_.mesh)),
@@ -72,12 +68,42 @@ Simulation::Simulation(Scene scene)
 void Simulation::step() {
   if (failed()) return;
   runScript();
+  if (isAsleep() && !failed()) return sleepOn();
+  const int brokenBefore = broken_.total;
   const int parts = tearing_.isNear() ? solver_->substeps() : 1;
   for (Clamp& clamp : clamps_) clamp.clearWrench();
   for (int k = 0; k < parts && !failed(); ++k) advance({scene_.solver.dt / parts, 1.0 / parts});
   if (failed()) return;
   watchGrips();
   ++stepCount_;
+  watchRest(brokenBefore);
+}
+
+/// What nobody touches stays as it is: only time goes on.
+void Simulation::sleepOn() {
+  state_.t += scene_.solver.dt;
+  sleep_.sleepOn(scene_.solver.dt);
+  ++stepCount_;
+}
+
+void Simulation::watchRest(int brokenBefore) {
+  const bool rests = sleep_.isSlow(state_) && isStill() && broken_.total == brokenBefore;
+  if (!sleep_.endStep(rests, scene_.solver.dt)) return;
+  for (Vec3& v : state_.v) v.setZero();
+  stretchAsleep_.reset();
+}
+
+/// Whether nothing but the cloth itself moves it, and nothing is about to.
+bool Simulation::isStill() const {
+  const auto stands = [this](const Collider& collider) {
+    return collider.obstacle().velocity.norm() * scene_.solver.dt <= kStill;
+  };
+  const std::vector<Collider>& obstacles = colliders_.all();
+  return drag_.vertex() == kNone && !tearing_.isOverloaded() &&
+         std::all_of(obstacles.begin(), obstacles.end(), stands) &&
+         guides_.areIdle(time(), colliders_) &&
+         std::all_of(clamps_.begin(), clamps_.end(),
+                     [](const Clamp& clamp) { return clamp.isStill(); });
 }
 
 void Simulation::advance(const StepLength& length) {
@@ -104,7 +130,7 @@ void Simulation::runScript() {
 PhaseObservation Simulation::observe() const {
   PhaseObservation now;
   now.time = time();
-  now.meanSpeed = meanSpeed(state_);
+  now.meanSpeed = isAsleep() ? 0.0 : meanSpeed(state_);
   now.pieces = pieces();
   now.broken = broken_.total;
   now.inContact =
@@ -119,6 +145,7 @@ PhaseObservation Simulation::observe() const {
 }
 
 void Simulation::beginPhase(const PhaseSpec& phase) {
+  sleep_.wake();
   for (Clamp& clamp : clamps_) clamp.setSpeedLimit(std::nullopt);
   for (const ClampAction& action : phase.clamps) {
     if (Clamp* clamp = findClamp(action.clamp)) act(action, *clamp);
@@ -197,7 +224,9 @@ void Simulation::gatherControls() {
 
 void Simulation::detectContacts(double dt) {
   if (colliders_.all().empty()) return;
-  colliders_.detect(state_, dt, contactReach(state_, dt), contacts_);
+  const MotionBounds bounds = motionBounds(state_);
+  // A particle that rests may be pulled along by the fastest one.
+  colliders_.detect(state_, bounds, dt, std::max(kContactReach, bounds.speed * dt), contacts_);
   if (model_.cloths.size() == 1) return;
   contacts_.divide(model_.cloths.size(), [this](VertexId v) { return model_.clothOf(v); });
 }
@@ -274,7 +303,8 @@ void Simulation::count(const FailureEvent& event) {
 void Simulation::fail(const std::string& why) { failure_ = why; }
 
 double Simulation::observeMaxStretch() {
-  const double now = maxStretch(model_, state_);
+  const double now = stretchAsleep_ && isAsleep() ? *stretchAsleep_ : maxStretch(model_, state_);
+  stretchAsleep_ = now;
   maxStretchSeen_ = std::max(maxStretchSeen_, now);
   return now;
 }

@@ -4,8 +4,31 @@
 #include "command_checks.h"
 
 namespace cloth_sim {
+namespace {
+
+template <typename... Kinds>
+bool isOneOf(const Command& command) {
+  return (std::holds_alternative<Kinds>(command) || ...);
+}
+
+/// Whether all that a command does is to aim clamps and obstacles.
+bool onlyAims(const Command& command) {
+  return isOneOf<SetClampTarget, GuideClamp, SetGapWidth, SetGrasp, GuideObstacle>(command);
+}
+
+}  // namespace
+
 CommandResult Simulation::apply(const Command& command) {
-  return std::visit([this](const auto& it) { return carryOut(it); }, command);
+  const CommandResult result = std::visit([this](const auto& it) { return carryOut(it); }, command);
+  if (result.success && touches(command)) sleep_.wake();
+  return result;
+}
+
+/// Whether a command that was carried out ends the rest of the cloth. What is told to be where it
+/// is does not; a state that was restored knows itself whether it sleeps.
+bool Simulation::touches(const Command& command) const {
+  if (std::holds_alternative<Restore>(command)) return false;
+  return !onlyAims(command) || !isStill();
 }
 
 CommandResult Simulation::carryOut(const SetPhase& command) {

@@ -49,6 +49,7 @@ void Simulation::serialize(Archive& archive) {
   serializeContacts(archive);
   archive(grips_, gripEvents_, guides_);
   archive(script_, tearing_, broken_, failures_, dropped_, stepCount_, maxStretchSeen_, failure_);
+  archive(sleep_);
   std::uint64_t told = told_;
   archive(told);
   told_ = told;

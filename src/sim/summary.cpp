@@ -137,6 +137,7 @@ std::string summaryJson(const Simulation& simulation, const RunRecord& record, d
   json["clamps"] = clampsJson(record);
   json["phases"] = phasesJson(simulation.script());
   json["sim_time_s"] = number(simulation.time());
+  json["asleep_s"] = number(simulation.timeAsleep());
   json["wall_time_s"] = number(wallTime);
   json["real_time_factor"] = number(simulation.time() / wallTime);
   json["max_strain"] = number(simulation.maxStretchSeen() - 1.0);

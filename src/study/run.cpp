@@ -139,6 +139,7 @@ Scene withConfiguration(Scene scene, const Configuration& configuration) {
   scene.solver.method = method.name;
   scene.solver.dt = configuration.dt;
   scene.solver.guard = StepGuard::kAllow;  // a method is shown as it is
+  scene.solver.sleep.reset();              // and computes every step
   scene.solver.parameters = completeParameters(method, given);
   return scene;
 }
@@ -159,7 +160,11 @@ const char* toString(Outcome outcome) {
   return "";
 }
 
-RunResult runScene(const StudyScene& study) { return runAs(study, study.scene); }
+RunResult runScene(const StudyScene& study) {
+  Scene awake = study.scene;
+  awake.solver.sleep.reset();
+  return runAs(study, awake);
+}
 
 RunResult runScene(const StudyScene& study, const Configuration& configuration) {
   try {

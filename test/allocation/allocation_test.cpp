@@ -93,6 +93,15 @@ TEST_P(Allocation, NorWithTwoClothsOnOneBall) {
   EXPECT_EQ(simulation.contacts().candidates.size(), 2U);
 }
 
+TEST(AllocationAsleep, NorAsleep) {
+  const ThreadLimit oneThread(1);
+  Simulation simulation(parseScene(kScene, "scene", {"drag=50", "solver.sleep.speed=0.01"}));
+  for (int k = 0; k < 1000 && !simulation.isAsleep(); ++k) simulation.step();
+  ASSERT_TRUE(simulation.isAsleep());
+  EXPECT_EQ(allocationsOf(simulation, 1, 20), 0);
+  EXPECT_TRUE(simulation.isAsleep());
+}
+
 std::vector<std::string> methods() {
   std::vector<std::string> names;
   for (const SolverInfo& info : solverRegistry()) names.push_back(info.name);

@@ -178,7 +178,9 @@ TEST(SavedStateRefused, IfOfAnotherVersion) {
   std::string bytes = simulation.save();
   const std::size_t version = std::string("cloth_sim state\n").size() + 1;  // after the byte order
   ++bytes[version];
-  EXPECT_THAT(refusal(bytes), HasSubstr("version 3 (expected 2)"));
+  const std::string next = std::to_string(kStateVersion + 1);
+  EXPECT_THAT(refusal(bytes),
+              HasSubstr("version " + next + " (expected " + std::to_string(kStateVersion) + ")"));
 }
 
 TEST(SavedStateRefused, IfOfAnotherScene) {

@@ -129,12 +129,13 @@ TEST_F(AutoMethod, TheBuiltInTableIsTheFileAndServesEveryClass) {
 }
 
 TEST_F(AutoMethod, IsResolvedWhenASceneIsLoaded) {
-  const Scene scene = clothWith("solver: {method: auto, error: 0.02}");
+  const Scene scene = clothWith("solver: {method: auto, error: 0.02, sleep: {after: 2}}");
   const SolverSpec expected = chooseFrom(builtInAutoTable(), clothWith(), 0.02);
   EXPECT_EQ(scene.solver.method, expected.method);
   EXPECT_EQ(scene.solver.parameters, expected.parameters);
   ASSERT_TRUE(scene.solver.choice);
   EXPECT_EQ(scene.solver.choice->error, 0.02);
+  EXPECT_EQ(scene.solver.sleep->after, 2.0) << "is the scene's";
   EXPECT_FALSE(clothWith("solver: {method: xpbd}").solver.choice);
 }
 

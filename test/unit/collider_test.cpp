@@ -205,6 +205,25 @@ TEST(ColliderDetection, FindsExactlyWhatCanReachTheSurface) {
   }
 }
 
+TEST(ColliderDetection, BoundsAreThoseOfAllParticles) {
+  for (const std::size_t count : {1, 2, 7, 8}) {
+    const State state = randomState(count, 1.0, 3.0);
+    Vec3 low = state.x[0];
+    Vec3 high = state.x[0];
+    double speed = 0.0;
+    for (VertexId v = 0; v < static_cast<VertexId>(count); ++v) {
+      low = low.cwiseMin(state.x[v]);
+      high = high.cwiseMax(state.x[v]);
+      speed = std::max(speed, state.v[v].norm());
+    }
+    const MotionBounds bounds = motionBounds(state);
+    EXPECT_EQ(bounds.centre, 0.5 * (low + high));
+    EXPECT_EQ(bounds.half, 0.5 * (high - low));
+    EXPECT_EQ(bounds.speed, speed);
+  }
+  EXPECT_EQ(motionBounds(State()).speed, 0.0);
+}
+
 TEST(ColliderDetection, ListsOnlyCollidersWithSomethingNear) {
   State state = randomState(100, 0.1, 0.0);
   ColliderSet set;

@@ -84,6 +84,18 @@ TEST(Simulation, PinnedParticlesStayWhereTheyAre) {
   EXPECT_NEAR(simulation.time(), 0.3, 1e-12);
 }
 
+TEST(Simulation, AnObstacleFarAwayChangesNothing) {
+  Simulation alone = simulationOf({"obstacles=null", "phases=null"});
+  Simulation far = simulationOf(
+      {"obstacles={far: {type: sphere, radius: 0.1, position: [9, 0, 0]}}", "phases=null"});
+  for (int k = 0; k < 30; ++k) {
+    alone.step();
+    far.step();
+    ASSERT_EQ(hashOf(alone), hashOf(far)) << "step " << k;
+    ASSERT_TRUE(far.contacts().empty());
+  }
+}
+
 // ---- commands
 // ------------------------------------------------------------------------------------
 

@@ -131,6 +131,9 @@ class Clamp {
   Pose stoppingPose() const;
   /// Whether the clamp stands still at its target (1e-6 m, 1e-6 rad, and that per second).
   bool atTarget() const;
+  /// Whether the next steps leave it exactly as it is: it has arrived, opened or closed, and what
+  /// it holds is neither squeezed nor slips.
+  bool isStill() const;
 
   /// Starts closing. No effect while closing or closed.
   void close();

@@ -16,6 +16,9 @@ struct MovingPose {
   /// Goes on by `dt` [s], and leaves that much less of the horizon.
   void advance(double dt);
 
+  /// Whether it moves no more.
+  bool isStill() const { return horizon <= 0.0 || (linear.isZero(0.0) && angular.isZero(0.0)); }
+
   template <class Archive>
   void serialize(Archive& archive) {
     archive(pose, linear, angular, horizon);

@@ -11,8 +11,6 @@
 
 namespace cloth_sim {
 
-struct MotionBounds;
-
 /// Everything below a plane through the collider's position; its z axis is the outward normal.
 struct PlaneShape {
   template <class Archive>
@@ -91,6 +89,15 @@ struct ContactSkin {
   }
 };
 
+/// Where a cloth is, as an axis-aligned box, and how fast its fastest particle moves.
+struct MotionBounds {
+  Vec3 centre = Vec3::Zero();  ///< [m]
+  Vec3 half = Vec3::Zero();    ///< half edge lengths [m]
+  double speed = 0.0;          ///< [m/s]
+};
+/// Of all particles, in one pass; zero if there are none.
+MotionBounds motionBounds(const State& state);
+
 /// An obstacle at work: knows where it is at any time of the current step.
 class Collider {
  public:
@@ -156,11 +163,17 @@ class ColliderSet {
   const std::vector<Collider>& all() const { return colliders_; }
   /// nullptr if there is none of that name.
   Collider* find(const std::string& name);
+  const Collider* find(const std::string& name) const;
 
   /// Candidates, of any cloth, of the step from state.t to state.t + dt. Colliders that nothing can
   /// reach cost a bounding-box test and appear in no loop. Allocates nothing once `out` is warm.
   /// \param reach  how far a particle may be pulled beyond its own speed times dt [m].
-  void detect(const State& state, double dt, double reach, Contacts& out) const;
+  /// \param bounds  of the state.
+  void detect(const State& state, const MotionBounds& bounds, double dt, double reach,
+              Contacts& out) const;
+  void detect(const State& state, double dt, double reach, Contacts& out) const {
+    detect(state, motionBounds(state), dt, reach, out);
+  }
 
  private:
   std::vector<Collider> colliders_;

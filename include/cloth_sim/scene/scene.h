@@ -68,11 +68,18 @@ struct AutoChoice {
   std::string source;  ///< where the choice comes from, in words
 };
 
+/// When a cloth counts as at rest and is no longer computed.
+struct SleepSettings {
+  double speed = 1e-3;  ///< every particle is slower than this [m/s], > 0 ...
+  double after = 0.5;   ///< ... for this long [s], > 0
+};
+
 struct SolverSpec {
   std::string method = "xpbd";
   double dt = 1.0 / 60.0;  ///< of one simulation step [s]
   StepGuard guard = StepGuard::kAllow;
-  SolverParameters parameters;       ///< complete
+  SolverParameters parameters;                           ///< complete
+  std::optional<SleepSettings> sleep = SleepSettings();  ///< absent: every step is computed
   std::optional<AutoChoice> choice;  ///< the scene says `auto`: all of the above is chosen
 };
 

@@ -17,6 +17,9 @@ class ObstacleGuides {
   /// It follows nothing, and goes on as it moves.
   void drop(const std::string& obstacle);
 
+  /// Whether every guided collider, at `time`, is where its target stays.
+  bool areIdle(double time, const ColliderSet& colliders) const;
+
   /// Gives every guided collider the velocity with which it is at its target after `dt`; its
   /// orientation is that one's at once. Targets move on.
   void steer(double time, double dt, ColliderSet& colliders);

@@ -7,6 +7,7 @@
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/command.h"
 #include "cloth_sim/sim/obstacle_guides.h"
+#include "cloth_sim/sim/sleep.h"
 #include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/sim/step_watch.h"
 #include "cloth_sim/solver/solver.h"
@@ -49,6 +50,10 @@ class Simulation {
   std::uint64_t stepCount() const { return stepCount_; }
   bool failed() const { return !failure_.empty(); }
   const std::string& failure() const { return failure_; }
+  /// While the cloth sleeps, steps only let time go on; see docs/model.md.
+  bool isAsleep() const { return sleep_.isAsleep(); }
+  /// How long it has slept since the start or the last reset, simulated [s].
+  double timeAsleep() const { return sleep_.timeAsleep(); }
 
   /// Largest structural or shear stretch now; remembers the largest that it was asked for.
   double observeMaxStretch();
@@ -87,6 +92,11 @@ class Simulation {
   bool attempt(const StepLength& length);
   void readClamps(double share);
   void tear(double dt);
+  void sleepOn();
+  /// \param brokenBefore  how many springs had failed before the step.
+  void watchRest(int brokenBefore);
+  bool isStill() const;
+  bool touches(const Command& command) const;
 
   PhaseObservation observe() const;
   void beginPhase(const PhaseSpec& phase);
@@ -152,6 +162,8 @@ class Simulation {
   std::unique_ptr<Solver> solver_;
   StepReport report_;
   StepWatch watch_;
+  Sleep sleep_;
+  std::optional<double> stretchAsleep_;  ///< the largest stretch, if known since it fell asleep
   PhaseScript script_;
   Tearing tearing_;
   BrokenCounts broken_;

@@ -23,7 +23,7 @@ const SolverParameter* findParameter(const SolverInfo& info, const std::string& 
 /// divide its steps gets shorter ones.
 Configuration configure(const SolverInfo& method, double dt, int substeps, int iterations);
 
-/// The scene with this configuration in place of its own.
+/// The scene with this configuration in place of its own, never asleep.
 /// \throws std::invalid_argument if the registry refuses it.
 Scene withConfiguration(Scene scene, const Configuration& configuration);
 

@@ -54,6 +54,10 @@ class Tearing {
   /// it on. The stress that `plan` goes by should then be no older than a substep.
   bool isNear() const;
 
+  /// Whether a spring is beyond its limit, as the last plan saw it, and has yet to fail: it waits
+  /// for a tip, or for a tear that runs beside it.
+  bool isOverloaded() const { return settings_.enabled && worst_ > 1.0; }
+
   /// What tears now, most overloaded first (by stretch over limit; ties by slot); at most one line
   /// through each face. Visits only springs that the gate allows. To be asked again after the cut
   /// and `opened`, until it has no paths: a fast tip takes several strides in a step.

@@ -1,0 +1,46 @@
+#pragma once
+/// \file When a cloth that has come to rest need not be computed.
+
+#include <optional>
+
+#include "cloth_sim/cloth/state.h"
+#include "cloth_sim/scene/scene.h"
+
+namespace cloth_sim {
+
+/// Whether a simulation sleeps. It falls asleep at the end of a step after which it has been at
+/// rest for long enough, and stays so until somebody wakes it: the simulation knows who does.
+class Sleep {
+ public:
+  /// \param settings  absent: it never sleeps.
+  explicit Sleep(const std::optional<SleepSettings>& settings) : settings_(settings) {}
+
+  bool isAsleep() const { return settings_ && asleep_; }
+  /// How long it has slept in all [s].
+  double timeAsleep() const { return timeAsleep_; }
+
+  /// Whether every particle is slower than what counts as rest; never, if it never sleeps.
+  bool isSlow(const State& state) const;
+
+  /// Tells how a step ended.
+  /// \param rests  whether nothing moves and nothing has changed during the step.
+  /// \return whether it falls asleep now.
+  bool endStep(bool rests, double dt);
+  /// Tells of a step of `dt` [s] that was slept through.
+  void sleepOn(double dt) { timeAsleep_ += dt; }
+  /// It is awake from here on, and its rest begins anew.
+  void wake();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(asleep_, atRest_, timeAsleep_);
+  }
+
+ private:
+  std::optional<SleepSettings> settings_;
+  bool asleep_ = false;
+  double atRest_ = 0.0;  ///< how long it has been at rest [s]
+  double timeAsleep_ = 0.0;
+};
+
+}  // namespace cloth_sim
