@@ -5,7 +5,8 @@
 #
 # BUILD is a build folder of the package (scripts/bench.sh makes one: .ws/build). The tables go to OUT
 # (default: docs/data/performance), the page to docs/performance.md. PARTS: hang and sphere (beside a
-# peer; ten minutes each), parts (two minutes), steps (a quarter of an hour); by default all of them.
+# peer; ten minutes each), parts (two minutes), steps (a quarter of an hour), scale (a minute), node (two
+# minutes; its devel space must be sourced); by default all of them.
 # Parts that are not asked for stay as OUT has them. Nothing else should run. The line in
 # OUT/machine.txt says what machine it was: write it first.
 set -euo pipefail
@@ -17,7 +18,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$1
 out=${2:-$root/docs/data/performance}
 parts=("${@:3}")
-[[ ${#parts[@]} -gt 0 ]] || parts=(hang sphere parts steps)
+[[ ${#parts[@]} -gt 0 ]] || parts=(hang sphere parts steps scale node)
 mkdir -p "$out"
 [[ -s $out/machine.txt ]] ||
   { echo "error: $out/machine.txt: missing, expected a line on the machine" >&2; exit 2; }
@@ -44,7 +45,9 @@ for part in "${parts[@]}"; do
     hang | sphere) taskset -c 0 "$peer" --scenes "$part" --json "$out/$part.json" ;;
     parts) run_bench "$out/parts.json" 0 '^(kernel|part|floor|whole|message|sleep)/' ;;
     steps) run_bench "$out/steps.json" all '^step/' ;;
-    *) echo "error: unknown part '$part' (hang, sphere, parts, steps)" >&2 && exit 2 ;;
+    scale) run_bench "$out/scale.json" 0 '^scale/' ;;
+    node) "$root/bench/node_overhead" "$out/node.json" > /dev/null ;;
+    *) echo "error: unknown part '$part' (hang, sphere, parts, steps, scale, node)" >&2 && exit 2 ;;
   esac
 done
 /usr/bin/python3 "$root/bench/report.py" "$out" > "$out/page.part"

@@ -146,6 +146,29 @@ def steps(document):
                   'ns a spring and sweep', 'faster with 2 threads'], lines)
 
 
+def node(document):
+    overhead, latency = document['overhead'], document['latency']
+    threads = ', '.join('`%s` %.1f %%' % pair for pair in sorted(overhead['threads_percent'].items()))
+    return ('Beside its steps (%.1f %% of one core, at a real-time factor of %.2f) the node costs **%.1f %% '
+            'of one core**: snapshots and hand-over in the stepping thread %.1f %%, and the rest for '
+            'messages; %.1f %% of it in the kernel. By thread: %s. The time from a command to a clamp to '
+            'the first `~frame` that shows it, of %d commands at random times: median **%.2f**, 99th '
+            'percentile **%.2f** frames of 1/60 s.' %
+            (overhead['steps_percent'], overhead['real_time_factor'], overhead['overhead_percent'],
+             overhead['snapshot_percent'], overhead['overhead_in_kernel_percent'], threads,
+             latency['commands'], latency['median_frames'], latency['p99_frames']))
+
+
+def scale(document):
+    counters = ['loaded', 'peak', 'stepped', 'mesh', 'springs', 'model', 'state', 'solver']
+    rows = []
+    for name, entry in medians(document).items():
+        median = entry['median']
+        rows.append(['`%s`' % name, '%.3g' % (1e-3 * median['cpu_time'])] +
+                    ['%.0f' % median[key] if key in median else '' for key in counters])
+    return table(['what', 'CPU time, s'] + counters, rows)
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__ + '\nusage: bench/report.py FOLDER')
@@ -192,12 +215,28 @@ The hanging cloth, with each method's default parameters.
 
 %(steps)s
 
+## The node
+
+The node at 128 x 128, with the pace of the wall's clock, one subscriber of `~frame` (60 Hz) and one of
+`~markers` (30 Hz). `bench/node_overhead`
+
+%(node)s
+
+## Large cloths
+
+What is there before the first step, in bytes per particle; *model* has a mesh and springs of its own.
+`bench/kernels/scale_bench.cpp`
+
+%(scale)s
+
 %(tried)s''' % {'machine': read(folder, 'machine.txt'),
                 'peers': told((read(folder, 'hang.json') or []) + (read(folder, 'sphere.json') or []),
                               peers),
                 'floors': told(read(folder, 'parts.json'), floors),
                 'whole': told(read(folder, 'parts.json'), whole),
                 'parts': told(read(folder, 'parts.json'), parts),
+                'node': told(read(folder, 'node.json'), node),
+                'scale': told(read(folder, 'scale.json'), scale),
                 'steps': told(read(folder, 'steps.json'), steps), 'tried': tried})
 
 

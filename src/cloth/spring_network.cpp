@@ -18,6 +18,8 @@ const double kThreadCosine = std::cos(M_PI / 8.0);
 constexpr double kBendCurvature = 50.0;
 /// ... but at no fold sharper than this [rad], where the spring law loses its meaning.
 constexpr double kBendFoldLimit = 1.5;
+/// Springs per vertex of a grid, but for its border.
+constexpr std::size_t kUsualSprings = 6;
 /// Springs that stand on a vertex, as a rule.
 constexpr std::size_t kUsualStanding = 16;
 /// What structural springs keep of the tensile stiffness at least, whatever shear and bend springs
@@ -98,6 +100,25 @@ class Ancestors {
  private:
   std::map<VertexId, VertexId> source_;
 };
+
+/// Of each vertex: the slots of the springs that stand on it, in no more memory than that takes.
+std::vector<std::vector<std::int32_t>> listStanding(const std::vector<Spring>& slots,
+                                                    std::size_t vertices) {
+  std::vector<std::size_t> number(vertices, 0);
+  for (const Spring& spring : slots) {
+    for (VertexId v : spring.support) {
+      if (v != kNone) ++number[v];
+    }
+  }
+  std::vector<std::vector<std::int32_t>> standing(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) standing[v].reserve(number[v]);
+  for (std::size_t slot = 0; slot < slots.size(); ++slot) {
+    for (VertexId v : slots[slot].support) {
+      if (v != kNone) standing[v].push_back(static_cast<std::int32_t>(slot));
+    }
+  }
+  return standing;
+}
 
 bool sameSpring(const Spring& s, const Spring& t) {
   return s.a == t.a && s.b == t.b && s.support == t.support && s.stiffness == t.stiffness &&
@@ -197,15 +218,17 @@ void SpringNetwork::followCleared(const MeshChanges& changes) {
 }
 
 void SpringNetwork::build(const TriangleMesh& mesh) {
-  standing_.resize(mesh.vertexCount());
+  slots_.reserve(kUsualSprings * static_cast<std::size_t>(mesh.vertexCount()));
   std::vector<Spring> derived;
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
     derived.clear();
     deriveAround(mesh, v, derived);
     for (const Spring& spring : derived) {
-      if (spring.support[0] == v) insert(spring);
+      if (spring.support[0] == v) slots_.push_back(spring);
     }
   }
+  for (const Spring& spring : slots_) ++count_[static_cast<int>(spring.kind)];
+  standing_ = listStanding(slots_, static_cast<std::size_t>(mesh.vertexCount()));
 }
 
 void SpringNetwork::deriveAround(const TriangleMesh& mesh, VertexId v,

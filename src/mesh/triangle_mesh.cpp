@@ -35,14 +35,50 @@ std::string describeFaceDefect(const TriangleMesh& mesh, FaceId f) {
   return "";
 }
 
+/// The first face around `v` whose edge from `v` is the one to `w`; kNone: there is none.
+FaceId faceFrom(const TriangleMesh& mesh, VertexId v, VertexId w) {
+  for (const FaceId f : mesh.facesAround(v)) {
+    if (around(mesh.face(f), v).first == w) return f;
+  }
+  return kNone;
+}
+
+/// The same of the edge from `w` to `v`.
+FaceId faceTo(const TriangleMesh& mesh, VertexId v, VertexId w) {
+  for (const FaceId f : mesh.facesAround(v)) {
+    if (around(mesh.face(f), v).second == w) return f;
+  }
+  return kNone;
+}
+
 std::string describeVertexEdgeDefect(const TriangleMesh& mesh, VertexId v) {
-  std::vector<VertexId> out;
-  for (FaceId f : mesh.facesAround(v)) out.push_back(around(mesh.face(f), v).first);
-  std::sort(out.begin(), out.end());
-  const auto twice = std::adjacent_find(out.begin(), out.end());
-  if (twice == out.end()) return "";
-  return "edge " + std::to_string(v) + " -> " + std::to_string(*twice) +
-         " is run through twice in the same direction";
+  const auto describe = [](VertexId from, VertexId to) {
+    return "edge " + std::to_string(from) + " -> " + std::to_string(to) +
+           " is run through twice in the same direction";
+  };
+  for (const FaceId f : mesh.facesAround(v)) {
+    const auto [next, previous] = around(mesh.face(f), v);
+    if (faceFrom(mesh, v, next) != f) return describe(v, next);
+    if (faceTo(mesh, v, previous) != f) return describe(previous, v);
+  }
+  return "";
+}
+
+/// Whether the faces around `v`, no two of which run along an edge in the same direction, can be
+/// gone through from edge to edge. As `fansAround`, but it needs no memory.
+bool isOneFan(const TriangleMesh& mesh, VertexId v) {
+  const std::vector<FaceId>& faces = mesh.facesAround(v);
+  FaceId first = faces.front();  // any, if they close around it
+  for (const FaceId f : faces) {
+    if (faceTo(mesh, v, around(mesh.face(f), v).first) == kNone) first = f;
+  }
+  std::size_t count = 0;
+  FaceId at = first;
+  do {
+    ++count;
+    at = faceFrom(mesh, v, around(mesh.face(at), v).second);
+  } while (at != kNone && at != first && count < faces.size());
+  return count == faces.size();
 }
 
 std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v) {
@@ -59,7 +95,7 @@ std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v) {
   }
   const std::string edge = describeVertexEdgeDefect(mesh, v);
   if (!edge.empty()) return edge;
-  if (fansAround(mesh, v).size() != 1) {
+  if (!isOneFan(mesh, v)) {
     return "vertex " + std::to_string(v) + " joins faces at a single point";
   }
   return "";
@@ -69,14 +105,20 @@ std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v) {
 
 TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
     : material_(std::move(material)), faces_(std::move(faces)), incident_(material_.size()) {
+  std::vector<std::int32_t> facesOf(material_.size(), 0);
   for (FaceId f = 0; f < faceCount(); ++f) {
     const std::string defect = describeFaceDefect(*this, f);
     if (!defect.empty()) throw std::invalid_argument(defect);
+    for (VertexId v : faces_[f]) ++facesOf[v];
+  }
+  for (VertexId v = 0; v < vertexCount(); ++v) incident_[v].reserve(facesOf[v]);
+  for (FaceId f = 0; f < faceCount(); ++f) {
     for (VertexId v : faces_[f]) incident_[v].push_back(f);
   }
   const std::string defect = describeDefect(*this);
   if (!defect.empty()) throw std::invalid_argument(defect);
   generation_.assign(faces_.size(), 0);
+  rim_.reserve(faces_.size());
   for (const Face& face : faces_) {
     std::uint8_t rim = 0;
     for (int k = 0; k < 3; ++k) {

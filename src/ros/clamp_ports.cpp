@@ -35,7 +35,9 @@ ros::Subscriber ClampPorts::listen(const std::string& topic, std::uint32_t queue
                                                           check](const Message& message) {
     for (const Request& request : check(message)) submit(topic, request, simulation_);
   };
-  return node_.subscribe<Message, const Message&>(topic, queue, callback);
+  // Without that hint, TCP may keep small messages back that come in quick succession.
+  return node_.subscribe<Message, const Message&>(topic, queue, callback, ros::VoidConstPtr(),
+                                                  ros::TransportHints().tcpNoDelay());
 }
 
 void ClampPorts::update(const Observation& observation) {

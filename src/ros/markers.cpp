@@ -62,22 +62,21 @@ std::string statusLine(const Snapshot& snapshot) {
 
 MarkerBuilder::MarkerBuilder(MarkerStyle style) : style_(std::move(style)) {}
 
-const visualization_msgs::MarkerArray& MarkerBuilder::build(const Snapshot& snapshot,
-                                                            const ros::Time& stamp) {
+const ClothMarkers& MarkerBuilder::build(const Snapshot& snapshot, const ros::Time& stamp) {
   begin(stamp);
   addCloth(snapshot);
   addTornEdges(snapshot);
   addSurroundings(snapshot);
-  array_.markers.resize(used_);
-  return array_;
+  markers_.array.markers.resize(used_);
+  return markers_;
 }
 
 const visualization_msgs::MarkerArray& MarkerBuilder::buildSurroundings(const Snapshot& snapshot,
                                                                         const ros::Time& stamp) {
   begin(stamp);
   addSurroundings(snapshot);
-  array_.markers.resize(used_);
-  return array_;
+  markers_.array.markers.resize(used_);
+  return markers_.array;
 }
 
 void MarkerBuilder::begin(const ros::Time& stamp) {
@@ -97,8 +96,9 @@ void MarkerBuilder::addSurroundings(const Snapshot& snapshot) {
 /// The next marker of the array, with its buffers of last time. A scene always uses the same
 /// ones but for its clamps, so the id is the place in the array.
 Marker& MarkerBuilder::next(const char* space, int type) {
-  if (used_ == array_.markers.size()) array_.markers.emplace_back();
-  Marker& marker = array_.markers[used_];
+  std::vector<Marker>& markers = markers_.array.markers;
+  if (used_ == markers.size()) markers.emplace_back();
+  Marker& marker = markers[used_];
   marker.header.frame_id = style_.frame;
   marker.header.stamp = stamp_;
   marker.ns = space;
@@ -114,35 +114,27 @@ Marker& MarkerBuilder::next(const char* space, int type) {
 void MarkerBuilder::addCloth(const Snapshot& snapshot) {
   vertexNormals(snapshot, normals_);
   vertexStrains(snapshot, strain_);
-  addSide(snapshot, true);
-  if (style_.twoSided) addSide(snapshot, false);
+  markers_.topology = snapshot.topology;
+  markers_.sides.resize(style_.twoSided ? 2 : 1);
+  addSide(snapshot, true, markers_.sides[0]);
+  if (style_.twoSided) addSide(snapshot, false, markers_.sides[1]);
 }
 
 /// One side of the surface: the particles moved out along the normals, shaded for that side.
-void MarkerBuilder::addSide(const Snapshot& snapshot, bool front) {
+void MarkerBuilder::addSide(const Snapshot& snapshot, bool front, MarkerSide& side) {
   static const Colour lining = makeColour(0.86f, 0.74f, 0.62f);
   const std::size_t count = snapshot.positions.size();
   const double offset = (style_.twoSided ? style_.surfaceOffset : 0.0) * (front ? 1.0 : -1.0);
-  corners_.resize(count);
-  colours_.resize(count);
+  side.corners.resize(count);
+  side.colours.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
     const Eigen::Vector3f outward = front ? normals_[v] : Eigen::Vector3f(-normals_[v]);
     const Colour base = strainColour(strain_[v] / style_.strainRange);
-    colours_[v] = shaded(front ? base : blend(base, lining, 0.7f), brightness(outward));
-    corners_[v] = toPoint(snapshot.positions[v] + offset * normals_[v].cast<double>());
+    side.colours[v] = shaded(front ? base : blend(base, lining, 0.7f), brightness(outward));
+    side.corners[v] = toPoint(snapshot.positions[v] + offset * normals_[v].cast<double>());
   }
-  const std::vector<Face>& faces = snapshot.topology->faces;
   Marker& marker = next(front ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
-  marker.points.resize(3 * faces.size());
-  marker.colors.resize(3 * faces.size());
-  std::size_t corner = 0;
-  for (const Face& face : faces) {
-    for (const VertexId v : face) {
-      marker.points[corner] = corners_[v];
-      marker.colors[corner++] = colours_[v];
-    }
-  }
-  deleteIfEmpty(marker);
+  if (snapshot.topology->faces.empty()) marker.action = Marker::DELETE;
 }
 
 void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {

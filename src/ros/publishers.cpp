@@ -9,16 +9,16 @@
 #include "cloth_sim/ros/bag_writer.h"
 #include "cloth_sim/ros/clock_publisher.h"
 #include "cloth_sim/ros/surface_messages.h"
+#include "cloth_sim/ros/thread_name.h"
 
 namespace cloth_sim {
 namespace {
 
 using std::chrono::duration;
-using std::chrono::duration_cast;
 
-constexpr double kKeepAlive = 1.0;     ///< longest silence of a topic with subscribers [s]
-constexpr double kMinWanted = 10.0;    ///< least rate of observations: for tf and diagnostics [Hz]
-constexpr double kTickMargin = 0.5;    ///< of a tick: being early by less counts as in time [-]
+constexpr double kKeepAlive = 1.0;   ///< longest silence of a topic with subscribers [s]
+constexpr double kMinWanted = 10.0;  ///< least rate of observations: for tf and diagnostics [Hz]
+constexpr double kPatience = 1.5;    ///< periods without an observation until we look by ourselves
 constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which it is a warning [-]
 constexpr double kRecent = 2.0;        ///< simulated time for which a redone step is a warning [s]
 
@@ -81,10 +81,11 @@ bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
     lastSubscribers = 0;
     return false;
   }
-  const double silence = duration<double>(now - last).count();
-  const bool news = observation != lastObservation && (silence + 1e-3) * rate >= 1.0;
+  const bool news = observation != lastObservation && pace.isDue(now, rate);
   const bool newcomer = subscribers > lastSubscribers;
-  if (!news && !newcomer && silence < kKeepAlive) return false;
+  const bool silent = duration<double>(now - last).count() >= kKeepAlive;
+  if (!news && !newcomer && !silent) return false;
+  pace.take(now, rate);
   last = now;
   lastObservation = observation;
   lastSubscribers = subscribers;
@@ -106,15 +107,12 @@ double Publishers::wantedRate() const {
 }
 
 void Publishers::run() {
-  Clock::time_point next = Clock::now();
+  nameThisThread("cloth_publish");
   while (!stopping_) {
     const double rate = wantedRate();
     simulation_.setObservationRate(rate);
     tick();
-    // Twice as often as needed, so that no observation waits for a whole period.
-    next += duration_cast<Clock::duration>(duration<double>(kTickMargin / rate));
-    next = std::max(next, Clock::now());
-    std::this_thread::sleep_until(next);
+    simulation_.waitForObservation(diagnosed_.number, duration<double>(kPatience / rate));
   }
 }
 
@@ -291,6 +289,7 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("real-time factor", diagnosed_.realTimeFactor);
   status.add("real-time factor asked for", asked);
   status.add("step time [s]", diagnosed_.stepTime);
+  status.add("CPU time of steps [s]", diagnosed_.stepCpuTime);
   status.add("simulated time [s]", snapshot.time);
   status.add("max strain", snapshot.maxStretch - 1.0);
   const double substep = diagnosed_.substep;

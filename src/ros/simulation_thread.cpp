@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "cloth_sim/cpu_clock.h"
+#include "cloth_sim/ros/thread_name.h"
 #include "cloth_sim/sim/parallel.h"
 
 namespace cloth_sim {
@@ -164,6 +166,12 @@ FailureBatch SimulationThread::takeEvents() {
           std::exchange(failures_.events, {})};
 }
 
+void SimulationThread::waitForObservation(std::uint64_t seen,
+                                          std::chrono::duration<double> timeout) const {
+  std::unique_lock<std::mutex> lock(outputMutex_);
+  observed_.wait_for(lock, timeout, [&] { return observation_.number > seen; });
+}
+
 std::vector<CommandRecord> SimulationThread::takeCommands() {
   const std::lock_guard<std::mutex> lock(outputMutex_);
   return std::exchange(commands_, {});
@@ -175,6 +183,7 @@ std::vector<GripEvent> SimulationThread::takeGripEvents() {
 }
 
 void SimulationThread::run(int threads) {
+  nameThisThread("cloth_step");
   const ThreadLimit limit(threads);
   nextStep_ = Clock::now();
   while (true) {
@@ -316,13 +325,17 @@ bool SimulationThread::isEarly() const { return jobs_.empty() && Clock::now() < 
 void SimulationThread::stepOnce() {
   const Clock::time_point start = Clock::now();
   if (jobs_.empty()) keepPace(start);
+  const double cpuStart = threadCpuTime();
   simulation_.step();
+  stepCpuTime_ += threadCpuTime() - cpuStart;
   unseen_ = true;
   tellTime();
   collectEvents();
   measure(Clock::now() - start);
-  const double sinceLast = duration<double>(Clock::now() - lastObservation_).count();
-  if (sinceLast * observationRate_ >= 1.0) publish();
+  if (const double rate = observationRate_; observationPace_.isDue(Clock::now(), rate)) {
+    observationPace_.take(Clock::now(), rate);
+    publish();
+  }
   countJobStep();
   checkRun();
 }
@@ -418,16 +431,19 @@ void SimulationThread::measure(Clock::duration busy) {
 
 void SimulationThread::publish() {
   std::shared_ptr<const Snapshot> snapshot = simulation_.snapshot();
-  lastObservation_ = Clock::now();
   unseen_ = false;
-  const std::lock_guard<std::mutex> lock(outputMutex_);
-  observation_.snapshot = std::move(snapshot);
-  observation_.phases = simulation_.script().history();
-  observation_.realTimeFactor = realTimeFactor_;
-  observation_.stepTime = stepTime_;
-  observation_.substep = simulation_.substep();
-  observation_.resets = resets_;
-  ++observation_.number;
+  {
+    const std::lock_guard<std::mutex> lock(outputMutex_);
+    observation_.snapshot = std::move(snapshot);
+    observation_.phases = simulation_.script().history();
+    observation_.realTimeFactor = realTimeFactor_;
+    observation_.stepTime = stepTime_;
+    observation_.stepCpuTime = stepCpuTime_;
+    observation_.substep = simulation_.substep();
+    observation_.resets = resets_;
+    ++observation_.number;
+  }
+  observed_.notify_all();
 }
 
 }  // namespace cloth_sim

@@ -41,6 +41,17 @@ void append(const TriangleMesh& mesh, double shift, std::vector<Vec2>& material,
   }
 }
 
+ClothPart partOf(const ClothSpec& cloth, const OwnMesh& own, VertexId firstVertex, double offset) {
+  ClothPart part;
+  part.name = cloth.name;
+  part.fabric = cloth.fabric;
+  part.grid = own.grid;
+  part.firstVertex = firstVertex;
+  part.vertices = own.mesh.vertexCount();
+  part.materialOffset = offset;
+  return part;
+}
+
 /// Half way between the end of each cloth and the beginning of the next one.
 MaterialStrips stripsOf(const std::vector<ClothSpec>& cloths, const std::vector<double>& offsets) {
   std::vector<double> bounds;
@@ -53,23 +64,23 @@ MaterialStrips stripsOf(const std::vector<ClothSpec>& cloths, const std::vector<
 /// Meshes, and where they lie.
 void layOut(const std::vector<ClothSpec>& cloths, Model& model) {
   const std::vector<double> offsets = materialOffsets(cloths);
+  model.strips = stripsOf(cloths, offsets);
+  model.cloths.clear();
+  if (cloths.size() == 1) {  // its material plane is its own
+    OwnMesh own = makeOwnMesh(cloths[0]);
+    model.cloths.push_back(partOf(cloths[0], own, 0, offsets[0]));
+    model.mesh = std::move(own.mesh);
+    return;
+  }
   std::vector<Vec2> material;
   std::vector<Face> faces;
-  model.cloths.clear();
   for (std::size_t k = 0; k < cloths.size(); ++k) {
     const OwnMesh own = makeOwnMesh(cloths[k]);
-    ClothPart part;
-    part.name = cloths[k].name;
-    part.fabric = cloths[k].fabric;
-    part.grid = own.grid;
-    part.firstVertex = static_cast<VertexId>(material.size());
-    part.vertices = own.mesh.vertexCount();
-    part.materialOffset = offsets[k];
+    const auto first = static_cast<VertexId>(material.size());
+    model.cloths.push_back(partOf(cloths[k], own, first, offsets[k]));
     append(own.mesh, offsets[k], material, faces);
-    model.cloths.push_back(std::move(part));
   }
   model.mesh = TriangleMesh(std::move(material), std::move(faces));
-  model.strips = stripsOf(cloths, offsets);
 }
 
 BendNetwork makeBending(const std::vector<ClothSpec>& cloths, const Model& model) {

@@ -249,7 +249,7 @@ bool Simulation::attempt(const StepLength& length) {
   while (true) {
     detectContacts(length.dt);
     report_ = solver_->step(model_, state_, controls_, contacts_, length);
-    if (!watch_.isSound(model_, state_)) return false;
+    if (!watch_.isSound(model_, state_, report_.status)) return false;
     if (!letSlip()) return true;
     state_ = lastGood_;
     gatherControls();

@@ -62,8 +62,8 @@ void StepWatch::begin(const Model& model, const State& state, const Controls& co
   found_ = 0.0;
 }
 
-bool StepWatch::isSound(const Model& model, const State& state) {
-  if (!isFinite(state) || !isPlausible(state)) return false;
+bool StepWatch::isSound(const Model& model, const State& state, StepStatus status) {
+  if (status == StepStatus::kNotFinite || !isPlausible(state)) return false;
   if (!weighs_) return true;
   const Energies e = energies(model, state, gravity_);
   const double energy = e.kinetic + e.elastic;

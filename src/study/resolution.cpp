@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/cpu_clock.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/study/reference.h"
-#include "cpu_clock.h"
 
 namespace cloth_sim {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "cloth_sim/cpu_clock.h"
 #include "cloth_sim/sim/simulation.h"
-#include "cpu_clock.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,11 +1,10 @@
 #pragma once
 /// \file A snapshot as rviz markers. Needs no node and no master.
 
-#include <visualization_msgs/MarkerArray.h>
-
 #include <string>
 #include <vector>
 
+#include "cloth_sim/ros/cloth_markers.h"
 #include "cloth_sim/sim/snapshot.h"
 
 namespace cloth_sim {
@@ -29,7 +28,7 @@ class MarkerBuilder {
 
   /// The markers, complete: whoever gets only this message sees everything. Valid until the next
   /// call.
-  const visualization_msgs::MarkerArray& build(const Snapshot& snapshot, const ros::Time& stamp);
+  const ClothMarkers& build(const Snapshot& snapshot, const ros::Time& stamp);
 
   /// The same without the cloth and its torn edges.
   const visualization_msgs::MarkerArray& buildSurroundings(const Snapshot& snapshot,
@@ -41,7 +40,7 @@ class MarkerBuilder {
   void begin(const ros::Time& stamp);
   Marker& next(const char* space, int type);
   void addCloth(const Snapshot& snapshot);
-  void addSide(const Snapshot& snapshot, bool front);
+  void addSide(const Snapshot& snapshot, bool front, MarkerSide& side);
   void addTornEdges(const Snapshot& snapshot);
   void addSurroundings(const Snapshot& snapshot);
   void addObstacle(const Obstacle& obstacle);
@@ -51,14 +50,12 @@ class MarkerBuilder {
   void addText(const Snapshot& snapshot);
 
   MarkerStyle style_;
-  visualization_msgs::MarkerArray array_;
+  ClothMarkers markers_;
   ros::Time stamp_;
   std::size_t used_ = 0;
   std::size_t mostUsed_ = 0;  ///< ever
   std::vector<Eigen::Vector3f> normals_;
-  std::vector<float> strain_;                  ///< per vertex, largest of its links
-  std::vector<std_msgs::ColorRGBA> colours_;   ///< per vertex, of the side at work
-  std::vector<geometry_msgs::Point> corners_;  ///< per vertex, of the side at work
+  std::vector<float> strain_;  ///< per vertex, largest of its links
 };
 
 /// "pull  t = 7.20 s  pieces 1  broken 214 (torn 160, cut 54)  strain 0.12"

@@ -15,11 +15,12 @@ struct Observation {
   std::shared_ptr<const Snapshot> snapshot;
   std::vector<PhaseRecord> phases;
   bool paused = false;
-  double realTimeFactor = 0.0;        ///< simulated over wall time, lately [-]
-  double realTimeFactorAsked = 1.0;   ///< 0: as fast as it can
-  double stepTime = 0.0;              ///< wall time of one step, mean over the same time [s]
-  double substep = 0.0;               ///< of the method now [s]
-  std::uint64_t resets = 0;           ///< since the start
+  double realTimeFactor = 0.0;       ///< simulated over wall time, lately [-]
+  double realTimeFactorAsked = 1.0;  ///< 0: as fast as it can
+  double stepTime = 0.0;             ///< wall time of one step, mean over the same time [s]
+  double stepCpuTime = 0.0;  ///< that the stepping thread spent in steps, since the start [s]
+  double substep = 0.0;      ///< of the method now [s]
+  std::uint64_t resets = 0;  ///< since the start
   std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
   std::uint64_t number = 0;           ///< grows with every observation
 };

@@ -47,8 +47,9 @@ class Publishers {
     explicit Schedule(double hz) : rate(hz) {}
     bool due(Clock::time_point now, std::uint64_t observation, std::uint32_t subscribers);
 
-    double rate = 0.0;                  ///< [Hz]; 0: never
-    Clock::time_point last;             ///< when it was sent
+    double rate = 0.0;       ///< [Hz]; 0: never
+    Clock::time_point last;  ///< when it was sent
+    Pace pace;
     std::uint64_t lastObservation = 0;  ///< what was sent
     std::uint32_t lastSubscribers = 0;
   };
@@ -111,7 +112,7 @@ class Publishers {
   ros::Time sentTransforms_;
   int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
   std::uint64_t resetsSeen_ = 0;
-  Observation diagnosed_;
+  Observation diagnosed_;  ///< the last one that was looked at
 
   std::atomic<bool> stopping_{false};
   std::thread thread_;  // last: starts when everything above is there

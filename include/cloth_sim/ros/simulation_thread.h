@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "cloth_sim/ros/observation.h"
+#include "cloth_sim/ros/pace.h"
 #include "cloth_sim/ros/run_job.h"
 #include "cloth_sim/sim/simulation.h"
 
@@ -86,6 +87,8 @@ class SimulationThread {
 
   /// The latest; its snapshot is never null.
   Observation observe() const;
+  /// Waits until there is one after the one of number `seen`, but not longer than `timeout`.
+  void waitForObservation(std::uint64_t seen, std::chrono::duration<double> timeout) const;
 
   /// Springs that failed since the last call and the last reset. One caller only.
   FailureBatch takeEvents();
@@ -145,13 +148,14 @@ class SimulationThread {
   std::optional<NumberedRun> run_;
   std::deque<Envelope> taken_;
   Clock::time_point nextStep_;
-  Clock::time_point lastObservation_;
+  Pace observationPace_;
   Clock::time_point windowStart_;
   Clock::duration windowBusy_{};
   double windowTime_ = 0.0;  ///< simulated time of the start of the window [s]
   int windowSteps_ = 0;
   double realTimeFactor_ = 0.0;
   double stepTime_ = 0.0;
+  double stepCpuTime_ = 0.0;
   std::uint64_t resets_ = 0;
   bool failureShown_ = false;
   bool unseen_ = false;  ///< a step has been made since the last observation
@@ -172,6 +176,7 @@ class SimulationThread {
   std::uint64_t dropped_ = 0;
 
   mutable std::mutex outputMutex_;
+  mutable std::condition_variable observed_;
   Observation observation_;
   FailureBatch failures_;
   std::vector<CommandRecord> commands_;

@@ -21,8 +21,8 @@ class StepWatch {
   /// Notes what a step starts from.
   void begin(const Model& model, const State& state, const Controls& controls,
              const ColliderSet& colliders, double dt);
-  /// Whether the step that led to `state` ended well.
-  bool isSound(const Model& model, const State& state);
+  /// Whether the step that led to `state` ended well; `status` is what the solver says of it.
+  bool isSound(const Model& model, const State& state, StepStatus status);
   /// Notes that the step stays as it was last looked at.
   void accept();
   /// Notes that an attempt was rolled back, and that the next one is divided `times` further.

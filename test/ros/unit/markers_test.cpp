@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "cloth_sim/ros/shading.h"
+#include "ros/unit/received.h"
 
 namespace cloth_sim {
 namespace {
@@ -38,6 +39,11 @@ Snapshot flatCloth(int n, double stretch = 1.0) {
   return snapshot;
 }
 
+visualization_msgs::MarkerArray sent(MarkerBuilder& builder, const Snapshot& snapshot,
+                                     const ros::Time& stamp) {
+  return received(builder.build(snapshot, stamp));
+}
+
 const Marker* find(const visualization_msgs::MarkerArray& array, const std::string& space) {
   for (const Marker& marker : array.markers) {
     if (marker.ns == space) return &marker;
@@ -53,7 +59,7 @@ int count(const visualization_msgs::MarkerArray& array, const std::string& space
 
 TEST(Markers, ClothHasThreeColouredCornersPerFaceOnBothSides) {
   MarkerBuilder builder{MarkerStyle()};
-  const auto& array = builder.build(flatCloth(5), ros::Time(1.0));
+  const auto array = sent(builder, flatCloth(5), ros::Time(1.0));
   for (const char* side : {"cloth", "cloth_back"}) {
     const Marker* cloth = find(array, side);
     ASSERT_NE(cloth, nullptr) << side;
@@ -65,11 +71,26 @@ TEST(Markers, ClothHasThreeColouredCornersPerFaceOnBothSides) {
   }
 }
 
+TEST(Markers, EachCornerOfAFaceIsWhereItsVertexIs) {
+  MarkerStyle style;
+  style.twoSided = false;
+  MarkerBuilder builder(style);
+  const Snapshot snapshot = flatCloth(4);
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
+  std::size_t corner = 0;
+  for (const Face& face : snapshot.topology->faces) {
+    for (const VertexId v : face) {
+      const geometry_msgs::Point& point = find(array, "cloth")->points[corner++];
+      EXPECT_EQ(Vec3(point.x, point.y, point.z), snapshot.positions[v]);
+    }
+  }
+}
+
 TEST(Markers, SidesLieOnEitherSideOfTheParticlesAndDifferInColour) {
   MarkerStyle style;
   style.surfaceOffset = 0.001;
   MarkerBuilder builder(style);
-  const auto& array = builder.build(flatCloth(5), ros::Time(1.0));
+  const auto array = sent(builder, flatCloth(5), ros::Time(1.0));
   const Marker* front = find(array, "cloth");
   const Marker* back = find(array, "cloth_back");
   EXPECT_NEAR(front->points[0].z, 1.001, 1e-9);  // the faces' normals point up
@@ -81,15 +102,15 @@ TEST(Markers, OneSideIsSentIfOneIsAskedFor) {
   MarkerStyle style;
   style.twoSided = false;
   MarkerBuilder builder(style);
-  const auto& array = builder.build(flatCloth(5), ros::Time(1.0));
+  const auto array = sent(builder, flatCloth(5), ros::Time(1.0));
   EXPECT_EQ(find(array, "cloth_back"), nullptr);
   EXPECT_EQ(find(array, "cloth")->points[0].z, 1.0);
 }
 
 TEST(Markers, StrainChangesTheColour) {
   MarkerBuilder builder{MarkerStyle()};
-  const float atRest = find(builder.build(flatCloth(5), ros::Time(1.0)), "cloth")->colors[0].r;
-  const auto& stretched = builder.build(flatCloth(5, 1.2), ros::Time(1.0));
+  const float atRest = find(sent(builder, flatCloth(5), ros::Time(1.0)), "cloth")->colors[0].r;
+  const auto stretched = sent(builder, flatCloth(5, 1.2), ros::Time(1.0));
   EXPECT_GT(find(stretched, "cloth")->colors[0].r, 2.0f * atRest);  // yellow, from blue
 }
 
@@ -106,20 +127,20 @@ TEST(Markers, StrainMapIsMonotoneInBrightnessAndClamped) {
 TEST(Markers, EmptyListsAreDeletedAndComeBack) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(5);
-  EXPECT_EQ(find(builder.build(snapshot, ros::Time(1.0)), "torn_edges")->action, Marker::DELETE);
+  EXPECT_EQ(find(sent(builder, snapshot, ros::Time(1.0)), "torn_edges")->action, Marker::DELETE);
 
   auto torn = std::make_shared<Topology>(*snapshot.topology);
   torn->tornEdges = {{0, 1}, {1, 2}};
   snapshot.topology = torn;
-  const Marker* edges = find(builder.build(snapshot, ros::Time(1.0)), "torn_edges");
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
+  const Marker* edges = find(array, "torn_edges");
   EXPECT_EQ(edges->action, Marker::ADD);
   EXPECT_EQ(edges->type, Marker::LINE_LIST);
   EXPECT_EQ(edges->points.size(), 4u);
 
   Snapshot nothing;
   nothing.topology = std::make_shared<Topology>();
-  const auto& array = builder.build(nothing, ros::Time(1.0));
-  for (const Marker& marker : array.markers) {
+  for (const Marker& marker : sent(builder, nothing, ros::Time(1.0)).markers) {
     const bool list = marker.type == Marker::TRIANGLE_LIST || marker.type == Marker::LINE_LIST;
     if (list) {
       EXPECT_EQ(marker.action, Marker::DELETE) << marker.ns;
@@ -130,8 +151,8 @@ TEST(Markers, EmptyListsAreDeletedAndComeBack) {
 TEST(Markers, ClothMayGrowAndShrink) {
   MarkerBuilder builder{MarkerStyle()};
   for (const std::size_t n : {5u, 9u, 3u}) {
-    const Marker* cloth =
-        find(builder.build(flatCloth(static_cast<int>(n)), ros::Time(1.0)), "cloth");
+    const auto array = sent(builder, flatCloth(static_cast<int>(n)), ros::Time(1.0));
+    const Marker* cloth = find(array, "cloth");
     EXPECT_EQ(cloth->points.size(), (n - 1) * (n - 1) * 2 * 3);
     EXPECT_EQ(cloth->colors.size(), cloth->points.size());
   }
@@ -141,8 +162,8 @@ TEST(Markers, NamespaceAndIdStayTheSameFromCallToCall) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(5);
   snapshot.clamps.resize(2);
-  const visualization_msgs::MarkerArray first = builder.build(snapshot, ros::Time(1.0));
-  const visualization_msgs::MarkerArray& second = builder.build(snapshot, ros::Time(2.0));
+  const visualization_msgs::MarkerArray first = sent(builder, snapshot, ros::Time(1.0));
+  const visualization_msgs::MarkerArray second = sent(builder, snapshot, ros::Time(2.0));
   ASSERT_EQ(first.markers.size(), second.markers.size());
   for (std::size_t i = 0; i < first.markers.size(); ++i) {
     EXPECT_EQ(first.markers[i].ns, second.markers[i].ns);
@@ -159,7 +180,7 @@ TEST(Markers, ClampPlatesStandAtTheirGap) {
   clamp.plateSize = Vec2(0.06, 0.04);
   clamp.gap = 0.12;
   snapshot.clamps = {clamp};
-  const auto& array = builder.build(snapshot, ros::Time(1.0));
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
   ASSERT_EQ(count(array, "clamps"), 2);
   const Marker* lower = find(array, "clamps");
   const Marker* upper = lower + 1;
@@ -180,13 +201,13 @@ TEST(Markers, ObstaclesHaveTheirShapes) {
   plane.shape = PlaneShape{};
   bounds.shape = BoundsShape{Vec3(2.0, 2.0, 2.0)};
   snapshot.obstacles = {sphere, board, plane, bounds};
-  const auto& array = builder.build(snapshot, ros::Time(1.0));
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
   EXPECT_EQ(count(array, "obstacles"), 3);
   EXPECT_EQ(find(array, "obstacles")->scale.x, 0.2);
   EXPECT_EQ(find(array, "bounds")->points.size(), 24u);  // twelve edges
 
   snapshot.obstacles = {rod};
-  const auto& round = builder.build(snapshot, ros::Time(2.0));
+  const auto round = sent(builder, snapshot, ros::Time(2.0));
   EXPECT_EQ(count(round, "obstacles"), 3) << "a cylinder and two balls";
   const Marker* cylinder = find(round, "obstacles");
   EXPECT_EQ(cylinder->type, Marker::CYLINDER);
@@ -200,9 +221,9 @@ TEST(Markers, OfAClampThatWentAreDeleted) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(3);
   snapshot.clamps.resize(2);
-  const std::size_t both = builder.build(snapshot, ros::Time(1.0)).markers.size();
+  const std::size_t both = sent(builder, snapshot, ros::Time(1.0)).markers.size();
   snapshot.clamps.pop_back();
-  const auto& array = builder.build(snapshot, ros::Time(2.0));
+  const auto array = sent(builder, snapshot, ros::Time(2.0));
   ASSERT_EQ(array.markers.size(), both);
   EXPECT_EQ(array.markers[both - 1].action, Marker::DELETE);
   EXPECT_EQ(array.markers[both - 2].action, Marker::DELETE);

@@ -130,6 +130,64 @@ TEST(SimulationThread, FloodOfCommandsIsBoundedAndAnswered) {
   EXPECT_TRUE(eventually([&] { return answers == kCommands; }));
 }
 
+/// A step of this takes a second or so.
+const char* const kSlowScene = R"(
+cloth: {size: [1.0, 1.0], particles: [48, 48], pins: [corner_00, corner_10]}
+solver: {method: xpbd, substeps: 10000}
+clamps: {left: {pose: {position: [0.0, 0.0, 0.5]}}}
+)";
+
+/// Everything that callbacks and the publishing thread ask for, but for what waits by its nature.
+void askForEverything(SimulationThread& simulation, std::atomic<int>& answers) {
+  simulation.post(SetGrasp{"left", true}, [&](const CommandResult&) { ++answers; });
+  simulation.setRealTimeFactor(0.0);
+  simulation.setPaused(true);
+  simulation.setObservationRate(60.0);
+  simulation.cancelRun(simulation.requestRun(RunFor{1.0}, [](const RunResult&) {}));
+  simulation.requestSteps(1);
+  simulation.takeEvents();
+  simulation.takeGripEvents();
+  simulation.takeCommands();
+  simulation.observe();
+}
+
+/// Whoever asks for something, or looks at what there is, never waits for the step under way: the
+/// stepping thread holds no lock while it steps.
+TEST(SimulationThread, NobodyWaitsForALongStep) {
+  std::atomic<int> told{0};
+  std::atomic<int> answers{0};
+  RunSettings settings = paused();
+  settings.onTime = [&](double) { ++told; };
+  SimulationThread simulation(parseScene(kSlowScene, "slow"), settings);
+  simulation.requestSteps(2);
+  while (told < 2) std::this_thread::yield();  // at the start, and after the first step
+  steady_clock::duration longest{};
+  const auto start = steady_clock::now();  // the second step begins about now
+  while (steady_clock::now() - start < std::chrono::milliseconds(100)) {
+    const auto asked = steady_clock::now();
+    askForEverything(simulation, answers);
+    longest = std::max(longest, steady_clock::now() - asked);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_LT(longest, std::chrono::milliseconds(100));
+  ASSERT_EQ(told, 2) << "the step was too short to tell anything, or somebody waited for it";
+  EXPECT_FALSE(simulation.execute(SetGrasp{"left", true}, std::chrono::milliseconds(10)).success)
+      << "who waits for an answer waits no longer than he said";
+  EXPECT_LE(answers, 1) << "commands are carried out between steps";
+}
+
+TEST(SimulationThread, WhoWaitsForAnObservationGetsItAtOnce) {
+  SimulationThread simulation(smallScene(), paused());
+  const std::uint64_t seen = simulation.observe().number;
+  simulation.waitForObservation(seen, std::chrono::milliseconds(10));
+  EXPECT_EQ(simulation.observe().number, seen) << "there is none, and it does not wait for ever";
+  simulation.requestSteps(1);
+  const auto start = steady_clock::now();
+  simulation.waitForObservation(seen, seconds(10));
+  EXPECT_GT(simulation.observe().number, seen);
+  EXPECT_LT(steady_clock::now() - start, seconds(5));
+}
+
 TEST(SimulationThread, KeepsThePaceItIsGiven) {
   SimulationThread simulation(smallScene(), {1.0, false, 1, nullptr});
   const auto start = steady_clock::now();

@@ -7,6 +7,7 @@
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
+#include "ros/unit/received.h"
 
 namespace cloth_sim {
 namespace {
@@ -42,8 +43,8 @@ TEST(Viewer, DrawsTheSame) {
 
   MarkerBuilder first{MarkerStyle()};
   MarkerBuilder second{MarkerStyle()};
-  const auto& meant = first.build(*observation.snapshot, ros::Time(1));
-  const auto& drawn = second.build(seen, ros::Time(1));
+  const auto meant = received(first.build(*observation.snapshot, ros::Time(1)));
+  const auto drawn = received(second.build(seen, ros::Time(1)));
   ASSERT_EQ(drawn.markers.size(), meant.markers.size());
   for (std::size_t k = 0; k < meant.markers.size(); ++k) {
     EXPECT_EQ(drawn.markers[k].ns, meant.markers[k].ns);

@@ -1,0 +1,129 @@
+#pragma once
+/// \file Markers of a cloth that go to subscribers as a visualization_msgs/MarkerArray.
+
+#include <ros/serialization.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "cloth_sim/sim/snapshot.h"
+
+namespace cloth_sim {
+
+/// One side of the surface, by vertex.
+struct MarkerSide {
+  std::vector<geometry_msgs::Point> corners;  ///< [m]
+  std::vector<std_msgs::ColorRGBA> colours;
+};
+
+/// A MarkerArray whose first markers are the sides of the cloth. A TRIANGLE_LIST says everything
+/// once for each corner of each face, six times as much as there is: that is written when the
+/// message is serialised, and nowhere else. What roscpp calls an adapted type: it is published as a
+/// MarkerArray.
+struct ClothMarkers {
+  visualization_msgs::MarkerArray array;  ///< those of the sides without points and colours
+  std::vector<MarkerSide> sides;          ///< of the first markers of `array`
+  std::shared_ptr<const Topology> topology;
+};
+
+}  // namespace cloth_sim
+
+namespace ros {
+namespace message_traits {
+
+template <>
+struct IsMessage<cloth_sim::ClothMarkers> : TrueType {};
+template <>
+struct MD5Sum<cloth_sim::ClothMarkers> : MD5Sum<visualization_msgs::MarkerArray> {
+  static const char* value(const cloth_sim::ClothMarkers&) {
+    return MD5Sum<visualization_msgs::MarkerArray>::value();
+  }
+  using MD5Sum<visualization_msgs::MarkerArray>::value;
+};
+template <>
+struct DataType<cloth_sim::ClothMarkers> : DataType<visualization_msgs::MarkerArray> {
+  static const char* value(const cloth_sim::ClothMarkers&) {
+    return DataType<visualization_msgs::MarkerArray>::value();
+  }
+  using DataType<visualization_msgs::MarkerArray>::value;
+};
+template <>
+struct Definition<cloth_sim::ClothMarkers> : Definition<visualization_msgs::MarkerArray> {
+  static const char* value(const cloth_sim::ClothMarkers&) {
+    return Definition<visualization_msgs::MarkerArray>::value();
+  }
+  using Definition<visualization_msgs::MarkerArray>::value;
+};
+
+}  // namespace message_traits
+
+namespace serialization {
+
+template <>
+struct Serializer<cloth_sim::ClothMarkers> {
+  using Marker = visualization_msgs::Marker;
+  // The fields of a marker are written one by one below: those of this version.
+  static_assert(message_traits::MD5Sum<Marker>::static_value1 == 0x4048c9de2a16f4aeULL);
+  static_assert(sizeof(geometry_msgs::Point) == 3 * sizeof(double));
+  static_assert(sizeof(std_msgs::ColorRGBA) == 4 * sizeof(float));
+
+  template <typename Stream>
+  static void write(Stream& stream, const cloth_sim::ClothMarkers& markers) {
+    stream.next(static_cast<std::uint32_t>(markers.array.markers.size()));
+    for (std::size_t k = 0; k < markers.array.markers.size(); ++k) {
+      const Marker& marker = markers.array.markers[k];
+      if (k < markers.sides.size()) {
+        writeSide(stream, marker, markers.sides[k], markers.topology->faces);
+      } else {
+        stream.next(marker);
+      }
+    }
+  }
+
+  static std::uint32_t serializedLength(const cloth_sim::ClothMarkers& markers) {
+    constexpr std::size_t kCorner = sizeof(geometry_msgs::Point) + sizeof(std_msgs::ColorRGBA);
+    const std::size_t corners =
+        markers.sides.empty() ? 0 : 3 * markers.topology->faces.size() * markers.sides.size();
+    return serializationLength(markers.array) + static_cast<std::uint32_t>(corners * kCorner);
+  }
+
+ private:
+  template <typename Stream>
+  static void writeSide(Stream& stream, const Marker& marker, const cloth_sim::MarkerSide& side,
+                        const std::vector<cloth_sim::Face>& faces) {
+    stream.next(marker.header);
+    stream.next(marker.ns);
+    stream.next(marker.id);
+    stream.next(marker.type);
+    stream.next(marker.action);
+    stream.next(marker.pose);
+    stream.next(marker.scale);
+    stream.next(marker.color);
+    stream.next(marker.lifetime);
+    stream.next(marker.frame_locked);
+    writeCorners(stream, side.corners, faces);
+    writeCorners(stream, side.colours, faces);
+    stream.next(marker.text);
+    stream.next(marker.mesh_resource);
+    stream.next(marker.mesh_use_embedded_materials);
+  }
+
+  template <typename Stream, typename Value>
+  static void writeCorners(Stream& stream, const std::vector<Value>& values,
+                           const std::vector<cloth_sim::Face>& faces) {
+    stream.next(static_cast<std::uint32_t>(3 * faces.size()));
+    std::uint8_t* out =
+        stream.advance(static_cast<std::uint32_t>(3 * faces.size() * sizeof(Value)));
+    for (const cloth_sim::Face& face : faces) {
+      for (const cloth_sim::VertexId v : face) {
+        std::memcpy(out, &values[static_cast<std::size_t>(v)], sizeof(Value));
+        out += sizeof(Value);
+      }
+    }
+  }
+};
+
+}  // namespace serialization
+}  // namespace ros
