@@ -12,7 +12,7 @@
 set -euo pipefail
 
 case ${1:-} in
-  -h | --help | '') sed -n '2,11p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
+  -h | --help | '') sed -n '2,12p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
 esac
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$1

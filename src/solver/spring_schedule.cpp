@@ -16,6 +16,8 @@ constexpr double kGridTolerance = 1e-6;
 /// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not
 /// be so short that a colour loads what the colour before it has hardly stored.
 constexpr std::size_t kStrandSprings = 4096;
+/// ... and more strands in a batch than this have nothing for them but their ends.
+constexpr std::size_t kMostStrands = 64;
 /// ... of those that edits made.
 constexpr std::size_t kLaterStrand = 512;
 /// A batch that falls apart into fewer sets leaves threads idle.
@@ -220,6 +222,9 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
         set[c - first].push_back(slot);
       }
     }
+    std::size_t springsOfBatch = 0;
+    for (std::size_t c = first; c < end; ++c) springsOfBatch += colours[c].size();
+    const std::size_t enough = std::max(kStrandSprings, springsOfBatch / kMostStrands);
     Batch batch;
     const std::int32_t before = size();
     batch.firstStrand = static_cast<std::int32_t>(strands_.size());
@@ -230,7 +235,7 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
         strand[c].insert(strand[c].end(), set->second[c].begin(), set->second[c].end());
         count += strand[c].size();
       }
-      if (++set != byRoot.end() && count < kStrandSprings) continue;
+      if (++set != byRoot.end() && count < enough) continue;
       appendStrand(springs, slotOf, strand);
       for (std::vector<std::int32_t>& slots : strand) slots.clear();
     }

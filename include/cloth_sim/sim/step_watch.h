@@ -3,6 +3,7 @@
 
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/scene/scene.h"
+#include "cloth_sim/solver/solver.h"
 
 namespace cloth_sim {
 
