@@ -15,7 +15,9 @@ std::string clothOf(int n, const std::string& rest) {
   return out.str();
 }
 
-std::string solverOf(const std::string& method) { return "solver: {method: " + method + "}\n"; }
+std::string solverOf(const std::string& method) {
+  return "solver: {sleep: false, method: " + method + "}\n";
+}
 
 }  // namespace
 

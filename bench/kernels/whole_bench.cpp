@@ -32,7 +32,7 @@ Scene armed(const std::string& method, const std::string& refinement) {
           "phases: [{name: all, clamps: {all: {grasp: true}}}]\n"
           "obstacles:\n  ground: {type: plane}\n"
           "  ball: {type: sphere, radius: 0.2, position: [0, 0.21, 0.5]}\n"
-          "tearing: {ratio: 10}\ndrag: 0.5\nsolver: {method: " +
+          "tearing: {ratio: 10}\ndrag: 0.5\nsolver: {sleep: false, method: " +
           method + "}\n",
       "armed");
 }

@@ -15,7 +15,8 @@ std::string sceneOf(const Task& task) {
       << "}\n  fabric: {preset: cotton, areal_density: " << task.mass / (task.side * task.side)
       << "}\n";
   if (!task.sphere) out << "  pins: [corner_01, corner_11]\n";
-  out << "drag: 0.5\nsolver: {dt: " << task.frame << "}\nphases: [{name: all, timeout: 1000.0}]\n";
+  out << "drag: 0.5\nsolver: {sleep: false, dt: " << task.frame
+      << "}\nphases: [{name: all, timeout: 1000.0}]\n";
   // Tearing is armed in both, far above what happens.
   out << "tearing: {enabled: true, ratio: 3.0}\n";
   if (task.sphere) {
