@@ -15,7 +15,7 @@ cloth:
   particles: [9, 9]
   pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}
   fabric: {preset: interlock}
-solver: {dt: 0.01, substeps: 10}
+solver: {dt: 0.01, substeps: 10, sleep: false}
 clamps:
   hand: {pose: {position: [0, 0, 1.09], rpy: [1.5707963267948966, 0, 0]}, plate_size: [0.3, 0.05],
          closing_speed: 20.0}
