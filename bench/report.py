@@ -158,6 +158,9 @@ def steps(document):
     for method, side, threads, real, variation, median in sorted(rows, key=lambda r: r[:3]):
         if threads != 1:
             continue
+        if not median['substeps']:
+            lines.append(['`%s`' % method, str(side), '', '', 'diverges', '', ''])
+            continue
         two = by.get((method, side, 2))
         sweeps = median['substeps'] * max(1.0, median['iterations'] / median['substeps'])
         lines.append(['`%s`' % method, str(side), '%d' % median['substeps'],
