@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <cstddef>
 #include <cstdint>
 
 namespace cloth_sim {
@@ -21,6 +22,14 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
       tbb::blocked_range<std::int32_t>(0, count, static_cast<std::size_t>(grain)),
       [&](const tbb::blocked_range<std::int32_t>& part) { body(part.begin(), part.end()); },
       tbb::static_partitioner());
+}
+
+/// Calls `body(k)` for each k in [0, count), each of which is worth a thread of its own.
+template <typename Body>
+void parallelForEach(std::size_t count, const Body& body) {
+  parallelFor(static_cast<std::int32_t>(count), 1, [&](std::int32_t first, std::int32_t last) {
+    for (std::int32_t k = first; k < last; ++k) body(static_cast<std::size_t>(k));
+  });
 }
 
 }  // namespace cloth_sim

@@ -2,16 +2,13 @@
 
 #include <numeric>
 
-#include "cloth_sim/parallel_for.h"
+#include "packed_ops.h"
 
 namespace cloth_sim {
 namespace {
 
 /// See PackedParticles: spans of one and two columns both map to contiguous stretches.
 constexpr int kInterleave = 4;
-
-/// Particles for which a second thread pays.
-constexpr std::int32_t kGrain = 4096;
 
 /// Place of column i within a stored row.
 int packedColumn(int i, int columns) {
@@ -59,8 +56,8 @@ void PackedParticles::resize() {
 }
 
 void PackedParticles::load(const State& state) {
-  parallelFor(count(), kGrain, [&](VertexId first, VertexId last) {
-    for (VertexId k = first; k < last; ++k) {
+  forParts(slotOf.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
       x.set(slotOf[k], state.x[k]);
       v.set(slotOf[k], state.v[k]);
     }
@@ -68,8 +65,8 @@ void PackedParticles::load(const State& state) {
 }
 
 void PackedParticles::store(State& state) const {
-  parallelFor(count(), kGrain, [&](VertexId first, VertexId last) {
-    for (VertexId k = first; k < last; ++k) {
+  forParts(slotOf.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
       state.x[k] = x.at(slotOf[k]);
       state.v[k] = v.at(slotOf[k]);
     }

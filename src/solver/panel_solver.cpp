@@ -5,8 +5,8 @@
 #include <numeric>
 #include <type_traits>
 
-#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/solver/vector_clones.h"
+#include "packed_ops.h"
 
 namespace cloth_sim {
 namespace {
@@ -44,8 +44,6 @@ constexpr std::size_t kGroups = 4;
 /// not get more than its part of the whole.
 constexpr double kLargestPiece = 0.8;
 constexpr double kLargestTop = 0.25;
-/// Rows for which sharing the permutation pays.
-constexpr std::int32_t kGrain = 4096;
 
 /// The parent of each panel in the elimination tree, or kNone, and its entries with all that is
 /// below it.
@@ -337,19 +335,10 @@ struct PanelSolver::Kernels {
   }
 };
 
-template <typename Body>
-void PanelSolver::forGroups(const Body& body) {
-  parallelFor(static_cast<std::int32_t>(groups_.size()), 1,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t k = first; k < last; ++k) {
-                  body(groups_[static_cast<std::size_t>(k)]);
-                }
-              });
-}
-
 void PanelSolver::forward() {
   Float4* const work = work_.data();
-  forGroups([&](Group& group) {
+  parallelForEach(groups_.size(), [&](std::size_t k) {
+    Group& group = groups_[k];
     std::fill(group.toTop.begin(), group.toTop.end(), Float4{});
     Kernels::forwardAll(*this, group.begin, group.end, work, group.toTop.data() - topRow_);
   });
@@ -361,14 +350,14 @@ void PanelSolver::forward() {
 
 void PanelSolver::backward() {
   Kernels::backwardAll(*this, firstOfTop_, panels_.size(), work_.data());
-  forGroups(
-      [&](Group& group) { Kernels::backwardAll(*this, group.begin, group.end, work_.data()); });
+  parallelForEach(groups_.size(), [&](std::size_t k) {
+    Kernels::backwardAll(*this, groups_[k].begin, groups_[k].end, work_.data());
+  });
 }
 
 void PanelSolver::solve(const PackedVectors& right, PackedVectors& x) {
-  const auto n = static_cast<std::int32_t>(work_.size());
-  parallelFor(n, kGrain, [&](std::int32_t first, std::int32_t last) {
-    for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+  forParts(work_.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
       work_[static_cast<std::size_t>(position_[k])] =
           Float4{static_cast<float>(right.x[k]), static_cast<float>(right.y[k]),
                  static_cast<float>(right.z[k]), 0.0F};
@@ -377,8 +366,8 @@ void PanelSolver::solve(const PackedVectors& right, PackedVectors& x) {
   forward();
   backward();
   x.resize(work_.size());
-  parallelFor(n, kGrain, [&](std::int32_t first, std::int32_t last) {
-    for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+  forParts(work_.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
       const Float4 p = work_[static_cast<std::size_t>(position_[k])];
       x.x[k] = p[0];
       x.y[k] = p[1];

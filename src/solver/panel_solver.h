@@ -87,8 +87,6 @@ class PanelSolver {
   void add(const SparseFactor& factor, const Layout& layout, std::int32_t panel);
   void forward();
   void backward();
-  template <typename Body>
-  void forGroups(const Body& body);
 
   std::vector<Panel> panels_;  ///< by group; then the top
   std::vector<Group> groups_;

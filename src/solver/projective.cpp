@@ -139,13 +139,8 @@ class Projective final : public PackedSolver {
     const std::size_t n = particles_.mass.size();
     residual_.resize(n);
     squares_.assign((n + kPart - 1) / kPart, 0.0);
-    parallelFor(static_cast<std::int32_t>(squares_.size()), 1,
-                [&](std::int32_t first, std::int32_t last) {
-                  for (auto part = first; part < last; ++part) {
-                    squares_[static_cast<std::size_t>(part)] =
-                        findResidualOf(static_cast<std::size_t>(part), now);
-                  }
-                });
+    parallelForEach(squares_.size(),
+                    [&](std::size_t part) { squares_[part] = findResidualOf(part, now); });
     const double square = std::accumulate(squares_.begin(), squares_.end(), 0.0);
     return freeMass_ > 0.0 ? std::sqrt(square / freeMass_) / (now.h * now.h) : 0.0;
   }

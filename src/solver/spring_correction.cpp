@@ -7,9 +7,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Keeps the direction of a spring of no length from being 0/0 [m^2].
-constexpr double kTinySquare = 1e-300;
-
 struct Ends {
   double* x;
   double* y;
@@ -47,20 +44,25 @@ struct Offset {
   return gain * (length - rest + lag * (moved * inverse)) * inverse;
 }
 
+/// Moves end i of `a` and end j of `b` by the correction f over their offset.
+[[gnu::always_inline]] inline void moveEnds(const Ends& a, std::int32_t i, const Ends& b,
+                                            std::int32_t j, const Offset& d, double f) {
+  const double fa = f * a.w[i];
+  const double fb = f * b.w[j];
+  a.x[i] += fa * d.x;
+  a.y[i] += fa * d.y;
+  a.z[i] += fa * d.z;
+  b.x[j] -= fb * d.x;
+  b.y[j] -= fb * d.y;
+  b.z[j] -= fb * d.z;
+}
+
 CLOTH_SIM_VECTOR_CLONES
 void sweepRun(std::int32_t count, Ends a, Ends b, const double* rest, const double* gain) {
 #pragma GCC ivdep
   for (std::int32_t k = 0; k < count; ++k) {
     const Offset d{b.x[k] - a.x[k], b.y[k] - a.y[k], b.z[k] - a.z[k], 0.0, 0.0, 0.0};
-    const double f = correction(d, rest[k], gain[k]);
-    const double fa = f * a.w[k];
-    const double fb = f * b.w[k];
-    a.x[k] += fa * d.x;
-    a.y[k] += fa * d.y;
-    a.z[k] += fa * d.z;
-    b.x[k] -= fb * d.x;
-    b.y[k] -= fb * d.y;
-    b.z[k] -= fb * d.z;
+    moveEnds(a, k, b, k, d, correction(d, rest[k], gain[k]));
   }
 }
 
@@ -71,15 +73,7 @@ void sweepDampedRun(std::int32_t count, Ends a, Ends b, const double* rest, cons
   for (std::int32_t k = 0; k < count; ++k) {
     const Offset d{b.x[k] - a.x[k],   b.y[k] - a.y[k],   b.z[k] - a.z[k],
                    b.sx[k] - a.sx[k], b.sy[k] - a.sy[k], b.sz[k] - a.sz[k]};
-    const double f = dampedCorrection(d, rest[k], gain[k], lag[k]);
-    const double fa = f * a.w[k];
-    const double fb = f * b.w[k];
-    a.x[k] += fa * d.x;
-    a.y[k] += fa * d.y;
-    a.z[k] += fa * d.z;
-    b.x[k] -= fb * d.x;
-    b.y[k] -= fb * d.y;
-    b.z[k] -= fb * d.z;
+    moveEnds(a, k, b, k, d, dampedCorrection(d, rest[k], gain[k], lag[k]));
   }
 }
 
@@ -114,16 +108,7 @@ template <int kLanes, bool kDamped>
                       : correction(d[lane], rest, gain);
   }
   for (int lane = 0; lane < kLanes; ++lane) {
-    const std::int32_t a = springs.a[k + lane];
-    const std::int32_t b = springs.b[k + lane];
-    const double fa = f[lane] * p.w[a];
-    const double fb = f[lane] * p.w[b];
-    p.x[a] += fa * d[lane].x;
-    p.y[a] += fa * d[lane].y;
-    p.z[a] += fa * d[lane].z;
-    p.x[b] -= fb * d[lane].x;
-    p.y[b] -= fb * d[lane].y;
-    p.z[b] -= fb * d[lane].z;
+    moveEnds(p, springs.a[k + lane], p, springs.b[k + lane], d[lane], f[lane]);
   }
 }
 

@@ -6,6 +6,9 @@
 
 namespace cloth_sim {
 
+/// Keeps the direction of a spring of no length from being 0/0 [m^2].
+constexpr double kTinySquare = 1e-300;
+
 /// Per spring, by position in the schedule. A correction along the spring by
 /// gain * (C + lag * dC), where dC is what C has changed by in this substep, is the damped XPBD
 /// update of Macklin et al. 2016, eqs. 18 and 26, with one iteration.

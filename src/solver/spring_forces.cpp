@@ -100,11 +100,8 @@ void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, con
       [&](std::int32_t first, std::int32_t count) {
         pullRun(count, first, schedule.endA[first], schedule.endB[first], schedule, x, v, force);
       },
-      [&](std::int32_t first, std::int32_t count) {
-        for (std::int32_t p = first; p < first + count; ++p) {
-          addSpringForce(schedule, p, x, v, force);
-        }
-      });
+      SpringSchedule::each(
+          [&](std::int32_t position) { addSpringForce(schedule, position, x, v, force); }));
 }
 
 }  // namespace cloth_sim

@@ -121,9 +121,7 @@ void SpringMatrix::multiply(const Elements& elements, const PackedVectors& p,
     multiplyRun(count, axesAt(direction_, first), along_.data() + first, across_.data() + first,
                 axesAt(p, a), axesAt(p, b), axesAt(q, a), axesAt(q, b));
   };
-  schedule.sweep(run, [&](std::int32_t first, std::int32_t count) {
-    for (std::int32_t k = first; k < first + count; ++k) run(k, 1);
-  });
+  schedule.sweep(run, SpringSchedule::each([&](std::int32_t position) { run(position, 1); }));
   elements.bending.addProduct(bendScale_, p, q);
   forAxes([&](auto& axis) { maskAxis(n, diagonal_.data(), axis.data()); }, q);
 }

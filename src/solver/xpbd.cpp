@@ -10,9 +10,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Keeps the direction of a spring of no length from being 0/0 [m^2].
-constexpr double kTinySquare = 1e-300;
-
 /// d = decay d + h^2 g (statics are not touched by the drag) along one axis, start = x, x += d,
 /// with d the displacement of the substep before: x - start.
 CLOTH_SIM_VECTOR_CLONES

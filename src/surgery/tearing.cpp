@@ -98,15 +98,14 @@ void Tearing::markNear(const Model& model, const State& state) {
                 for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                      ++k) {
                   const Spring& spring = model.springs[candidates_[k]];
-                  isNear_[k] = spring.exists() && isPast(kNear, spring, state);
+                  isNear_[k] = spring.exists() && mayFailSoon(spring, state);
                 }
               });
 }
 
-/// Whether the strain is more than this part of what tears.
-bool Tearing::isPast(double part, const Spring& spring, const State& state) const {
+bool Tearing::mayFailSoon(const Spring& spring, const State& state) const {
   const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
-  const double length = (1.0 + part * (ratio - 1.0)) * spring.restLength;
+  const double length = (1.0 + kNear * (ratio - 1.0)) * spring.restLength;
   return (state.x[spring.b] - state.x[spring.a]).squaredNorm() > length * length;
 }
 

@@ -55,13 +55,18 @@ class SpringSchedule {
   template <typename RunVisitor, typename OtherVisitor>
   void sweep(const RunVisitor& runVisitor, const OtherVisitor& otherVisitor) const;
 
+  /// A visitor of spans that calls `visitor(position)` for every spring.
+  template <typename Visitor>
+  static auto each(const Visitor& visitor) {
+    return [visitor](std::int32_t first, std::int32_t count) {
+      for (std::int32_t p = first; p < first + count; ++p) visitor(p);
+    };
+  }
+
   /// The same, with `visitor(position)` for every spring.
   template <typename Visitor>
   void sweep(const Visitor& visitor) const {
-    const auto each = [&visitor](std::int32_t first, std::int32_t count) {
-      for (std::int32_t p = first; p < first + count; ++p) visitor(p);
-    };
-    sweep(each, each);
+    sweep(each(visitor), each(visitor));
   }
 
   // By position:

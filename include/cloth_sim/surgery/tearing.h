@@ -113,7 +113,7 @@ class Tearing {
 
   bool allowed(const Model& model, const Spring& spring) const;
   void markNear(const Model& model, const State& state);
-  bool isPast(double part, const Spring& spring, const State& state) const;
+  bool mayFailSoon(const Spring& spring, const State& state) const;
   std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
   /// \param faces  that the spring stands on; of `lineFor` too.
