@@ -70,6 +70,8 @@ def medians(document):
     """Of each benchmark: its median, its least and greatest are not told by aggregates, the spread is."""
     result = {}
     for entry in document['benchmarks']:
+        if entry.get('error_occurred'):  # it diverged, say: nothing was timed
+            continue
         result.setdefault(entry['run_name'], {})[entry['aggregate_name']] = entry
     return result
 
@@ -157,9 +159,6 @@ def steps(document):
     lines = []
     for method, side, threads, real, variation, median in sorted(rows, key=lambda r: r[:3]):
         if threads != 1:
-            continue
-        if not median['substeps']:
-            lines.append(['`%s`' % method, str(side), '', '', 'diverges', '', ''])
             continue
         two = by.get((method, side, 2))
         sweeps = median['substeps'] * max(1.0, median['iterations'] / median['substeps'])

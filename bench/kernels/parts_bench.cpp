@@ -2,7 +2,6 @@
 
 #include <benchmark/benchmark.h>
 
-#include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/solver/packed_particles.h"
 #include "scenes.h"
 
@@ -49,17 +48,6 @@ void tearLaw(benchmark::State& run) {
   }
 }
 BENCHMARK(tearLaw)->Name("part/tear_law")->Arg(64)->Arg(128)->Arg(256);
-
-void snapshot(benchmark::State& run) {
-  Warm warm(hanging(static_cast<int>(run.range(0)), "xpbd"), 2);
-  for (auto _ : run) {
-    benchmark::DoNotOptimize(warm.simulation().snapshot());
-    run.PauseTiming();
-    warm.simulation().step();  // or it is the one that was made before
-    run.ResumeTiming();
-  }
-}
-BENCHMARK(snapshot)->Name("part/snapshot")->Arg(64)->Arg(128)->Arg(256)->Iterations(50);
 
 void startUp(benchmark::State& run, const std::string& method) {
   const Scene scene = hanging(static_cast<int>(run.range(0)), method);

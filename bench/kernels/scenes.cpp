@@ -37,9 +37,27 @@ Scene overSphere(int n, const std::string& method) {
                     "over a sphere");
 }
 
-Warm::Warm(Scene scene, int steps) : simulation_(std::make_unique<Simulation>(std::move(scene))) {
+Warm::Warm(Scene scene, int steps) : Warm(std::make_unique<Simulation>(std::move(scene)), steps) {}
+
+Warm::Warm(std::unique_ptr<Simulation> simulation, int steps) : simulation_(std::move(simulation)) {
   for (int k = 0; k < steps; ++k) simulation_->step();
   bytes_ = simulation_->save();
+}
+
+void timeSteps(Warm& warm, int stretch, benchmark::State& run) {
+  Simulation& simulation = warm.simulation();
+  int since = 0;
+  for (auto _ : run) {
+    if (since++ == stretch) {
+      run.PauseTiming();
+      warm.goBack();
+      simulation.step();  // what it derives from the state is there again
+      since = 1;
+      run.ResumeTiming();
+    }
+    simulation.step();
+  }
+  if (simulation.failed()) run.SkipWithError(simulation.failure().c_str());
 }
 
 void tellPerSpring(double springs, benchmark::State& run) {

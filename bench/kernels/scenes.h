@@ -3,6 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <memory>
 #include <string>
 
 #include "cloth_sim/sim/simulation.h"
@@ -21,6 +22,8 @@ Scene overSphere(int n, const std::string& method);
 class Warm {
  public:
   Warm(Scene scene, int steps);
+  /// \param simulation  that has gone on already.
+  Warm(std::unique_ptr<Simulation> simulation, int steps);
   Simulation& simulation() { return *simulation_; }
   void goBack() { simulation_->load(bytes_); }
 
@@ -28,6 +31,10 @@ class Warm {
   std::unique_ptr<Simulation> simulation_;
   std::string bytes_;
 };
+
+/// Times steps. After each `stretch` of them it goes back, which is not timed; a simulation that
+/// fails makes the benchmark fail: it would time nothing.
+void timeSteps(Warm& warm, int stretch, benchmark::State& run);
 
 /// Tells the time per spring, besides that per iteration.
 void tellPerSpring(double springs, benchmark::State& run);

@@ -15,18 +15,8 @@ constexpr int kStretch = 5;
 void step(benchmark::State& run, const std::string& method, int threads) {
   const ThreadLimit limit(threads);
   Warm warm(hanging(static_cast<int>(run.range(0)), method), kWarmUp);
-  Simulation& simulation = warm.simulation();
-  int since = 0;
-  for (auto _ : run) {
-    if (since++ == kStretch) {
-      run.PauseTiming();
-      warm.goBack();
-      simulation.step();  // what it derives from the state is there again
-      since = 1;
-      run.ResumeTiming();
-    }
-    simulation.step();
-  }
+  timeSteps(warm, kStretch, run);
+  const Simulation& simulation = warm.simulation();
   const double springs = simulation.model().springs.count();
   tellPerSpring(springs, run);
   run.counters["substeps"] = simulation.lastReport().substeps;

@@ -48,22 +48,12 @@ void cutSlits(Simulation& simulation) {
 
 void step(benchmark::State& run, const Scene& scene, bool isCut) {
   const ThreadLimit limit(1);
-  Simulation simulation(scene);
-  simulation.step();
-  if (isCut) cutSlits(simulation);
-  for (int k = 0; k < kWarmUp; ++k) simulation.step();
-  const std::string bytes = simulation.save();
-  int since = 0;
-  for (auto _ : run) {
-    if (since++ == kStretch) {
-      run.PauseTiming();
-      simulation.load(bytes);
-      simulation.step();
-      since = 1;
-      run.ResumeTiming();
-    }
-    simulation.step();
-  }
+  auto begun = std::make_unique<Simulation>(scene);
+  begun->step();
+  if (isCut) cutSlits(*begun);
+  Warm warm(std::move(begun), kWarmUp);
+  timeSteps(warm, kStretch, run);
+  const Simulation& simulation = warm.simulation();
   const double springs = simulation.model().springs.count();
   tellPerSpring(springs, run);
   run.counters["particles"] = simulation.model().particleCount();
