@@ -14,11 +14,10 @@ import rosunit
 from cloth_sim.msg import GraspEvent
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from scratch import ScratchTest  # noqa: E402
+from scratch import ScratchTest, find_program  # noqa: E402
 
 BENCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, 'ros', 'bench.yaml')
-CLOTH_RUN = subprocess.check_output(
-    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+CLOTH_RUN = find_program('cloth_run')
 
 # Small, with a script that ends.
 QUICK = """

@@ -7,16 +7,14 @@ import os
 import re
 import shlex
 import subprocess
+import sys
 import tempfile
 import unittest
 
 import rosunit
 
-
-def find_program(name):
-    return subprocess.check_output(
-        ['catkin_find', '--first-only', '--libexec', 'cloth_sim', name], text=True).strip()
-
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import find_program  # noqa: E402
 
 CLOTH_STUDY = find_program('cloth_study')
 CLOTH_RUN = find_program('cloth_run')

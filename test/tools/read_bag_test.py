@@ -10,11 +10,13 @@ import unittest
 
 import rosunit
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import find_program  # noqa: E402
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 READ_BAG = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'read_bag.py')
 BENCH = os.path.join(HERE, os.pardir, 'ros', 'bench.yaml')
-CLOTH_RUN = subprocess.check_output(
-    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+CLOTH_RUN = find_program('cloth_run')
 SCRIPT = ['phases.wait.timeout=0.2', 'phases.notch.timeout=0.3', 'phases.stop.timeout=0.1']
 
 

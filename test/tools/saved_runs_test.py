@@ -10,10 +10,9 @@ import rosbag
 import rosunit
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from scratch import ScratchTest  # noqa: E402
+from scratch import ScratchTest, find_program  # noqa: E402
 
-CLOTH_RUN = subprocess.check_output(
-    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+CLOTH_RUN = find_program('cloth_run')
 
 # A cloth that is cut, falls and tears.
 SCENE = """

@@ -1,7 +1,14 @@
-"""What tests of programs share: a folder of their own."""
+"""What tests of programs share: where the programs are, and a folder of their own."""
 import os
+import subprocess
 import tempfile
 import unittest
+
+
+def find_program(name):
+    """Path of a program of this package."""
+    return subprocess.check_output(
+        ['catkin_find', '--first-only', '--libexec', 'cloth_sim', name], text=True).strip()
 
 
 class ScratchTest(unittest.TestCase):

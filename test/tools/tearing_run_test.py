@@ -10,11 +10,10 @@ import rosunit
 from cloth_sim.msg import TearEvent
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from scratch import ScratchTest  # noqa: E402
+from scratch import ScratchTest, find_program  # noqa: E402
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-CLOTH_RUN = subprocess.check_output(
-    ['catkin_find', '--first-only', '--libexec', 'cloth_sim', 'cloth_run'], text=True).strip()
+CLOTH_RUN = find_program('cloth_run')
 PHASES = ['drop', 'settle', 'attach', 'close', 'lift', 'lower_and_notch', 'pull_and_tear', 'stop']
 
 
