@@ -17,7 +17,7 @@ constexpr int kStretch = 5;
 Scene scene(const benchmark::State& run) { return hanging(static_cast<int>(run.range(0)), "xpbd"); }
 
 /// A snapshot of a state that has none yet; stepping is not timed.
-void snapshot(benchmark::State& run) {
+void snapshot(benchmark::State& run, Detail detail) {
   Warm warm(scene(run), kWarmUp);
   warm.simulation().snapshot();  // the topology is there, as after the first one of a run
   int since = 0;
@@ -30,7 +30,7 @@ void snapshot(benchmark::State& run) {
     }
     warm.simulation().step();
     run.ResumeTiming();
-    benchmark::DoNotOptimize(warm.simulation().snapshot());
+    benchmark::DoNotOptimize(warm.simulation().snapshot(detail));
   }
 }
 
@@ -56,14 +56,15 @@ void markers(benchmark::State& run) {
   Warm warm(scene(run), kWarmUp);
   const auto shot = warm.simulation().snapshot();
   MarkerBuilder builder{MarkerStyle()};
-  for (auto _ : run) serialise(builder.build(*shot, ros::Time(1.0)), run);
+  for (auto _ : run) serialise(builder.build(*shot, *shot->figures, ros::Time(1.0)), run);
 }
 
 void sizes(benchmark::internal::Benchmark* message) {
   message->ArgName("side")->Arg(32)->Arg(128)->Arg(256)->Unit(benchmark::kMillisecond);
 }
 
-BENCHMARK(snapshot)->Name("message/snapshot")->Apply(sizes);
+BENCHMARK_CAPTURE(snapshot, figures, Detail::kFigures)->Name("message/snapshot")->Apply(sizes);
+BENCHMARK_CAPTURE(snapshot, shape, Detail::kShape)->Name("message/shape")->Apply(sizes);
 BENCHMARK(frame)->Name("message/frame")->Apply(sizes);
 BENCHMARK(markers)->Name("message/markers")->Apply(sizes);
 

@@ -118,7 +118,7 @@ BagWriter::~BagWriter() = default;
 void BagWriter::write(const Observation& observation, const std::vector<FailureEvent>& events,
                       const std::vector<GripEvent>& grips) {
   impl_->attempt([&] {
-    const Snapshot& snapshot = *observation.snapshot;
+    const Snapshot& snapshot = *observation.whole;
     impl_->stamp(snapshot.time);
     impl_->repeat(snapshot.time);
     impl_->writeShape(snapshot);

@@ -102,14 +102,6 @@ static_assert(static_cast<int>(GripEvent::Kind::kClosed) == int{GraspEvent::CLOS
 
 }  // namespace
 
-geometry_msgs::Point toPoint(const Vec3& value) {
-  geometry_msgs::Point point;
-  point.x = value.x();
-  point.y = value.y();
-  point.z = value.z();
-  return point;
-}
-
 geometry_msgs::Vector3 toVector(const Vec3& value) {
   geometry_msgs::Vector3 vector;
   vector.x = value.x();
@@ -192,7 +184,8 @@ void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFr
 }
 
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header) {
-  const Snapshot& snapshot = *observation.snapshot;
+  const Snapshot& snapshot = *observation.whole;
+  const Figures& figures = *snapshot.figures;
   ClothState message;
   message.header = header;
   message.step = snapshot.step;
@@ -202,8 +195,8 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.script = toScriptCode(snapshot.script);
   message.particles = snapshot.particles;
   message.faces = snapshot.faces;
-  message.pieces = static_cast<std::uint32_t>(snapshot.pieces.size());
-  for (const PieceSnapshot& piece : snapshot.pieces) message.piece.push_back(toPieceInfo(piece));
+  message.pieces = static_cast<std::uint32_t>(figures.pieces.size());
+  for (const PieceSnapshot& piece : figures.pieces) message.piece.push_back(toPieceInfo(piece));
   message.dropped_pieces = snapshot.dropped.count;
   message.dropped_mass = snapshot.dropped.mass;
   message.dropped_area = snapshot.dropped.restArea;
@@ -211,16 +204,16 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.broken = toCounts(snapshot.broken.byKind);
   message.broken_torn = snapshot.broken.torn;
   message.broken_cut = snapshot.broken.cut;
-  message.mass = snapshot.mass;
-  message.rest_area = snapshot.restArea;
+  message.mass = figures.mass;
+  message.rest_area = figures.restArea;
   message.shortest_edge = snapshot.topology->shortestEdge;
   message.stable_step = snapshot.topology->stableStep;
-  message.kinetic_energy = snapshot.energies.kinetic;
-  message.elastic_energy = snapshot.energies.elastic;
-  message.gravity_energy = snapshot.energies.gravity;
-  message.mean_speed = snapshot.meanSpeed;
-  message.max_strain = snapshot.maxStretch - 1.0;
-  message.state_hash = hashText(snapshot.hash);
+  message.kinetic_energy = figures.energies.kinetic;
+  message.elastic_energy = figures.energies.elastic;
+  message.gravity_energy = figures.energies.gravity;
+  message.mean_speed = figures.meanSpeed;
+  message.max_strain = figures.maxStretch - 1.0;
+  message.state_hash = hashText(figures.hash);
   message.paused = observation.paused;
   message.failed = snapshot.failed;
   message.failure = snapshot.failure;

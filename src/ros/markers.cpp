@@ -48,33 +48,38 @@ void deleteIfEmpty(Marker& marker) {
 
 }  // namespace
 
-std::string statusLine(const Snapshot& snapshot) {
+std::string statusLine(const Snapshot& snapshot, const Figures& figures) {
   std::array<char, 256> text{};
   std::snprintf(
       text.data(), text.size(),
       "%s  t = %.2f s\n%d particles, pieces %d\nbroken %d (torn %d, cut %d)  strain %.2f%s",
       snapshot.phase.empty() ? "no script" : snapshot.phase.c_str(), snapshot.time,
-      snapshot.particles, static_cast<int>(snapshot.pieces.size()), snapshot.broken.total,
-      snapshot.broken.torn, snapshot.broken.cut, snapshot.maxStretch - 1.0,
+      snapshot.particles, static_cast<int>(figures.pieces.size()), snapshot.broken.total,
+      snapshot.broken.torn, snapshot.broken.cut, figures.maxStretch - 1.0,
       snapshot.failed ? "\nFAILED" : "");
   return text.data();
 }
 
-MarkerBuilder::MarkerBuilder(MarkerStyle style) : style_(std::move(style)) {}
+MarkerBuilder::MarkerBuilder(MarkerStyle style)
+    : style_(std::move(style)),
+      frontColours_(style_.strainRange),
+      backColours_(style_.strainRange, makeColour(0.86f, 0.74f, 0.62f), 0.7f) {}
 
-const ClothMarkers& MarkerBuilder::build(const Snapshot& snapshot, const ros::Time& stamp) {
+const ClothMarkers& MarkerBuilder::build(const Snapshot& snapshot, const Figures& figures,
+                                         const ros::Time& stamp) {
   begin(stamp);
   addCloth(snapshot);
   addTornEdges(snapshot);
-  addSurroundings(snapshot);
+  addSurroundings(snapshot, figures);
   markers_.array.markers.resize(used_);
   return markers_;
 }
 
 const visualization_msgs::MarkerArray& MarkerBuilder::buildSurroundings(const Snapshot& snapshot,
+                                                                        const Figures& figures,
                                                                         const ros::Time& stamp) {
   begin(stamp);
-  addSurroundings(snapshot);
+  addSurroundings(snapshot, figures);
   markers_.array.markers.resize(used_);
   return markers_.array;
 }
@@ -84,9 +89,9 @@ void MarkerBuilder::begin(const ros::Time& stamp) {
   used_ = 0;
 }
 
-void MarkerBuilder::addSurroundings(const Snapshot& snapshot) {
+void MarkerBuilder::addSurroundings(const Snapshot& snapshot, const Figures& figures) {
   for (const Obstacle& obstacle : snapshot.obstacles) addObstacle(obstacle);
-  addText(snapshot);
+  addText(snapshot, figures);
   // Last, as only clamps come and go: what is left of those that went is deleted.
   for (const ClampSnapshot& clamp : snapshot.clamps) addClamp(clamp);
   mostUsed_ = std::max(mostUsed_, used_);
@@ -121,17 +126,17 @@ void MarkerBuilder::addCloth(const Snapshot& snapshot) {
 }
 
 /// One side of the surface: the particles moved out along the normals, shaded for that side.
-void MarkerBuilder::addSide(const Snapshot& snapshot, bool front, MarkerSide& side) {
-  static const Colour lining = makeColour(0.86f, 0.74f, 0.62f);
+void MarkerBuilder::addSide(const Snapshot& snapshot, bool front, MarkerSide& out) {
+  const StrainColours& colours = front ? frontColours_ : backColours_;
   const std::size_t count = snapshot.positions.size();
-  const double offset = (style_.twoSided ? style_.surfaceOffset : 0.0) * (front ? 1.0 : -1.0);
-  side.corners.resize(count);
-  side.colours.resize(count);
+  const float side = front ? 1.0f : -1.0f;
+  const float offset = style_.twoSided ? side * static_cast<float>(style_.surfaceOffset) : 0.0f;
+  out.corners.resize(count);
+  out.colours.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
-    const Eigen::Vector3f outward = front ? normals_[v] : Eigen::Vector3f(-normals_[v]);
-    const Colour base = strainColour(strain_[v] / style_.strainRange);
-    side.colours[v] = shaded(front ? base : blend(base, lining, 0.7f), brightness(outward));
-    side.corners[v] = toPoint(snapshot.positions[v] + offset * normals_[v].cast<double>());
+    out.colours[v] = shaded(colours(strain_[v]), brightness(side * normals_[v].head<3>()));
+    out.corners[v] =
+        toPoint(snapshot.positions[v] + (offset * normals_[v].head<3>()).cast<double>());
   }
   Marker& marker = next(front ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
   if (snapshot.topology->faces.empty()) marker.action = Marker::DELETE;
@@ -218,7 +223,7 @@ void MarkerBuilder::addClamp(const ClampSnapshot& clamp) {
   }
 }
 
-void MarkerBuilder::addText(const Snapshot& snapshot) {
+void MarkerBuilder::addText(const Snapshot& snapshot, const Figures& figures) {
   Marker& marker = next("text", Marker::TEXT_VIEW_FACING);
   Vec3 low = Vec3::Zero();
   Vec3 high = Vec3::Zero();
@@ -233,7 +238,7 @@ void MarkerBuilder::addText(const Snapshot& snapshot) {
   marker.scale.z = kTextHeight;
   marker.color =
       snapshot.failed ? makeColour(0.85f, 0.10f, 0.10f) : makeColour(0.12f, 0.14f, 0.18f);
-  marker.text = statusLine(snapshot);
+  marker.text = statusLine(snapshot, figures);
 }
 
 }  // namespace cloth_sim

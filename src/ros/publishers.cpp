@@ -18,6 +18,8 @@ using std::chrono::duration;
 
 constexpr double kKeepAlive = 1.0;   ///< longest silence of a topic with subscribers [s]
 constexpr double kMinWanted = 10.0;  ///< least rate of observations: for tf and diagnostics [Hz]
+constexpr double kReadable = 3.0;    ///< rate of figures that people read [Hz]
+constexpr double kSeldom = 1.0;      ///< rate of figures for diagnostics [Hz]
 constexpr double kPatience = 1.5;    ///< periods without an observation until we look by ourselves
 constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which it is a warning [-]
 constexpr double kRecent = 2.0;        ///< simulated time for which a redone step is a warning [s]
@@ -43,6 +45,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       markersSchedule_(parameters.rateMarkers),
       sceneMarkersSchedule_(parameters.rateMarkers),
       frameSchedule_(parameters.rateFrame),
+      transformsSchedule_(parameters.rateState),
       stateSchedule_(parameters.rateState),
       wrenchSchedule_(parameters.rateWrench),
       pointsSchedule_(parameters.rateSurface),
@@ -106,11 +109,18 @@ double Publishers::wantedRate() const {
   return rate;
 }
 
+/// How often the observations are to have figures [Hz].
+double Publishers::wantedFigures() const {
+  if (state_.getNumSubscribers() > 0) return std::max(kReadable, parameters_.rateState);
+  return markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0 ? kReadable : kSeldom;
+}
+
 void Publishers::run() {
   nameThisThread("cloth_publish");
   while (!stopping_) {
     const double rate = wantedRate();
     simulation_.setObservationRate(rate);
+    simulation_.setFigureRate(wantedFigures());
     tick();
     simulation_.waitForObservation(diagnosed_.number, duration<double>(kPatience / rate));
   }
@@ -118,7 +128,7 @@ void Publishers::run() {
 
 void Publishers::tick() {
   const Observation observation = simulation_.observe();
-  header_.stamp = stampOf(observation);
+  header_.stamp = stampOf(*observation.snapshot);
   header_.frame_id = parameters_.worldFrame;
   followers_.clamps.update(observation);
   repeatLatched();
@@ -129,10 +139,9 @@ void Publishers::tick() {
   sendPhase(observation);
   const Clock::time_point now = Clock::now();
   const std::uint64_t number = observation.number;
-  // The state is always sent: tf goes with it.
-  if (stateSchedule_.due(now, number, 1 + state_.getNumSubscribers())) {
+  if (transformsSchedule_.due(now, number, 1)) sendClamps(observation);
+  if (stateSchedule_.due(now, observation.wholeNumber, state_.getNumSubscribers())) {
     sendState(observation);
-    sendClamps(observation);
   }
   if (wrenchSchedule_.due(now, number, followers_.clamps.wrenchSubscribers())) {
     followers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
@@ -147,10 +156,10 @@ void Publishers::tick() {
   updater_.update();
 }
 
-/// With simulated time of our own, the time that the observation is of.
-ros::Time Publishers::stampOf(const Observation& observation) const {
+/// With simulated time of our own, the time that the snapshot is of.
+ros::Time Publishers::stampOf(const Snapshot& snapshot) const {
   if (parameters_.publishClock && ros::Time::isSimTime()) {
-    return clockTime(observation.snapshot->time);
+    return clockTime(snapshot.time);
   }
   return ros::Time::now();
 }
@@ -214,7 +223,9 @@ void Publishers::sendPhase(const Observation& observation) {
 }
 
 void Publishers::sendState(const Observation& observation) {
-  if (state_.getNumSubscribers() > 0) state_.publish(toStateMessage(observation, header_));
+  std_msgs::Header header = header_;
+  header.stamp = stampOf(*observation.whole);
+  state_.publish(toStateMessage(observation, header));
 }
 
 void Publishers::sendClamps(const Observation& observation) {
@@ -246,11 +257,13 @@ void Publishers::sendSurfaces(const Observation& observation, Clock::time_point 
 }
 
 void Publishers::sendMarkers(const Observation& observation) {
-  markers_.publish(builder_.build(*observation.snapshot, header_.stamp));
+  markers_.publish(
+      builder_.build(*observation.snapshot, *observation.whole->figures, header_.stamp));
 }
 
 void Publishers::sendSceneMarkers(const Observation& observation) {
-  sceneMarkers_.publish(sceneBuilder_.buildSurroundings(*observation.snapshot, header_.stamp));
+  sceneMarkers_.publish(sceneBuilder_.buildSurroundings(
+      *observation.snapshot, *observation.whole->figures, header_.stamp));
 }
 
 /// A source that is lost is for people to look at.
@@ -274,6 +287,7 @@ void Publishers::diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& 
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   const Snapshot& snapshot = *diagnosed_.snapshot;
+  const Figures& figures = *diagnosed_.whole->figures;
   const double asked = diagnosed_.realTimeFactorAsked;
   if (snapshot.failed) {
     status.summary(DiagnosticStatus::ERROR, "failed: " + snapshot.failure);
@@ -291,12 +305,12 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("step time [s]", diagnosed_.stepTime);
   status.add("CPU time of steps [s]", diagnosed_.stepCpuTime);
   status.add("simulated time [s]", snapshot.time);
-  status.add("max strain", snapshot.maxStretch - 1.0);
+  status.add("max strain", figures.maxStretch - 1.0);
   const double substep = diagnosed_.substep;
   status.add("substep [s]", substep);
   status.add("substep over the limit of explicit methods", substep / snapshot.topology->stableStep);
   status.add("phase", snapshot.phase);
-  status.add("pieces", snapshot.pieces.size());
+  status.add("pieces", figures.pieces.size());
   status.add("broken springs", snapshot.broken.total);
   status.add("dropped commands", diagnosed_.droppedCommands);
   status.add("substeps", snapshot.substeps);

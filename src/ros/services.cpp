@@ -11,15 +11,16 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::chrono::milliseconds kTimeout{5000};  ///< for a command between two steps
+constexpr std::chrono::milliseconds kTimeout{5000};    ///< for a command between two steps
+constexpr std::chrono::milliseconds kLookTimeout{50};  ///< for the figures of now
 constexpr std::chrono::milliseconds kShutdownPoll{100};
 
-/// Where the simulation stands.
+/// Where the simulation stands. \param snapshot  with figures.
 template <typename Reply>
 void fillPlace(const Snapshot& snapshot, Reply& reply) {
   reply.step = snapshot.step;
   reply.time = snapshot.time;
-  reply.state_hash = hashText(snapshot.hash);
+  reply.state_hash = hashText(snapshot.figures->hash);
 }
 
 }  // namespace
@@ -183,11 +184,11 @@ void Services::loadState(const LoadState::Request& request, LoadState::Response&
   } catch (const StateError& error) {
     reply.message = error.what();
   }
-  if (reply.success) fillPlace(*simulation_.observe().snapshot, reply);
+  if (reply.success) fillPlace(*simulation_.observe().whole, reply);
 }
 
 void Services::getState(const GetState::Request& /*request*/, GetState::Response& reply) {
-  const Observation observation = simulation_.observe();
+  const Observation observation = simulation_.observeWhole(kLookTimeout);
   std_msgs::Header header;
   header.stamp = ros::Time::now();
   header.frame_id = facts_.worldFrame;
@@ -197,7 +198,7 @@ void Services::getState(const GetState::Request& /*request*/, GetState::Response
   reply.scene = facts_.scene;
   reply.solver = facts_.solver;
   reply.dt = facts_.dt;
-  for (const ClampSnapshot& clamp : observation.snapshot->clamps) {
+  for (const ClampSnapshot& clamp : observation.whole->clamps) {
     reply.clamps.push_back(clamp.name);
   }
   reply.phases = checker_.phases();

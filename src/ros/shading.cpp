@@ -19,15 +19,6 @@ constexpr std::array<std::array<float, 3>, kMapSize> kStrainMap{{{0.230f, 0.322f
 
 }  // namespace
 
-std_msgs::ColorRGBA makeColour(float r, float g, float b, float a) {
-  std_msgs::ColorRGBA result;
-  result.r = r;
-  result.g = g;
-  result.b = b;
-  result.a = a;
-  return result;
-}
-
 std_msgs::ColorRGBA blend(const std_msgs::ColorRGBA& from, const std_msgs::ColorRGBA& to,
                           float fraction) {
   return makeColour(from.r + fraction * (to.r - from.r), from.g + fraction * (to.g - from.g),
@@ -43,15 +34,11 @@ std_msgs::ColorRGBA strainColour(double fraction) {
                static_cast<float>(inMap - static_cast<double>(index)));
 }
 
-float brightness(const Eigen::Vector3f& normal) {
-  static const Eigen::Vector3f light = Eigen::Vector3f(0.45f, -0.35f, 0.82f).normalized();
-  const float half = 0.5f + 0.5f * normal.dot(light);
-  return 0.30f + 0.75f * half * half;
-}
-
-std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& base, float factor) {
-  return makeColour(std::min(1.0f, base.r * factor), std::min(1.0f, base.g * factor),
-                    std::min(1.0f, base.b * factor));
+StrainColours::StrainColours(double range, const std_msgs::ColorRGBA& wash, float part)
+    : scale_(static_cast<float>(kLast / range)) {
+  for (std::size_t step = 0; step < kCount; ++step) {
+    colours_[step] = blend(strainColour(static_cast<double>(step) / kLast), wash, part);
+  }
 }
 
 }  // namespace cloth_sim

@@ -160,6 +160,11 @@ Observation SimulationThread::observe() const {
   return result;
 }
 
+Observation SimulationThread::observeWhole(std::chrono::milliseconds timeout) {
+  inspect([](const Simulation& /*simulation*/) {}, timeout);  // who waits is shown everything
+  return observe();
+}
+
 FailureBatch SimulationThread::takeEvents() {
   const std::lock_guard<std::mutex> lock(outputMutex_);
   return {failures_.resets, std::exchange(failures_.before, {}),
@@ -334,7 +339,7 @@ void SimulationThread::stepOnce() {
   measure(Clock::now() - start);
   if (const double rate = observationRate_; observationPace_.isDue(Clock::now(), rate)) {
     observationPace_.take(Clock::now(), rate);
-    publish();
+    show();
   }
   countJobStep();
   checkRun();
@@ -407,7 +412,7 @@ void SimulationThread::keepPace(Clock::time_point now) {
 
 void SimulationThread::waitForPace() {
   const double wait = duration<double>(nextStep_ - Clock::now()).count();
-  if (unseen_ && wait * observationRate_ > 1.0) publish();
+  if (unseen_ && wait * observationRate_ > 1.0) show();
   std::unique_lock<std::mutex> lock(requestMutex_);
   requestsArrived_.wait_until(lock, nextStep_, [&] { return hasRequests() || paused_; });
 }
@@ -429,11 +434,25 @@ void SimulationThread::measure(Clock::duration busy) {
   startMeasuring();
 }
 
-void SimulationThread::publish() {
-  std::shared_ptr<const Snapshot> snapshot = simulation_.snapshot();
+/// Shows where it is while it runs: with figures as often as they are asked for.
+void SimulationThread::show() {
+  const Clock::time_point now = Clock::now();
+  const double rate = figureRate_;
+  const bool due = figurePace_.isDue(now, rate);
+  if (due) figurePace_.take(now, rate);
+  publish(due ? Detail::kFigures : Detail::kShape);
+}
+
+void SimulationThread::publish(Detail detail) {
+  std::shared_ptr<const Snapshot> snapshot = simulation_.snapshot(detail);
   unseen_ = false;
   {
     const std::lock_guard<std::mutex> lock(outputMutex_);
+    ++observation_.number;
+    if (detail == Detail::kFigures) {
+      observation_.whole = snapshot;
+      observation_.wholeNumber = observation_.number;
+    }
     observation_.snapshot = std::move(snapshot);
     observation_.phases = simulation_.script().history();
     observation_.realTimeFactor = realTimeFactor_;
@@ -441,7 +460,6 @@ void SimulationThread::publish() {
     observation_.stepCpuTime = stepCpuTime_;
     observation_.substep = simulation_.substep();
     observation_.resets = resets_;
-    ++observation_.number;
   }
   observed_.notify_all();
 }

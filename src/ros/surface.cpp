@@ -10,7 +10,6 @@ namespace {
 using Eigen::Vector3f;
 using Map = Eigen::Map<const Vector3f>;
 
-constexpr std::size_t kColours = 256;        ///< steps of the strain map
 constexpr float kLeastRest = 1e-12f;         ///< squared rest length of an edge [m^2]
 constexpr std::size_t kRibbonVertices = 8;   ///< of one torn edge
 constexpr std::size_t kRibbonTriangles = 4;  ///< of one torn edge
@@ -20,18 +19,6 @@ Surface::Packed packed(const std_msgs::ColorRGBA& colour, float factor) {
     return static_cast<std::uint8_t>(255.0f * std::clamp(value * factor, 0.0f, 1.0f) + 0.5f);
   };
   return {byte(colour.r), byte(colour.g), byte(colour.b), 255};
-}
-
-/// The strain map, sampled: a look-up instead of a blend per vertex.
-const std::array<std_msgs::ColorRGBA, kColours>& strainTable() {
-  static const auto table = [] {
-    std::array<std_msgs::ColorRGBA, kColours> result;
-    for (std::size_t i = 0; i < kColours; ++i) {
-      result[i] = strainColour(static_cast<double>(i) / (kColours - 1));
-    }
-    return result;
-  }();
-  return table;
 }
 
 bool allBelow(const std::vector<std::uint32_t>& numbers, std::size_t count) {
@@ -129,10 +116,10 @@ void Surface::computeNormalsAndStrain() {
 void Surface::paint(const SurfaceStyle& style) {
   front_.resize(vertexCount());
   back_.resize(vertexCount());
-  const auto scale = static_cast<float>((kColours - 1) / style.strainRange);
+  const StrainColours colours(style.strainRange);
   for (std::size_t v = 0; v < vertexCount(); ++v) {
-    const auto step = static_cast<std::size_t>(std::min(255.0f, strain_[v] * scale + 0.5f));
-    front_[v] = packed(style.strain ? strainTable()[step] : style.front, brightness(normals_[v]));
+    const std_msgs::ColorRGBA& front = style.strain ? colours(strain_[v]) : style.front;
+    front_[v] = packed(front, brightness(normals_[v]));
     back_[v] = packed(style.back, brightness(-normals_[v]));
   }
 }

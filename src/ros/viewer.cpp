@@ -90,11 +90,12 @@ void fromStateMessage(const ClothState& message, const Scene& scene, Snapshot& s
   snapshot.phase = message.phase;
   snapshot.particles = static_cast<int>(message.particles);
   snapshot.faces = static_cast<int>(message.faces);
-  snapshot.pieces.resize(message.pieces);
+  if (!snapshot.figures) snapshot.figures.emplace();
+  snapshot.figures->pieces.resize(message.pieces);
   snapshot.broken.total = static_cast<int>(message.broken.total);
   snapshot.broken.torn = static_cast<int>(message.broken_torn);
   snapshot.broken.cut = static_cast<int>(message.broken_cut);
-  snapshot.maxStretch = message.max_strain + 1.0;
+  snapshot.figures->maxStretch = message.max_strain + 1.0;
   snapshot.failed = message.failed != 0;
   snapshot.clamps.clear();
   for (const ClampStatus& clamp : message.clamps) {
@@ -126,7 +127,8 @@ void Viewer::onFrame(const ClothFrame& message) {
     const Obstacle& start = scene_.obstacles[k];
     snapshot_.obstacles[k].pose.position = start.pose.position + message.time * start.velocity;
   }
-  markers_.publish(builder_.build(snapshot_, message.header.stamp));
+  const Figures figures = snapshot_.figures.value_or(Figures{});
+  markers_.publish(builder_.build(snapshot_, figures, message.header.stamp));
 }
 
 void Viewer::onState(const ClothState& message) { fromStateMessage(message, scene_, snapshot_); }
@@ -146,6 +148,7 @@ int runViewer(int argc, char** argv) {
   MarkerStyle style;
   style.frame = ros::param::param<std::string>("~world_frame", style.frame);
   style.strainRange = ros::param::param("~strain_range", style.strainRange);
+  style.twoSided = ros::param::param("~two_sided", style.twoSided);
   const Viewer viewer(node, style);
   ros::spin();
   return 0;

@@ -29,7 +29,7 @@ std::string phaseName(const PhaseScript& script) {
 
 }  // namespace
 
-std::shared_ptr<const Snapshot> Simulation::snapshot() {
+std::shared_ptr<const Snapshot> Simulation::snapshot(Detail detail) {
   if (!topology_) topology_ = makeTopology();
   auto shot = std::make_shared<Snapshot>();
   shot->time = time();
@@ -52,20 +52,26 @@ std::shared_ptr<const Snapshot> Simulation::snapshot() {
     shot->springs[kind] = model_.springs.count(static_cast<SpringKind>(kind));
   }
   shot->broken = broken_;
-  shot->pieces = describePieces();
   shot->dropped = dropped_;
   shot->tuning = tuning();
-  shot->mass = totalMass(model_);
-  shot->restArea = model_.mesh.totalRestArea();
-  shot->energies = energies(model_, state_, controls_.gravity);
-  shot->meanSpeed = meanSpeed(state_);
-  shot->maxStretch = observeMaxStretch();
   shot->substeps = report_.substeps;
   shot->guard = watch_.record();
-  shot->hash = stateHash(model_, state_);
   shot->failed = failed();
   shot->failure = failure_;
+  if (detail == Detail::kFigures) shot->figures = figures();
   return shot;
+}
+
+Figures Simulation::figures() {
+  Figures result;
+  result.pieces = describePieces();
+  result.mass = totalMass(model_);
+  result.restArea = model_.mesh.totalRestArea();
+  result.energies = energies(model_, state_, controls_.gravity);
+  result.meanSpeed = meanSpeed(state_);
+  result.maxStretch = observeMaxStretch();
+  result.hash = stateHash(model_, state_);
+  return result;
 }
 
 std::vector<PieceSnapshot> Simulation::describePieces() const {

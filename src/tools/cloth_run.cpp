@@ -201,7 +201,7 @@ class Recorder {
  private:
   void write(Simulation& simulation, double wallTime) {
     Observation observation;
-    observation.snapshot = simulation.snapshot();
+    observation.whole = observation.snapshot = simulation.snapshot();
     observation.phases = simulation.script().history();
     const auto steps = static_cast<double>(simulation.stepCount());
     observation.realTimeFactor = wallTime > 0.0 ? simulation.time() / wallTime : 0.0;

@@ -126,7 +126,7 @@ TEST(SavedStateFigures, AreTheSame) {
   const auto before = straight.snapshot();
   const auto after = loaded.snapshot();
   EXPECT_EQ(after->phase, before->phase);
-  EXPECT_EQ(after->pieces.size(), before->pieces.size());
+  EXPECT_EQ(after->figures->pieces.size(), before->figures->pieces.size());
   EXPECT_EQ(after->broken.total, before->broken.total);
   EXPECT_EQ(after->topology->tornEdges, before->topology->tornEdges);
   EXPECT_EQ(after->clamps[0].contents.held, before->clamps[0].contents.held);

@@ -453,7 +453,7 @@ class ApiTest(ServiceTest):
         with Listener('/cloth/markers', MarkerArray) as arrays:
             wait_until(lambda: len(arrays.messages) >= 12, 'markers')
             spaces = {marker.ns for marker in arrays.messages[-1].markers}
-            self.assertLessEqual({'cloth', 'cloth_back', 'obstacles', 'clamps', 'text'}, spaces)
+            self.assertLessEqual({'cloth', 'obstacles', 'clamps', 'text'}, spaces)
             stamps = [m.markers[0].header.stamp.to_sec() for m in arrays.messages[:12]]
             # 10 Hz, less what scheduling may shift; the first may come at once.
             self.assertGreater(stamps[-1] - stamps[1], 10 * 0.1 * 0.8)

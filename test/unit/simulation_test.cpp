@@ -279,12 +279,13 @@ TEST(Snapshot, ShowsTheSimulation) {
   EXPECT_THAT(shot->springs, ElementsAre(8 * 7 + 9 * 6, 2 * 8 * 6, 7 * 7 + 9 * 5));
   EXPECT_EQ(shot->clamps.size(), 2U);
   EXPECT_EQ(shot->obstacles.size(), 2U);
-  ASSERT_EQ(shot->pieces.size(), 1U);
-  EXPECT_NEAR(shot->pieces[0].restArea, 0.12, 1e-15);
-  EXPECT_NEAR(shot->restArea, 0.12, 1e-15);
+  ASSERT_EQ(shot->figures->pieces.size(), 1U);
+  EXPECT_NEAR(shot->figures->pieces[0].restArea, 0.12, 1e-15);
+  EXPECT_NEAR(shot->figures->restArea, 0.12, 1e-15);
   EXPECT_FALSE(shot->failed);
   EXPECT_EQ(shot->topology->links.size(), 8U * 7 + 9 * 6 + 2 * 8 * 6) << "no bend springs";
   EXPECT_TRUE(shot->topology->tornEdges.empty());
+  EXPECT_FALSE(simulation.snapshot(Detail::kShape)->figures) << "not asked for";
 }
 
 TEST(Snapshot, SharesTheTopologyUntilItChanges) {

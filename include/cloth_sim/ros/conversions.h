@@ -20,7 +20,13 @@
 
 namespace cloth_sim {
 
-geometry_msgs::Point toPoint(const Vec3& value);
+inline geometry_msgs::Point toPoint(const Vec3& value) {
+  geometry_msgs::Point point;
+  point.x = value.x();
+  point.y = value.y();
+  point.z = value.z();
+  return point;
+}
 geometry_msgs::Vector3 toVector(const Vec3& value);
 geometry_msgs::Quaternion toQuaternion(const Quat& value);
 geometry_msgs::Pose toPoseMessage(const Pose& value);
@@ -39,6 +45,7 @@ std::string clampFrameId(const std::string& nodeName, const std::string& clamp);
 ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header& header);
 /// Fills `message`, whose buffer is reused.
 void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFrame& message);
+/// Of the observation's snapshot that has figures.
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header);
 ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Header& header);
 PhaseInfo toPhaseInfo(const PhaseRecord& record);

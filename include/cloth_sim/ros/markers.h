@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cloth_sim/ros/cloth_markers.h"
+#include "cloth_sim/ros/shading.h"
 #include "cloth_sim/sim/snapshot.h"
 
 namespace cloth_sim {
@@ -13,7 +14,7 @@ struct MarkerStyle {
   std::string frame = "world";
   double strainRange = 0.2;  ///< strain that gets the last colour of the map [-], > 0
   /// Draws the back of the cloth as a second surface in its own colour. Twice the message.
-  bool twoSided = true;
+  bool twoSided = false;
   double surfaceOffset = 0.0005;  ///< of each side from the particles, where there are two [m]
 };
 
@@ -27,11 +28,13 @@ class MarkerBuilder {
   explicit MarkerBuilder(MarkerStyle style);
 
   /// The markers, complete: whoever gets only this message sees everything. Valid until the next
-  /// call.
-  const ClothMarkers& build(const Snapshot& snapshot, const ros::Time& stamp);
+  /// call. \param figures  the latest, which the text tells.
+  const ClothMarkers& build(const Snapshot& snapshot, const Figures& figures,
+                            const ros::Time& stamp);
 
   /// The same without the cloth and its torn edges.
   const visualization_msgs::MarkerArray& buildSurroundings(const Snapshot& snapshot,
+                                                           const Figures& figures,
                                                            const ros::Time& stamp);
 
  private:
@@ -40,25 +43,27 @@ class MarkerBuilder {
   void begin(const ros::Time& stamp);
   Marker& next(const char* space, int type);
   void addCloth(const Snapshot& snapshot);
-  void addSide(const Snapshot& snapshot, bool front, MarkerSide& side);
+  void addSide(const Snapshot& snapshot, bool front, MarkerSide& out);
   void addTornEdges(const Snapshot& snapshot);
-  void addSurroundings(const Snapshot& snapshot);
+  void addSurroundings(const Snapshot& snapshot, const Figures& figures);
   void addObstacle(const Obstacle& obstacle);
   void addCapsule(const Pose& pose, const CapsuleShape& capsule);
   void addBounds(const Obstacle& obstacle, const Vec3& size);
   void addClamp(const ClampSnapshot& clamp);
-  void addText(const Snapshot& snapshot);
+  void addText(const Snapshot& snapshot, const Figures& figures);
 
   MarkerStyle style_;
+  StrainColours frontColours_;
+  StrainColours backColours_;
   ClothMarkers markers_;
   ros::Time stamp_;
   std::size_t used_ = 0;
   std::size_t mostUsed_ = 0;  ///< ever
-  std::vector<Eigen::Vector3f> normals_;
+  std::vector<Eigen::Vector4f> normals_;
   std::vector<float> strain_;  ///< per vertex, largest of its links
 };
 
 /// "pull  t = 7.20 s  pieces 1  broken 214 (torn 160, cut 54)  strain 0.12"
-std::string statusLine(const Snapshot& snapshot);
+std::string statusLine(const Snapshot& snapshot, const Figures& figures);
 
 }  // namespace cloth_sim

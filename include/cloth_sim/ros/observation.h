@@ -10,9 +10,10 @@
 
 namespace cloth_sim {
 
-/// What others may see of a run. A copy is cheap: the snapshot is shared.
+/// What others may see of a run. A copy is cheap: the snapshots are shared.
 struct Observation {
-  std::shared_ptr<const Snapshot> snapshot;
+  std::shared_ptr<const Snapshot> snapshot;  ///< the newest
+  std::shared_ptr<const Snapshot> whole;     ///< the newest with figures
   std::vector<PhaseRecord> phases;
   bool paused = false;
   double realTimeFactor = 0.0;       ///< simulated over wall time, lately [-]
@@ -23,6 +24,7 @@ struct Observation {
   std::uint64_t resets = 0;  ///< since the start
   std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
   std::uint64_t number = 0;           ///< grows with every observation
+  std::uint64_t wholeNumber = 0;      ///< of the observation that `whole` came with
 };
 
 /// Springs that failed, in order.

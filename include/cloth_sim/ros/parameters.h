@@ -37,7 +37,7 @@ struct NodeParameters {
   std::string stateDirectory = "~/.ros/cloth_sim";  ///< of ~save_state and ~load_state
   double strainRange = 0.2;  ///< strain of the last colour of the markers, > 0 [-]
   bool handles = false;      ///< interactive markers on clamps and obstacles
-  bool twoSided = true;      ///< markers show the back of the cloth in its own colour
+  bool twoSided = false;     ///< markers show the back of the cloth in its own colour
   std::map<std::string, FollowSource> follow;          ///< by clamp: what it follows
   std::map<std::string, FollowSource> followObstacle;  ///< by obstacle: what it follows
 };

@@ -56,7 +56,7 @@ class Publishers {
 
   void run();
   void tick();
-  ros::Time stampOf(const Observation& observation) const;
+  ros::Time stampOf(const Snapshot& snapshot) const;
   void repeatLatched();
   void sendCommands();
   void sendTopology(const Observation& observation);
@@ -72,6 +72,7 @@ class Publishers {
   void diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
+  double wantedFigures() const;
 
   NodeParameters parameters_;
   SimulationThread& simulation_;
@@ -96,6 +97,7 @@ class Publishers {
   Schedule markersSchedule_;
   Schedule sceneMarkersSchedule_;
   Schedule frameSchedule_;
+  Schedule transformsSchedule_;
   Schedule stateSchedule_;
   Schedule wrenchSchedule_;
   Schedule pointsSchedule_;

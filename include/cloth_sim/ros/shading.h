@@ -4,10 +4,20 @@
 #include <std_msgs/ColorRGBA.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 
 namespace cloth_sim {
 
-std_msgs::ColorRGBA makeColour(float r, float g, float b, float a = 1.0f);
+inline std_msgs::ColorRGBA makeColour(float r, float g, float b, float a = 1.0f) {
+  std_msgs::ColorRGBA result;
+  result.r = r;
+  result.g = g;
+  result.b = b;
+  result.a = a;
+  return result;
+}
+
 std_msgs::ColorRGBA blend(const std_msgs::ColorRGBA& from, const std_msgs::ColorRGBA& to,
                           float fraction);
 
@@ -15,13 +25,40 @@ std_msgs::ColorRGBA blend(const std_msgs::ColorRGBA& from, const std_msgs::Color
 /// perceptual steps from blue over green to yellow.
 std_msgs::ColorRGBA strainColour(double fraction);
 
+/// That map in even steps: a look-up instead of a blend for each vertex.
+class StrainColours {
+ public:
+  /// \param range  strain of the last colour [-], > 0
+  /// \param wash, part  this much of that colour is mixed into all.
+  explicit StrainColours(double range, const std_msgs::ColorRGBA& wash = {}, float part = 0.0f);
+
+  /// \param strain  >= 0 [-]
+  const std_msgs::ColorRGBA& operator()(float strain) const {
+    return colours_[static_cast<std::size_t>(std::min(kLast, strain * scale_ + 0.5f))];
+  }
+
+ private:
+  static constexpr std::size_t kCount = 256;
+  static constexpr float kLast = kCount - 1;
+
+  std::array<std_msgs::ColorRGBA, kCount> colours_;
+  float scale_ = 0.0f;
+};
+
 /// Light from above and a little from the side, soft all around the surface (half Lambert): rviz
 /// does not light vertices with colours of their own.
 /// \param normal  unit, towards the viewer's side of the surface.
 /// \return factor of a colour, 0.3 ... 1.05.
-float brightness(const Eigen::Vector3f& normal);
+inline float brightness(const Eigen::Vector3f& normal) {
+  const Eigen::Vector3f light(0.450586f, -0.350456f, 0.821068f);  // unit
+  const float half = 0.5f + 0.5f * normal.dot(light);
+  return 0.30f + 0.75f * half * half;
+}
 
 /// Opaque, no brighter than white.
-std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& base, float factor);
+inline std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& base, float factor) {
+  return makeColour(std::min(1.0f, base.r * factor), std::min(1.0f, base.g * factor),
+                    std::min(1.0f, base.b * factor));
+}
 
 }  // namespace cloth_sim

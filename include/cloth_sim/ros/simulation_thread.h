@@ -81,12 +81,16 @@ class SimulationThread {
   /// Cancels the run of that number, unless it is over, and pauses.
   void cancelRun(std::uint64_t number);
 
-  /// How often observations are wanted, in wall time [Hz]. They are also made after commands,
-  /// after requested steps, and when the simulation has failed.
+  /// How often observations are wanted, in wall time [Hz], > 0. They are also made after commands
+  /// that somebody waits for, after requested steps, and when the simulation has failed.
   void setObservationRate(double rate) { observationRate_ = rate; }
+  /// How often they are to have figures [Hz], > 0: those that are also made have them anyway.
+  void setFigureRate(double rate) { figureRate_ = rate; }
 
-  /// The latest; its snapshot is never null.
+  /// The latest; its snapshots are never null.
   Observation observe() const;
+  /// The same with figures of now, unless that takes longer than `timeout`.
+  Observation observeWhole(std::chrono::milliseconds timeout);
   /// Waits until there is one after the one of number `seen`, but not longer than `timeout`.
   void waitForObservation(std::uint64_t seen, std::chrono::duration<double> timeout) const;
 
@@ -138,7 +142,8 @@ class SimulationThread {
   void waitForPace();
   void measure(Clock::duration busy);
   void startMeasuring();
-  void publish();
+  void show();
+  void publish(Detail detail = Detail::kFigures);
   bool hasRequests() const;
 
   // Used by the simulation thread only.
@@ -149,6 +154,7 @@ class SimulationThread {
   std::deque<Envelope> taken_;
   Clock::time_point nextStep_;
   Pace observationPace_;
+  Pace figurePace_;
   Clock::time_point windowStart_;
   Clock::duration windowBusy_{};
   double windowTime_ = 0.0;  ///< simulated time of the start of the window [s]
@@ -161,6 +167,7 @@ class SimulationThread {
   bool unseen_ = false;  ///< a step has been made since the last observation
 
   std::atomic<double> observationRate_{30.0};
+  std::atomic<double> figureRate_{30.0};
   std::atomic<double> realTimeFactorAsked_;
 
   mutable std::mutex requestMutex_;

@@ -78,7 +78,7 @@ class Simulation {
   std::vector<PieceSnapshot> describePieces() const;
 
   /// A copy of what others may see. The topology is shared between snapshots of one revision.
-  std::shared_ptr<const Snapshot> snapshot();
+  std::shared_ptr<const Snapshot> snapshot(Detail detail = Detail::kFigures);
 
  private:
   void runScript();
@@ -137,6 +137,7 @@ class Simulation {
   void shiftTime(double by);
   Clamp* findClamp(const std::string& name);
   std::shared_ptr<const Topology> makeTopology() const;
+  Figures figures();
 
   friend class cereal::access;
   template <class Archive>

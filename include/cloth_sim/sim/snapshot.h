@@ -2,6 +2,9 @@
 /// \file Immutable copies of what a simulation shows to others.
 
 #include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "cloth_sim/clamp/grip_event.h"
 #include "cloth_sim/scene/phase_script.h"
@@ -92,6 +95,20 @@ struct Tuning {
   double stiffness = 1.0;  ///< times the scene's [-]
 };
 
+/// What takes a look at every particle, spring and face.
+struct Figures {
+  std::vector<PieceSnapshot> pieces{PieceSnapshot{}};  ///< the largest first
+  double mass = 0.0;                                   ///< [kg]
+  double restArea = 0.0;                               ///< [m^2]
+  Energies energies;
+  double meanSpeed = 0.0;   ///< [m/s]
+  double maxStretch = 1.0;  ///< length over rest length
+  std::uint64_t hash = 0;   ///< stateHash
+};
+
+/// What a snapshot is to show.
+enum class Detail { kShape, kFigures };
+
 struct Snapshot {
   double time = 0.0;       ///< [s]
   std::uint64_t step = 0;  ///< steps since the start or the last reset
@@ -105,19 +122,13 @@ struct Snapshot {
   int faces = 0;
   std::array<int, kSpringKinds> springs{0, 0, 0};  ///< active, by kind
   BrokenCounts broken;
-  std::vector<PieceSnapshot> pieces{PieceSnapshot{}};  ///< the largest first
   DroppedScraps dropped;
   Tuning tuning;
-  double mass = 0.0;      ///< [kg]
-  double restArea = 0.0;  ///< [m^2]
-  Energies energies;
-  double meanSpeed = 0.0;   ///< [m/s]
-  double maxStretch = 1.0;  ///< length over rest length
-  int substeps = 0;         ///< of the last step
-  GuardRecord guard;        ///< what was done about steps that were too long
-  std::uint64_t hash = 0;   ///< stateHash
+  int substeps = 0;   ///< of the last step
+  GuardRecord guard;  ///< what was done about steps that were too long
   bool failed = false;
-  std::string failure;  ///< why the simulation stopped; "" if it did not
+  std::string failure;             ///< why the simulation stopped; "" if it did not
+  std::optional<Figures> figures;  ///< with Detail::kFigures
 };
 
 }  // namespace cloth_sim

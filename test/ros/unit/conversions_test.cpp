@@ -10,7 +10,7 @@ namespace {
 
 Observation observe(const Snapshot& snapshot) {
   Observation observation;
-  observation.snapshot = std::make_shared<Snapshot>(snapshot);
+  observation.snapshot = observation.whole = std::make_shared<Snapshot>(snapshot);
   return observation;
 }
 
@@ -21,10 +21,12 @@ Snapshot cutCloth() {
   topology->shortestEdge = 0.004;
   topology->stableStep = 1e-4;
   snapshot.topology = topology;
-  snapshot.pieces = {{6, 0.3, 0.6, Vec3(1.0, 2.0, 3.0)}, {2, 0.1, 0.2, Vec3(0.0, 0.0, 1.0)}};
+  snapshot.figures.emplace();
+  snapshot.figures->pieces = {{6, 0.3, 0.6, Vec3(1.0, 2.0, 3.0)},
+                              {2, 0.1, 0.2, Vec3(0.0, 0.0, 1.0)}};
   snapshot.dropped = {5, 0.01, 0.02};
-  snapshot.mass = 0.4;
-  snapshot.restArea = 0.8;
+  snapshot.figures->mass = 0.4;
+  snapshot.figures->restArea = 0.8;
   return snapshot;
 }
 
@@ -52,7 +54,7 @@ TEST(StateMessage, HasTheDroppedScrapsAndTheFiguresOfTheMesh) {
 
 TEST(StateMessage, HasNoPieceOfACompletelyDroppedCloth) {
   Snapshot snapshot = cutCloth();
-  snapshot.pieces.clear();
+  snapshot.figures->pieces.clear();
   const ClothState state = toStateMessage(observe(snapshot), std_msgs::Header());
   EXPECT_EQ(state.pieces, 0u);
   EXPECT_TRUE(state.piece.empty());

@@ -41,7 +41,7 @@ Snapshot flatCloth(int n, double stretch = 1.0) {
 
 visualization_msgs::MarkerArray sent(MarkerBuilder& builder, const Snapshot& snapshot,
                                      const ros::Time& stamp) {
-  return received(builder.build(snapshot, stamp));
+  return received(builder.build(snapshot, Figures(), stamp));
 }
 
 const Marker* find(const visualization_msgs::MarkerArray& array, const std::string& space) {
@@ -58,7 +58,9 @@ int count(const visualization_msgs::MarkerArray& array, const std::string& space
 }
 
 TEST(Markers, ClothHasThreeColouredCornersPerFaceOnBothSides) {
-  MarkerBuilder builder{MarkerStyle()};
+  MarkerStyle style;
+  style.twoSided = true;
+  MarkerBuilder builder(style);
   const auto array = sent(builder, flatCloth(5), ros::Time(1.0));
   for (const char* side : {"cloth", "cloth_back"}) {
     const Marker* cloth = find(array, side);
@@ -72,9 +74,7 @@ TEST(Markers, ClothHasThreeColouredCornersPerFaceOnBothSides) {
 }
 
 TEST(Markers, EachCornerOfAFaceIsWhereItsVertexIs) {
-  MarkerStyle style;
-  style.twoSided = false;
-  MarkerBuilder builder(style);
+  MarkerBuilder builder{MarkerStyle()};
   const Snapshot snapshot = flatCloth(4);
   const auto array = sent(builder, snapshot, ros::Time(1.0));
   std::size_t corner = 0;
@@ -88,6 +88,7 @@ TEST(Markers, EachCornerOfAFaceIsWhereItsVertexIs) {
 
 TEST(Markers, SidesLieOnEitherSideOfTheParticlesAndDifferInColour) {
   MarkerStyle style;
+  style.twoSided = true;
   style.surfaceOffset = 0.001;
   MarkerBuilder builder(style);
   const auto array = sent(builder, flatCloth(5), ros::Time(1.0));
@@ -98,10 +99,8 @@ TEST(Markers, SidesLieOnEitherSideOfTheParticlesAndDifferInColour) {
   EXPECT_GT(front->colors[0].g / front->colors[0].r, 1.2 * back->colors[0].g / back->colors[0].r);
 }
 
-TEST(Markers, OneSideIsSentIfOneIsAskedFor) {
-  MarkerStyle style;
-  style.twoSided = false;
-  MarkerBuilder builder(style);
+TEST(Markers, OneSideIsSentUnlessBothAreAskedFor) {
+  MarkerBuilder builder{MarkerStyle()};
   const auto array = sent(builder, flatCloth(5), ros::Time(1.0));
   EXPECT_EQ(find(array, "cloth_back"), nullptr);
   EXPECT_EQ(find(array, "cloth")->points[0].z, 1.0);
@@ -233,9 +232,10 @@ TEST(Markers, OfAClampThatWentAreDeleted) {
 TEST(Markers, TextTellsPhaseCountsAndTime) {
   Snapshot snapshot = flatCloth(3);
   snapshot.time = 7.25;
-  snapshot.pieces.resize(2);
+  Figures figures;
+  figures.pieces.resize(2);
   snapshot.broken.total = 14;
-  const std::string text = statusLine(snapshot);
+  const std::string text = statusLine(snapshot, figures);
   for (const char* part : {"pull", "7.25", "pieces 2", "broken 14"}) {
     EXPECT_THAT(text, testing::HasSubstr(part));
   }

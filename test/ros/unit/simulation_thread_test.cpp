@@ -12,6 +12,7 @@
 namespace cloth_sim {
 namespace {
 
+using std::chrono::milliseconds;
 using std::chrono::seconds;
 using std::chrono::steady_clock;
 
@@ -101,12 +102,12 @@ TEST(SimulationThread, SpringsThatACommandCutAreToldAtOnce) {
   const CommandResult result = simulation.execute(CutAlong{middle}, kTimeout);
   ASSERT_TRUE(result.success) << result.message;
   const Observation now = simulation.observe();
-  EXPECT_EQ(now.snapshot->pieces.size(), 2u);
+  EXPECT_EQ(now.whole->figures->pieces.size(), 2u);
   EXPECT_GT(now.snapshot->broken.cut, 0);
   EXPECT_EQ(simulation.takeEvents().events.size(),
             static_cast<std::size_t>(now.snapshot->broken.total));
   EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
-  EXPECT_EQ(simulation.observe().snapshot->pieces.size(), 1u);
+  EXPECT_EQ(simulation.observe().whole->figures->pieces.size(), 1u);
   const FailureBatch after = simulation.takeEvents();
   EXPECT_TRUE(after.events.empty());
   EXPECT_EQ(after.resets, simulation.observe().resets);
@@ -188,6 +189,20 @@ TEST(SimulationThread, WhoWaitsForAnObservationGetsItAtOnce) {
   EXPECT_LT(steady_clock::now() - start, seconds(5));
 }
 
+TEST(SimulationThread, ComputesFiguresAsOftenAsTheyAreAskedFor) {
+  SimulationThread simulation(smallScene(), {1.0, false, 1, nullptr});
+  simulation.setObservationRate(60.0);
+  simulation.setFigureRate(0.01);
+  const Observation first = simulation.observe();
+  ASSERT_TRUE(eventually([&] { return simulation.observe().number >= first.number + 10; }));
+  const Observation later = simulation.observe();
+  EXPECT_LT(later.whole->step, later.snapshot->step) << "seldom";
+  EXPECT_TRUE(later.whole->figures);
+  EXPECT_FALSE(later.snapshot->figures);
+  const Observation asked = simulation.observeWhole(milliseconds(5000));
+  EXPECT_GE(asked.whole->step, later.snapshot->step) << "those of now";
+}
+
 TEST(SimulationThread, KeepsThePaceItIsGiven) {
   SimulationThread simulation(smallScene(), {1.0, false, 1, nullptr});
   const auto start = steady_clock::now();
@@ -211,7 +226,7 @@ TEST(SimulationThread, RunsForAWhileAndPauses) {
   EXPECT_EQ(result.outcome, RunResult::Outcome::kReached);
   EXPECT_EQ(result.step, 30u);
   EXPECT_TRUE(simulation.observe().paused);
-  EXPECT_EQ(simulation.observe().snapshot->hash, result.hash);
+  EXPECT_EQ(simulation.observe().whole->figures->hash, result.hash);
   EXPECT_EQ(runTo(simulation, RunFor{0.1}).step, 36u);
 }
 
@@ -284,7 +299,7 @@ TEST(SimulationThread, ARestoredRunKnowsWhatHadFailedBefore) {
   EXPECT_EQ(batch.before.size(), cut);
   EXPECT_TRUE(batch.events.empty());
   EXPECT_FALSE(simulation.execute(Restore{"rubbish"}, kTimeout).success);
-  EXPECT_EQ(simulation.observe().snapshot->pieces.size(), 2u);
+  EXPECT_EQ(simulation.observe().whole->figures->pieces.size(), 2u);
 }
 
 TEST(SimulationThread, TellsTheTimeInOrder) {

@@ -29,7 +29,7 @@ clamps: {left: {pose: {position: [0.0, 0.0, 0.5]}, plate_size: [0.03, 0.04]}}
 TEST(Viewer, DrawsTheSame) {
   Simulation simulation = cutCloth();
   Observation observation;
-  observation.snapshot = simulation.snapshot();
+  observation.snapshot = observation.whole = simulation.snapshot();
   const std_msgs::Header header;
   ClothFrame frame;
   fillFrame(*observation.snapshot, header, frame);
@@ -43,8 +43,9 @@ TEST(Viewer, DrawsTheSame) {
 
   MarkerBuilder first{MarkerStyle()};
   MarkerBuilder second{MarkerStyle()};
-  const auto meant = received(first.build(*observation.snapshot, ros::Time(1)));
-  const auto drawn = received(second.build(seen, ros::Time(1)));
+  const auto meant =
+      received(first.build(*observation.snapshot, *observation.snapshot->figures, ros::Time(1)));
+  const auto drawn = received(second.build(seen, *seen.figures, ros::Time(1)));
   ASSERT_EQ(drawn.markers.size(), meant.markers.size());
   for (std::size_t k = 0; k < meant.markers.size(); ++k) {
     EXPECT_EQ(drawn.markers[k].ns, meant.markers[k].ns);
