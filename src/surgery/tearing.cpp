@@ -1,6 +1,7 @@
 #include "cloth_sim/surgery/tearing.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/parallel_for.h"
@@ -57,6 +58,15 @@ double longestEdgeOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces)
   return longest;
 }
 
+/// The first of `flags` from `first` on that is 1; their number, if there is none.
+std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
+  const std::size_t left = flags.size() - first;
+  const void* found = left > 0 ? std::memchr(flags.data() + first, 1, left) : nullptr;
+  return found == nullptr
+             ? flags.size()
+             : static_cast<std::size_t>(static_cast<const char*>(found) - flags.data());
+}
+
 }  // namespace
 
 Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::move(settings)) {
@@ -75,7 +85,13 @@ bool Tearing::allowed(const Model& model, const Spring& spring) const {
   return isInBand(model.mesh, spring);
 }
 
+void Tearing::setRatio(const TearRatios& ratio) {
+  settings_.ratio = ratio;
+  watched_.clear();
+}
+
 void Tearing::follow(const Model& model, const ModelChanges& changes) {
+  watched_.clear();
   for (std::int32_t slot : changes.springs.added) {
     if (allowed(model, model.springs[slot])) candidates_.push_back(slot);
   }
@@ -90,31 +106,40 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
   }
 }
 
+void Tearing::watch(const Model& model) {
+  if (!watched_.empty()) return;
+  watched_.reserve(candidates_.size());
+  for (const std::int32_t slot : candidates_) {
+    const Spring& spring = model.springs[slot];
+    if (!spring.exists()) {
+      watched_.push_back({0, 0, 0.0});  // no longer than that
+      continue;
+    }
+    const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
+    const double length = (1.0 + kNear * (ratio - 1.0)) * spring.restLength;
+    watched_.push_back({spring.a, spring.b, length * length});
+  }
+}
+
 /// Most springs are far from failing: that shows without a root.
 void Tearing::markNear(const Model& model, const State& state) {
+  watch(model);
   isNear_.resize(candidates_.size());
   parallelFor(static_cast<std::int32_t>(candidates_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
                 for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                      ++k) {
-                  const Spring& spring = model.springs[candidates_[k]];
-                  isNear_[k] = spring.exists() && mayFailSoon(spring, state);
+                  const Watched& it = watched_[k];
+                  isNear_[k] = (state.x[it.b] - state.x[it.a]).squaredNorm() > it.nearSquare;
                 }
               });
-}
-
-bool Tearing::mayFailSoon(const Spring& spring, const State& state) const {
-  const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
-  const double length = (1.0 + kNear * (ratio - 1.0)) * spring.restLength;
-  return (state.x[spring.b] - state.x[spring.a]).squaredNorm() > length * length;
 }
 
 std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const State& state) {
   std::vector<Overload> found;
   worst_ = 0.0;
   markNear(model, state);
-  for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    if (!isNear_[k]) continue;
+  for (std::size_t k = nextSet(isNear_, 0); k < isNear_.size(); k = nextSet(isNear_, k + 1)) {
     const std::int32_t slot = candidates_[k];
     const Spring& spring = model.springs[slot];
     const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];

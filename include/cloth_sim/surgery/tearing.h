@@ -48,7 +48,7 @@ class Tearing {
 
   const TearingSettings& settings() const { return settings_; }
   void setEnabled(bool enabled) { settings_.enabled = enabled; }
-  void setRatio(const TearRatios& ratio) { settings_.ratio = ratio; }
+  void setRatio(const TearRatios& ratio);
 
   /// Whether a spring is near failing, as the last plan saw it: from 0.7 of the strain that tears
   /// it on. The stress that `plan` goes by should then be no older than a substep.
@@ -98,13 +98,20 @@ class Tearing {
       archive(at, time);
     }
   };
+  /// What tells whether a candidate may fail soon, close together: most are far from it, and are
+  /// looked at in every step all the same.
+  struct Watched {
+    VertexId a = kNone;
+    VertexId b = kNone;
+    double nearSquare = 0.0;  ///< squared length from which it may fail soon [m^2]
+  };
   struct Overload {
     double excess = 0.0;  ///< stretch over limit
     std::int32_t slot = kNone;
   };
 
   friend class cereal::access;
-  /// What commands, steps and edits change; the rest is as the scene has it.
+  /// What commands, steps and edits change; the rest is as the scene has it, or derived from that.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(settings_.enabled, settings_.ratio);
@@ -113,7 +120,7 @@ class Tearing {
 
   bool allowed(const Model& model, const Spring& spring) const;
   void markNear(const Model& model, const State& state);
-  bool mayFailSoon(const Spring& spring, const State& state) const;
+  void watch(const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
   /// \param faces  that the spring stands on; of `lineFor` too.
@@ -130,11 +137,12 @@ class Tearing {
       candidates_;                   ///< slots that the gate allows, ascending; some may be gone
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
-  std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
-  std::vector<char> isNear_;     ///< by candidate: it is near failing; scratch
-  double worst_ = 0.0;           ///< largest strain over the strain that tears, if it is near 1
-  double plannedAt_ = 0.0;       ///< time of the state of the last plan [s]
-  std::vector<Stride> strides_;  ///< of the last plan, by path
+  std::set<std::int32_t> idle_;   ///< slots whose lines opened nothing, since they last changed
+  std::vector<Watched> watched_;  ///< by candidate; empty: not known for springs as they are now
+  std::vector<char> isNear_;      ///< by candidate: it is near failing; scratch
+  double worst_ = 0.0;            ///< largest strain over the strain that tears, if it is near 1
+  double plannedAt_ = 0.0;        ///< time of the state of the last plan [s]
+  std::vector<Stride> strides_;   ///< of the last plan, by path
 };
 
 }  // namespace cloth_sim
