@@ -17,13 +17,13 @@ constexpr std::array<std::array<float, 3>, kMapSize> kStrainMap{{{0.230f, 0.322f
                                                                  {0.678f, 0.864f, 0.190f},
                                                                  {0.993f, 0.906f, 0.144f}}};
 
-}  // namespace
-
 std_msgs::ColorRGBA blend(const std_msgs::ColorRGBA& from, const std_msgs::ColorRGBA& to,
                           float fraction) {
   return makeColour(from.r + fraction * (to.r - from.r), from.g + fraction * (to.g - from.g),
                     from.b + fraction * (to.b - from.b), from.a + fraction * (to.a - from.a));
 }
+
+}  // namespace
 
 std_msgs::ColorRGBA strainColour(double fraction) {
   const double inMap = std::clamp(fraction, 0.0, 1.0) * (kMapSize - 1);

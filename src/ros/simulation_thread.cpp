@@ -300,6 +300,7 @@ CommandResult SimulationThread::carryOut(const Command& command) {
   if (beginsAnew(command)) beginAnew();
   if (std::holds_alternative<Reset>(command) || beginsAnew(command)) {  // time has jumped
     startMeasuring();
+    figurePace_ = Pace();
     tellTime();
   }
   collectEvents();

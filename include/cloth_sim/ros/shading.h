@@ -18,9 +18,6 @@ inline std_msgs::ColorRGBA makeColour(float r, float g, float b, float a = 1.0f)
   return result;
 }
 
-std_msgs::ColorRGBA blend(const std_msgs::ColorRGBA& from, const std_msgs::ColorRGBA& to,
-                          float fraction);
-
 /// Colour of a strain, from 0 (or below) to 1 (or above) times the range, on a map of even
 /// perceptual steps from blue over green to yellow.
 std_msgs::ColorRGBA strainColour(double fraction);
