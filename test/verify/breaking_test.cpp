@@ -57,9 +57,10 @@ const char* toString(Fate fate) {
 bool showsNumbers(Simulation& simulation) {
   const auto shown = simulation.snapshot();
   const auto finite = [](const Vec3& x) { return x.allFinite(); };
-  const std::array<double, 6> figures{shown->energies.kinetic, shown->energies.elastic,
-                                      shown->energies.gravity, shown->meanSpeed,
-                                      shown->maxStretch,       shown->mass};
+  const Figures& told = *shown->figures;
+  const std::array<double, 6> figures{told.energies.kinetic, told.energies.elastic,
+                                      told.energies.gravity, told.meanSpeed,
+                                      told.maxStretch,       told.mass};
   return isFinite(simulation.state()) &&
          std::all_of(shown->positions.begin(), shown->positions.end(), finite) &&
          std::none_of(figures.begin(), figures.end(), [](double x) { return std::isnan(x); });
