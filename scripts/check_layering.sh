@@ -8,7 +8,7 @@ set -euo pipefail
 
 cd "${1:-"$(dirname "${BASH_SOURCE[0]}")/.."}"
 
-core_folders=(mesh cloth solver contact clamp surgery scene sim study)
+core_folders=(threads mesh cloth solver contact clamp surgery scene sim study)
 # ros/..., any *_msgs/... and the ROS libraries; our own generated messages (cloth_sim/Frame.h) and
 # our own ROS-side folders.
 libraries='rosbag|rviz|roslib|tf2?|tf2_[a-z_]+|diagnostic_updater|dynamic_reconfigure'

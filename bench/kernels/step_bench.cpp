@@ -5,7 +5,7 @@
 
 #include <stdexcept>
 
-#include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/threads/thread_limit.h"
 #include "scenes.h"
 
 namespace cloth_sim::bench {

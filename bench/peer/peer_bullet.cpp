@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "cloth.h"
-#include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim::bench {
 namespace {

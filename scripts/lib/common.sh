@@ -60,7 +60,7 @@ packages_for() {
     case $ros_flavour/$group in
       debian/build)
         echo g++ make cmake catkin python3 \
-          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcereal-dev libcli11-dev \
+          libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcereal-dev libcli11-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
           libnav-msgs-dev libsensor-msgs-dev libshape-msgs-dev \
@@ -89,7 +89,7 @@ packages_for() {
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
-          libeigen3-dev libyaml-cpp-dev libtbb-dev nlohmann-json3-dev libcereal-dev \
+          libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcereal-dev \
           ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
           ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
           ros-noetic-nav-msgs ros-noetic-sensor-msgs ros-noetic-shape-msgs \

@@ -109,7 +109,7 @@ void RawShares::followRemoval(const TriangleMesh& mesh, const MeshChanges& chang
   for (FaceId f = 0; f < mesh.faceCount(); ++f) shares_[f].face = mesh.face(f);
 }
 
-RawShare RawShares::ofEdge(const TriangleMesh& mesh, const FaceRange& on, VertexId a,
+RawShare RawShares::ofEdge(const TriangleMesh& mesh, const IndexSpan& on, VertexId a,
                            VertexId b) const {
   RawShare sum;
   for (FaceId f : on) {
@@ -121,7 +121,7 @@ RawShare RawShares::ofEdge(const TriangleMesh& mesh, const FaceRange& on, Vertex
   return sum;
 }
 
-RawShare RawShares::ofCorners(const TriangleMesh& mesh, const FaceRange& around, VertexId v) const {
+RawShare RawShares::ofCorners(const TriangleMesh& mesh, const IndexSpan& around, VertexId v) const {
   RawShare sum{0.0, 1.0};
   for (FaceId f : around) {
     sum.part += shares_[f].corner[cornerIndex(mesh.face(f), v)];

@@ -20,8 +20,6 @@ constexpr double kBendCurvature = 50.0;
 constexpr double kBendFoldLimit = 1.5;
 /// Springs per vertex of a grid, but for its border.
 constexpr std::size_t kUsualSprings = 6;
-/// Springs that stand on a vertex, as a rule.
-constexpr std::size_t kUsualStanding = 16;
 /// What structural springs keep of the tensile stiffness at least, whatever shear and bend springs
 /// already carry.
 constexpr double kStructuralFloor = 0.01;
@@ -102,19 +100,17 @@ class Ancestors {
 };
 
 /// Of each vertex: the slots of the springs that stand on it, in no more memory than that takes.
-std::vector<std::vector<std::int32_t>> listStanding(const std::vector<Spring>& slots,
-                                                    std::size_t vertices) {
-  std::vector<std::size_t> number(vertices, 0);
+IndexLists listStanding(const std::vector<Spring>& slots, std::size_t vertices) {
+  std::vector<std::int32_t> number(vertices, 0);
   for (const Spring& spring : slots) {
     for (VertexId v : spring.support) {
       if (v != kNone) ++number[v];
     }
   }
-  std::vector<std::vector<std::int32_t>> standing(vertices);
-  for (std::size_t v = 0; v < vertices; ++v) standing[v].reserve(number[v]);
+  IndexLists standing(number);
   for (std::size_t slot = 0; slot < slots.size(); ++slot) {
     for (VertexId v : slots[slot].support) {
-      if (v != kNone) standing[v].push_back(static_cast<std::int32_t>(slot));
+      if (v != kNone) standing.append(v, static_cast<std::int32_t>(slot));
     }
   }
   return standing;
@@ -219,23 +215,16 @@ void SpringNetwork::followCleared(const MeshChanges& changes) {
 
 void SpringNetwork::build(const TriangleMesh& mesh) {
   slots_.reserve(kUsualSprings * static_cast<std::size_t>(mesh.vertexCount()));
-  std::vector<Spring> derived;
+  std::vector<VertexId> neighbours;
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    derived.clear();
-    deriveAround(mesh, v, derived);
-    for (const Spring& spring : derived) {
-      if (spring.support[0] == v) slots_.push_back(spring);
+    mesh.neighbours(v, neighbours);
+    for (VertexId w : neighbours) {
+      if (v < w) deriveEdge(mesh, v, w, slots_);
     }
+    if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, slots_);
   }
   for (const Spring& spring : slots_) ++count_[static_cast<int>(spring.kind)];
   standing_ = listStanding(slots_, static_cast<std::size_t>(mesh.vertexCount()));
-}
-
-void SpringNetwork::deriveAround(const TriangleMesh& mesh, VertexId v,
-                                 std::vector<Spring>& out) const {
-  const std::vector<VertexId> neighbours = mesh.neighbours(v);
-  for (VertexId w : neighbours) deriveEdge(mesh, std::min(v, w), std::max(v, w), out);
-  if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, out);
 }
 
 void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
@@ -249,7 +238,7 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
   edge.kind = bias ? SpringKind::kShear : SpringKind::kStructural;
   if (bias && !clothAt(mesh, a).selection.shear) return;
   const std::array<FaceId, 2> faces = mesh.facesOnEdge(a, b);
-  const FaceRange on{faces.data(), faces.data() + (faces[1] == kNone ? 1 : 2)};
+  const IndexSpan on{faces.data(), faces.data() + (faces[1] == kNone ? 1 : 2)};
   setConstants(mesh, on, edge);
   out.push_back(edge);
   if (!bias || faces[1] == kNone) return;
@@ -267,37 +256,42 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
 void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
                                 const std::vector<VertexId>& neighbours,
                                 std::vector<Spring>& out) const {
-  const Vec2& centre = mesh.material(v);
-  for (const ThreadDirection thread : {ThreadDirection::kWarp, ThreadDirection::kWeft}) {
-    const Vec2 axis = thread == ThreadDirection::kWarp ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0);
+  struct Straight {
     VertexId ahead = kNone;
     VertexId behind = kNone;
     double bestAhead = kStraight;
     double bestBehind = kStraight;
-    for (VertexId w : neighbours) {
-      const double cosine = (mesh.material(w) - centre).normalized().dot(axis);
-      if (cosine > bestAhead) {
-        bestAhead = cosine;
-        ahead = w;
-      } else if (-cosine > bestBehind) {
-        bestBehind = -cosine;
-        behind = w;
+  };
+  std::array<Straight, 2> straight;  // along warp and weft
+  for (VertexId w : neighbours) {
+    const Vec2 direction = (mesh.material(w) - mesh.material(v)).normalized();
+    for (int axis = 0; axis < 2; ++axis) {
+      const double cosine = direction[axis];
+      Straight& s = straight[static_cast<std::size_t>(axis)];
+      if (cosine > s.bestAhead) {
+        s.bestAhead = cosine;
+        s.ahead = w;
+      } else if (-cosine > s.bestBehind) {
+        s.bestBehind = -cosine;
+        s.behind = w;
       }
     }
-    if (ahead == kNone || behind == kNone) continue;
+  }
+  for (const ThreadDirection thread : {ThreadDirection::kWarp, ThreadDirection::kWeft}) {
+    const Straight& s = straight[thread == ThreadDirection::kWarp ? 0 : 1];
+    if (s.ahead == kNone || s.behind == kNone) continue;
     Spring bend;
-    bend.a = std::min(ahead, behind);
-    bend.b = std::max(ahead, behind);
+    bend.a = std::min(s.ahead, s.behind);
+    bend.b = std::max(s.ahead, s.behind);
     bend.kind = SpringKind::kBend;
     bend.direction = thread;
     bend.support = {v, kNone};
-    const std::vector<FaceId>& around = mesh.facesAround(v);
-    setConstants(mesh, {around.data(), around.data() + around.size()}, bend);
+    setConstants(mesh, mesh.facesAround(v), bend);
     out.push_back(bend);
   }
 }
 
-void SpringNetwork::setConstants(const TriangleMesh& mesh, const FaceRange& on,
+void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
                                  Spring& spring) const {
   spring.restLength = (mesh.material(spring.b) - mesh.material(spring.a)).norm();
   const Cloth& cloth = clothAt(mesh, spring.a);
@@ -314,7 +308,7 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const FaceRange& on,
   }
 }
 
-double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const FaceRange& on,
+double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const IndexSpan& on,
                                       const Spring& spring) const {
   const Calibration& calibration = clothAt(mesh, spring.a).calibration;
   const double area = areaOf(mesh, on);
@@ -347,7 +341,7 @@ double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const FaceRange&
   return 0.0;
 }
 
-RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
+RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,
                                  const Spring& spring) const {
   if (spring.kind == SpringKind::kBend) {
     RawShare share = rawShares_.ofCorners(mesh, on, spring.support[0]);
@@ -363,9 +357,7 @@ RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const FaceRange& on,
 
 SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
-  while (standing_.size() < static_cast<std::size_t>(mesh.vertexCount())) {
-    standing_.emplace_back().reserve(kUsualStanding);
-  }
+  while (standing_.size() < static_cast<std::size_t>(mesh.vertexCount())) standing_.addList();
   if (anyRaw_) rawShares_.follow(mesh, changes);
   followCleared(changes);
   const std::vector<std::int32_t> before = standingOnAny(changes.touched);
@@ -443,7 +435,6 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
   }
   cleared_ = std::move(cleared);
   SpringChanges result;
-  standing_.assign(mesh.vertexCount(), {});
   const auto rename = [&](VertexId& v) { v = v == kNone ? kNone : nameOf[v]; };
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(slots_.size()); ++slot) {
     Spring& spring = slots_[slot];
@@ -463,10 +454,8 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
       std::swap(spring.support[0], spring.support[1]);
     }
     if (!sameSpring(before, spring)) result.modified.push_back(slot);
-    for (VertexId v : spring.support) {
-      if (v != kNone) standing_[v].push_back(slot);
-    }
   }
+  standing_ = listStanding(slots_, static_cast<std::size_t>(mesh.vertexCount()));
   return result;
 }
 
@@ -475,7 +464,7 @@ std::vector<std::int32_t> SpringNetwork::standingOnAny(
   std::vector<std::int32_t> slots;
   for (VertexId v : vertices) {
     if (static_cast<std::size_t>(v) >= standing_.size()) continue;
-    slots.insert(slots.end(), standing_[v].begin(), standing_[v].end());
+    slots.insert(slots.end(), standingOn(v).begin(), standingOn(v).end());
   }
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
@@ -515,12 +504,11 @@ void SpringNetwork::erase(std::int32_t slot) {
 void SpringNetwork::replace(std::int32_t slot, const Spring& spring) {
   for (VertexId v : slots_[slot].support) {
     if (v == kNone) continue;
-    std::vector<std::int32_t>& list = standing_[v];
-    list.erase(std::find(list.begin(), list.end(), slot));
+    standing_.erase(v, slot);
   }
   slots_[slot] = spring;
   for (VertexId v : spring.support) {
-    if (v != kNone) standing_[v].push_back(slot);
+    if (v != kNone) standing_.append(v, slot);
   }
 }
 

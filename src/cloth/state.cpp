@@ -1,23 +1,56 @@
 #include "cloth_sim/cloth/state.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <numeric>
 
 #include "cloth_sim/hash.h"
+#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
 
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "coordinates lie one after the other");
+
 bool allFinite(const VertexData<Vec3>& data) {
-  // A sum is finite only if every term is, and costs no branch per term.
-  double sum = 0.0;
-  for (const Vec3& p : data) sum += std::abs(p.x()) + std::abs(p.y()) + std::abs(p.z());
-  return std::isfinite(sum);
+  // A sum is finite only if every term is, and costs no branch per term; several sums do not wait
+  // for each other.
+  constexpr std::size_t kSums = 12;
+  static_assert(kSums % 3 == 0, "whole particles");
+  std::array<double, kSums> sums{};
+  const std::vector<Vec3>& values = data.values();
+  std::size_t k = 0;
+  for (; k + kSums / 3 <= values.size(); k += kSums / 3) {
+    const double* const p = values[k].data();
+    for (std::size_t lane = 0; lane < kSums; ++lane) sums[lane] += std::abs(p[lane]);
+  }
+  for (; k < values.size(); ++k) sums[0] += values[k].cwiseAbs().sum();
+  return std::isfinite(std::accumulate(sums.begin(), sums.end(), 0.0));
+}
+
+void copyData(const VertexData<Vec3>& from, VertexData<Vec3>& to) {
+  constexpr std::int32_t kGrain = 8192;  // so many are worth a second thread
+  if (to.size() != from.size() || to.revision() != from.revision()) {
+    to = from;
+    return;
+  }
+  parallelFor(static_cast<std::int32_t>(from.size()), kGrain, [&](VertexId first, VertexId last) {
+    std::memcpy(to[first].data(), from[first].data(),
+                static_cast<std::size_t>(last - first) * sizeof(Vec3));
+  });
 }
 
 }  // namespace
 
 bool isFinite(const State& state) { return allFinite(state.x) && allFinite(state.v); }
+
+void copyState(const State& from, State& to) {
+  copyData(from.x, to.x);
+  copyData(from.v, to.v);
+  to.t = from.t;
+}
 
 Energies energies(const Model& model, const State& state, const Vec3& gravity) {
   Energies e;

@@ -6,7 +6,6 @@ namespace cloth_sim {
 namespace {
 
 /// Faces around a vertex, as a rule.
-constexpr std::size_t kUsualFaces = 8;
 
 /// Sets a flag, and tells whether it was not set before.
 bool raise(std::vector<bool>& flags, std::int32_t k) {
@@ -172,10 +171,9 @@ void MeshEditor::removeVertex(VertexId v) {
   }
   if (v != last) {
     mesh_.material_[v] = Vec2(mesh_.material_[last]);
-    mesh_.incident_[v] = std::move(mesh_.incident_[last]);
   }
   mesh_.material_.pop_back();
-  mesh_.incident_.pop_back();
+  mesh_.incident_.replaceByLast(v);
   VertexEdit edit;
   edit.kind = VertexEdit::Kind::kRemove;
   edit.id = v;
@@ -210,7 +208,7 @@ VertexId MeshEditor::addVertex(const VertexEdit& edit) {
   VertexEdit added = edit;
   added.id = mesh_.vertexCount();
   mesh_.material_.push_back(blendMaterial(edit));
-  mesh_.incident_.emplace_back().reserve(kUsualFaces);
+  mesh_.incident_.addList();
   changes_.vertices.push_back(added);
   return added.id;
 }
@@ -265,15 +263,9 @@ void MeshEditor::setFace(FaceId f, const Face& face, std::uint8_t rim) {
   recordReshaped(f);
 }
 
-void MeshEditor::link(FaceId f, VertexId v) {
-  std::vector<FaceId>& faces = mesh_.incident_[v];
-  faces.insert(std::upper_bound(faces.begin(), faces.end(), f), f);
-}
+void MeshEditor::link(FaceId f, VertexId v) { mesh_.incident_.insertSorted(v, f); }
 
-void MeshEditor::unlink(FaceId f, VertexId v) {
-  std::vector<FaceId>& faces = mesh_.incident_[v];
-  faces.erase(std::find(faces.begin(), faces.end(), f));
-}
+void MeshEditor::unlink(FaceId f, VertexId v) { mesh_.incident_.erase(v, f); }
 
 void MeshEditor::recordReshaped(FaceId f) {
   touch(mesh_.faces_[f]);

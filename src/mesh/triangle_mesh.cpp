@@ -35,54 +35,69 @@ std::string describeFaceDefect(const TriangleMesh& mesh, FaceId f) {
   return "";
 }
 
-/// The first face around `v` whose edge from `v` is the one to `w`; kNone: there is none.
-FaceId faceFrom(const TriangleMesh& mesh, VertexId v, VertexId w) {
-  for (const FaceId f : mesh.facesAround(v)) {
-    if (around(mesh.face(f), v).first == w) return f;
+/// The faces around a vertex, and the vertices after and before it in each of them.
+class Ring {
+ public:
+  /// \param v  whose faces all have it.
+  void lookAround(const TriangleMesh& mesh, VertexId v) {
+    next_.clear();
+    previous_.clear();
+    for (const FaceId f : mesh.facesAround(v)) {
+      const auto [next, previous] = around(mesh.face(f), v);
+      next_.push_back(next);
+      previous_.push_back(previous);
+    }
   }
-  return kNone;
-}
 
-/// The same of the edge from `w` to `v`.
-FaceId faceTo(const TriangleMesh& mesh, VertexId v, VertexId w) {
-  for (const FaceId f : mesh.facesAround(v)) {
-    if (around(mesh.face(f), v).second == w) return f;
+  /// Which of the faces has the edge from the vertex to `w`, or -1.
+  int from(VertexId w) const { return placeOf(next_, w); }
+  /// ... from `w` to the vertex.
+  int to(VertexId w) const { return placeOf(previous_, w); }
+  /// Whether the edge from the vertex in the k-th of the faces is in no other one.
+  bool isRim(std::size_t k) const { return to(next_[k]) < 0; }
+
+  std::string describeDoubleEdge(VertexId v) const {
+    const auto describe = [](VertexId from, VertexId to) {
+      return "edge " + std::to_string(from) + " -> " + std::to_string(to) +
+             " is run through twice in the same direction";
+    };
+    for (std::size_t k = 0; k < next_.size(); ++k) {
+      if (from(next_[k]) != static_cast<int>(k)) return describe(v, next_[k]);
+      if (to(previous_[k]) != static_cast<int>(k)) return describe(previous_[k], v);
+    }
+    return "";
   }
-  return kNone;
-}
 
-std::string describeVertexEdgeDefect(const TriangleMesh& mesh, VertexId v) {
-  const auto describe = [](VertexId from, VertexId to) {
-    return "edge " + std::to_string(from) + " -> " + std::to_string(to) +
-           " is run through twice in the same direction";
-  };
-  for (const FaceId f : mesh.facesAround(v)) {
-    const auto [next, previous] = around(mesh.face(f), v);
-    if (faceFrom(mesh, v, next) != f) return describe(v, next);
-    if (faceTo(mesh, v, previous) != f) return describe(previous, v);
+  /// Whether the faces, no two of which run along an edge in the same direction, can be gone
+  /// through from edge to edge. As `fansAround`, but it needs no memory.
+  bool isOneFan() const {
+    int first = 0;  // any, if they close around it
+    for (std::size_t k = 0; k < next_.size(); ++k) {
+      if (isRim(k)) first = static_cast<int>(k);
+    }
+    std::size_t count = 0;
+    int at = first;
+    do {
+      ++count;
+      at = from(previous_[static_cast<std::size_t>(at)]);
+    } while (at >= 0 && at != first && count < next_.size());
+    return count == next_.size();
   }
-  return "";
-}
 
-/// Whether the faces around `v`, no two of which run along an edge in the same direction, can be
-/// gone through from edge to edge. As `fansAround`, but it needs no memory.
-bool isOneFan(const TriangleMesh& mesh, VertexId v) {
-  const std::vector<FaceId>& faces = mesh.facesAround(v);
-  FaceId first = faces.front();  // any, if they close around it
-  for (const FaceId f : faces) {
-    if (faceTo(mesh, v, around(mesh.face(f), v).first) == kNone) first = f;
+ private:
+  static int placeOf(const std::vector<VertexId>& list, VertexId w) {
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      if (list[k] == w) return static_cast<int>(k);
+    }
+    return -1;
   }
-  std::size_t count = 0;
-  FaceId at = first;
-  do {
-    ++count;
-    at = faceFrom(mesh, v, around(mesh.face(at), v).second);
-  } while (at != kNone && at != first && count < faces.size());
-  return count == faces.size();
-}
 
-std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v) {
-  const std::vector<FaceId>& faces = mesh.facesAround(v);
+  std::vector<VertexId> next_, previous_;
+};
+
+/// \param ring  where the vertex will have looked around, if there is no defect.
+std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v, Ring& ring) {
+  const IndexSpan faces = mesh.facesAround(v);
   if (faces.empty()) return "vertex " + std::to_string(v) + " has no face";
   if (!std::is_sorted(faces.begin(), faces.end())) {
     return "faces around vertex " + std::to_string(v) + " are not in order";
@@ -93,9 +108,10 @@ std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v) {
              ", which does not have it";
     }
   }
-  const std::string edge = describeVertexEdgeDefect(mesh, v);
+  ring.lookAround(mesh, v);
+  const std::string edge = ring.describeDoubleEdge(v);
   if (!edge.empty()) return edge;
-  if (!isOneFan(mesh, v)) {
+  if (!ring.isOneFan()) {
     return "vertex " + std::to_string(v) + " joins faces at a single point";
   }
   return "";
@@ -104,27 +120,29 @@ std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v) {
 }  // namespace
 
 TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
-    : material_(std::move(material)), faces_(std::move(faces)), incident_(material_.size()) {
+    : material_(std::move(material)), faces_(std::move(faces)) {
   std::vector<std::int32_t> facesOf(material_.size(), 0);
   for (FaceId f = 0; f < faceCount(); ++f) {
     const std::string defect = describeFaceDefect(*this, f);
     if (!defect.empty()) throw std::invalid_argument(defect);
     for (VertexId v : faces_[f]) ++facesOf[v];
   }
-  for (VertexId v = 0; v < vertexCount(); ++v) incident_[v].reserve(facesOf[v]);
+  incident_ = IndexLists(facesOf);
   for (FaceId f = 0; f < faceCount(); ++f) {
-    for (VertexId v : faces_[f]) incident_[v].push_back(f);
+    for (VertexId v : faces_[f]) incident_.append(v, f);
   }
-  const std::string defect = describeDefect(*this);
-  if (!defect.empty()) throw std::invalid_argument(defect);
   generation_.assign(faces_.size(), 0);
-  rim_.reserve(faces_.size());
-  for (const Face& face : faces_) {
-    std::uint8_t rim = 0;
-    for (int k = 0; k < 3; ++k) {
-      if (facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone) rim |= 1U << k;
+  rim_.assign(faces_.size(), 0);
+  Ring ring;
+  for (VertexId v = 0; v < vertexCount(); ++v) {
+    const std::string defect = describeVertexDefect(*this, v, ring);
+    if (!defect.empty()) throw std::invalid_argument(defect);
+    const IndexSpan around = facesAround(v);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const Face& face = faces_[around[k]];
+      const auto corner = std::find(face.begin(), face.end(), v) - face.begin();
+      if (ring.isRim(k)) rim_[around[k]] |= 1U << corner;
     }
-    rim_.push_back(rim);
   }
 }
 
@@ -146,19 +164,24 @@ VertexId TriangleMesh::oppositeVertex(FaceId f, VertexId a, VertexId b) const {
 
 std::vector<VertexId> TriangleMesh::neighbours(VertexId v) const {
   std::vector<VertexId> found;
-  found.reserve(2 * incident_[v].size());
-  for (FaceId f : incident_[v]) {
-    const auto [next, previous] = around(faces_[f], v);
-    found.push_back(next);
-    found.push_back(previous);
-  }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  found.reserve(2 * facesAround(v).size());
+  neighbours(v, found);
   return found;
 }
 
+void TriangleMesh::neighbours(VertexId v, std::vector<VertexId>& out) const {
+  out.clear();
+  for (FaceId f : incident_[v]) {
+    const auto [next, previous] = around(faces_[f], v);
+    out.push_back(next);
+    out.push_back(previous);
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+}
+
 bool TriangleMesh::isBoundary(VertexId v) const {
-  return neighbours(v).size() != incident_[v].size();
+  return neighbours(v).size() != facesAround(v).size();
 }
 
 double TriangleMesh::restArea(FaceId f) const {
@@ -178,7 +201,7 @@ std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v
 
 std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v,
                                             const std::function<bool(VertexId)>& isWall) {
-  const std::vector<FaceId>& faces = mesh.facesAround(v);
+  const IndexSpan faces = mesh.facesAround(v);
   std::vector<std::vector<FaceId>> fans;
   std::vector<bool> taken(faces.size(), false);
   for (std::size_t seed = 0; seed < faces.size(); ++seed) {
@@ -245,8 +268,9 @@ std::string describeDefect(const TriangleMesh& mesh) {
     const std::string defect = describeFaceDefect(mesh, f);
     if (!defect.empty()) return defect;
   }
+  Ring ring;
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    const std::string defect = describeVertexDefect(mesh, v);
+    const std::string defect = describeVertexDefect(mesh, v, ring);
     if (!defect.empty()) return defect;
   }
   return "";

@@ -5,7 +5,7 @@
 
 #include "cloth_sim/cpu_clock.h"
 #include "cloth_sim/ros/thread_name.h"
-#include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {
 namespace {
@@ -16,9 +16,7 @@ using std::chrono::duration_cast;
 constexpr double kMeasuringWindow = 0.5;  ///< [s]
 constexpr double kMaxLag = 0.1;  ///< behind the pace by more than this, the lag is forgiven [s]
 
-int threadCount(int asked) {
-  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+int threadCount(int asked) { return asked > 0 ? asked : ThreadLimit::processors(); }
 
 std::string failureMessage(const Simulation& simulation) {
   return "the simulation has failed (" + simulation.failure() + "); reset it";

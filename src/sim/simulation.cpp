@@ -67,6 +67,7 @@ Simulation::Simulation(Scene scene)
 
 void Simulation::step() {
   if (failed()) return;
+  const Team::Shift shift(team_);
   runScript();
   if (isAsleep() && !failed()) return sleepOn();
   const int brokenBefore = broken_.total;
@@ -232,12 +233,12 @@ void Simulation::detectContacts(double dt) {
 }
 
 void Simulation::solve(const StepLength& length) {
-  lastGood_ = state_;
+  copyState(state_, lastGood_);
   watch_.begin(model_, state_, controls_, colliders_, length.dt);
   for (int times = 1; times <= watch_.mostTimes(); times *= 2) {
     if (times > 1) watch_.noteRedone(time(), times);
     if (attempt({length.dt, times * length.substepFactor})) return watch_.accept();
-    state_ = lastGood_;
+    copyState(lastGood_, state_);
   }
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
@@ -251,7 +252,7 @@ bool Simulation::attempt(const StepLength& length) {
     report_ = solver_->step(model_, state_, controls_, contacts_, length);
     if (!watch_.isSound(model_, state_, report_.status)) return false;
     if (!letSlip()) return true;
-    state_ = lastGood_;
+    copyState(lastGood_, state_);
     gatherControls();
   }
 }

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "cloth_sim/parallel_for.h"
+#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {

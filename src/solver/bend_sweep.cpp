@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "cloth_sim/parallel_for.h"
+#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {

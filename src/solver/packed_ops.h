@@ -1,8 +1,8 @@
 #pragma once
 /// \file Arithmetic on packed vectors, on several threads where that pays.
 
-#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/solver/packed_particles.h"
+#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 

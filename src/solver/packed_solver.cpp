@@ -20,8 +20,6 @@ PackedSolver::PackedSolver(const Model& model, int substeps)
     : configured_(substeps), substeps_(substeps) {
   particles_.layOut(model);
   schedule_.build(model, particles_.slotOf);
-  force_.resize(particles_.slots);
-  before_.resize(particles_.slots);
 }
 
 void PackedSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
@@ -31,8 +29,6 @@ void PackedSolver::onModelChanged(const Model& model, const ModelChanges& change
 
 void PackedSolver::followModel(const Model& model, const SpringChanges& changes) {
   schedule_.follow(model, changes, particles_.slotOf);
-  force_.resize(particles_.slots);
-  before_.resize(particles_.slots);
   substeps_ = substepsFor(model, configured_);
   layoutChanged_ = true;
   bendingChanged_ = true;
@@ -191,6 +187,7 @@ void PackedSolver::addWind(const Model& model, const Wind& wind) {
 void PackedSolver::enforceContacts(const Substep& now) {
   if (now.contacts.empty()) return;
   PackedParticles& p = particles_;
+  before_.resize(p.mass.size());
   forFreeCandidates(now.contacts, [&](std::size_t k) { before_.set(k, p.x.at(k)); });
   now.contacts.project(p.view(), now.time, now.h);
   // A particle near two obstacles comes by twice: what has been taken up is not left to take.
@@ -203,6 +200,7 @@ void PackedSolver::enforceContacts(const Substep& now) {
 void PackedSolver::enforceContactVelocities(const Substep& now) {
   if (now.contacts.empty()) return;
   PackedParticles& p = particles_;
+  before_.resize(p.mass.size());
   forFreeCandidates(now.contacts, [&](std::size_t k) {
     p.start.set(k, p.x.at(k));
     before_.set(k, p.x.at(k) + now.h * p.v.at(k));

@@ -82,7 +82,7 @@ class Pbd final : public PackedSolver {
     const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
     const double square = d.squaredNorm();
     if (w == 0.0 || square == 0.0) return;
-    const double c = h * schedule_.damping[p];
+    const double c = h * schedule_.dampingAt(p);
     const double rate = d.dot(particles_.v.at(b) - particles_.v.at(a)) / square;
     const Vec3 impulse = c * rate / (1.0 + c * w) * d;
     if (particles_.inverseMass[a] > 0.0) {

@@ -5,10 +5,10 @@
 #include <numeric>
 
 #include "bend_matrix.h"
-#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/sim/archive.h"
 #include "cloth_sim/solver/packed_solver.h"
 #include "cloth_sim/solver/vector_clones.h"
+#include "cloth_sim/threads/parallel_for.h"
 #include "methods.h"
 #include "packed_ops.h"
 #include "spring_forces.h"
@@ -245,7 +245,7 @@ class Projective final : public PackedSolver {
   /// What a spring counts in the global step's matrix [kg].
   double weight(std::int32_t p) const {
     const auto k = static_cast<std::size_t>(p);
-    return step_ * step_ * schedule_.stiffness[k] + step_ * schedule_.damping[k];
+    return step_ * step_ * schedule_.stiffness[k] + step_ * schedule_.dampingAt(p);
   }
 
   /// The matrix of the global step; a particle that is held is tied to its place.

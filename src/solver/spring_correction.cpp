@@ -137,13 +137,13 @@ void setGains(const SpringSchedule& schedule, const std::vector<double>& inverse
               SpringGains& gains) {
   const auto n = static_cast<std::size_t>(schedule.size());
   gains.gain.assign(n, 0.0);
-  gains.lag.assign(n, 0.0);
+  gains.lag.assign(schedule.damped ? n : 0, 0.0);
   for (std::size_t p = 0; p < n; ++p) {
     const double stiffness = schedule.stiffness[p];
     if (stiffness <= 0.0) continue;
     const double w = inverseMass[schedule.endA[p]] + inverseMass[schedule.endB[p]];
-    const double lag = schedule.damping[p] / (stiffness * h);
-    gains.lag[p] = lag;
+    const double lag = schedule.dampingAt(static_cast<std::int32_t>(p)) / (stiffness * h);
+    if (schedule.damped) gains.lag[p] = lag;
     gains.gain[p] = 1.0 / ((1.0 + lag) * w + 1.0 / (stiffness * h * h));
   }
 }
@@ -162,7 +162,7 @@ void correctSprings(const SpringSchedule& s, const SpringGains& gains, PackedPar
   };
   const auto correctOthers = [&](std::int32_t first, std::int32_t count) {
     const Others others{s.endA.data() + first, s.endB.data() + first, s.restLength.data() + first,
-                        gains.gain.data() + first, gains.lag.data() + first};
+                        gains.gain.data() + first, s.damped ? gains.lag.data() + first : nullptr};
     const Ends all = endsAt(particles, 0);
     s.damped ? sweepDampedOthers(count, others, all) : sweepOthers(count, others, all);
   };

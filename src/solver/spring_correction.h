@@ -14,7 +14,7 @@ constexpr double kTinySquare = 1e-300;
 /// update of Macklin et al. 2016, eqs. 18 and 26, with one iteration.
 struct SpringGains {
   std::vector<double> gain;  ///< 1 / ((1 + lag) (w_a + w_b) + 1 / (k h^2)) [kg]
-  std::vector<double> lag;   ///< c / (k h) [-]
+  std::vector<double> lag;   ///< c / (k h) [-]; nothing where no spring is damped
 };
 
 /// \param h  length of the substep [s].

@@ -75,7 +75,7 @@ void SpringMatrix::linearise(const Elements& elements, const PackedVectors& x, d
     direction_.set(p, d / length);
     const double k = elastic * schedule.stiffness[p];
     across_[p] = k * std::max(0.0, 1.0 - schedule.restLength[p] / length);
-    along_[p] = k + viscous * schedule.damping[p] - across_[p];
+    along_[p] = k + viscous * schedule.dampingAt(static_cast<std::int32_t>(p)) - across_[p];
   }
   factoriseBlocks(elements);
 }

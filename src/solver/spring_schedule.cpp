@@ -1,9 +1,8 @@
 #include "cloth_sim/solver/spring_schedule.h"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <numeric>
 
 namespace cloth_sim {
@@ -20,8 +19,18 @@ constexpr std::size_t kStrandSprings = 4096;
 constexpr std::size_t kMostStrands = 64;
 /// ... of those that edits made.
 constexpr std::size_t kLaterStrand = 512;
-/// A batch that falls apart into fewer sets leaves threads idle.
+/// A batch that falls apart into fewer sets leaves threads idle. One whose sets reach further than
+/// this part of all particles makes them wait for each other's caches: what one thread has moved in
+/// this batch, another one moves in the next.
 constexpr std::int32_t kFewestSets = 16;
+
+/// How many strands a batch has: if more than one an even number, so that two threads share every
+/// batch of a cloth at about the same row.
+std::size_t strandsFor(std::size_t springs) {
+  if (springs <= kStrandSprings) return 1;
+  const std::size_t pairs = (springs + 2 * kStrandSprings - 1) / (2 * kStrandSprings);
+  return std::min(2 * pairs, kMostStrands);
+}
 
 /// On a grid two colours suffice for parallel springs of one kind. Colours that are to be joined
 /// into a batch are numbered one after the other: first those within rows, then those between rows
@@ -55,36 +64,40 @@ int gridColour(const Model& model, const Spring& spring) {
 /// Greedy colouring that prefers a given colour where it is free.
 class Colouring {
  public:
-  explicit Colouring(std::int32_t particles) : place_(static_cast<std::size_t>(particles), kNone) {}
+  explicit Colouring(std::int32_t particles) : used_(static_cast<std::size_t>(particles), 0) {}
 
   int pick(const Spring& spring, int preferred) {
-    const std::size_t first = placeOf(spring.a);
-    const std::size_t second = placeOf(spring.b);
-    Used& a = used_[first];
-    Used& b = used_[second];
-    int colour = preferred;
-    if (a[colour] || b[colour]) {
-      colour = 0;
-      while (a[colour] || b[colour]) ++colour;
+    if (take(spring, preferred)) return preferred;
+    for (int colour = 0;; ++colour) {
+      if (colour == kBits * static_cast<int>(words_)) widen();
+      if (take(spring, colour)) return colour;
     }
-    a[colour] = b[colour] = true;
-    return colour;
   }
 
  private:
-  /// Twice the springs that a particle can reasonably have.
-  using Used = std::bitset<512>;
+  using Word = std::uint64_t;
+  static constexpr int kBits = 64;
 
-  std::size_t placeOf(VertexId v) {
-    if (place_[v] == kNone) {
-      place_[v] = static_cast<std::int32_t>(used_.size());
-      used_.emplace_back();
+  bool take(const Spring& spring, int colour) {
+    Word& a = used_[words_ * static_cast<std::size_t>(spring.a) + colour / kBits];
+    Word& b = used_[words_ * static_cast<std::size_t>(spring.b) + colour / kBits];
+    const Word bit = Word{1} << colour % kBits;
+    if (((a | b) & bit) != 0) return false;
+    a |= bit;
+    b |= bit;
+    return true;
+  }
+  void widen() {
+    std::vector<Word> wider(2 * used_.size(), 0);
+    for (std::size_t k = 0; k < used_.size(); ++k) {
+      wider[k / words_ * 2 * words_ + k % words_] = used_[k];
     }
-    return static_cast<std::size_t>(place_[v]);
+    used_ = std::move(wider);
+    words_ *= 2;
   }
 
-  std::vector<std::int32_t> place_;  ///< in used_, by particle
-  std::vector<Used> used_;           ///< of particles that have been seen
+  std::size_t words_ = 1;   ///< per particle
+  std::vector<Word> used_;  ///< a bit per colour
 };
 
 /// Particles joined by springs into connected sets.
@@ -105,6 +118,14 @@ class Sets {
     --count_;
   }
   std::int32_t count() const { return count_; }
+  /// Particles from the first to the last of the set that stretches the furthest.
+  std::int32_t widest() const {
+    std::int32_t most = 0;
+    for (std::int32_t p = 0; p < static_cast<std::int32_t>(parent_.size()); ++p) {
+      if (parent_[p] != kNone) most = std::max(most, p - rootOf(p) + 1);
+    }
+    return most;
+  }
 
  private:
   std::int32_t find(std::int32_t p) {
@@ -120,6 +141,54 @@ class Sets {
   std::int32_t count_ = 0;
 };
 
+/// Springs of one colour by the place of their first ends, of which no two are the same.
+std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::Ends>& ends,
+                                           const std::vector<std::int32_t>& slots) {
+  std::int32_t low = std::numeric_limits<std::int32_t>::max();
+  std::int32_t high = -1;
+  for (const std::int32_t slot : slots) {
+    low = std::min(low, ends[slot].a);
+    high = std::max(high, ends[slot].a);
+  }
+  std::vector<std::int32_t> at(static_cast<std::size_t>(std::max(0, high - low + 1)), kNone);
+  for (const std::int32_t slot : slots) at[ends[slot].a - low] = slot;
+  at.erase(std::remove(at.begin(), at.end(), kNone), at.end());
+  return at;
+}
+
+/// Which strand a set of springs goes to.
+struct Strands {
+  std::size_t count = 0;
+  std::vector<std::size_t> byRoot;
+};
+
+/// Divides springs into strands of about the same size, whole sets in the order of their roots.
+template <typename Colours, typename RootOf>
+Strands divide(Colours begin, Colours end, const RootOf& rootOf) {
+  std::vector<std::size_t> number;  // of springs, by root
+  std::size_t all = 0;
+  for (auto colour = begin; colour != end; ++colour) {
+    for (const std::int32_t slot : *colour) {
+      const auto root = static_cast<std::size_t>(rootOf(slot));
+      if (number.size() <= root) number.resize(root + 1, 0);
+      ++number[root];
+    }
+    all += colour->size();
+  }
+  Strands strands;
+  strands.byRoot.resize(number.size());
+  const std::size_t count = strandsFor(all);
+  std::size_t taken = 0;
+  for (std::size_t root = 0; root < number.size(); ++root) {
+    strands.byRoot[root] = strands.count;
+    taken += number[root];
+    if (number[root] > 0 && (taken == all || taken * count >= all * (strands.count + 1))) {
+      ++strands.count;
+    }
+  }
+  return strands;
+}
+
 }  // namespace
 
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
@@ -128,13 +197,17 @@ void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& 
   std::vector<std::int32_t> all(originalSlots_);
   std::iota(all.begin(), all.end(), 0);
   position_.assign(originalSlots_, kNone);
+  const auto springs = static_cast<std::size_t>(model.springs.count());
+  for (auto* ends : {&endA, &endB}) ends->reserve(springs);
+  for (auto* constants : {&restLength, &stiffness}) constants->reserve(springs);
   append(model, slotOf, colour(model, all));
-  originalPosition_ = position_;
+  originalPosition_.clear();
   original_ = {endA.size(), spans_.size(), strands_.size(), batches_.size()};
 }
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
                             const std::vector<std::int32_t>& slotOf) {
+  if (originalPosition_.empty()) originalPosition_ = position_;
   position_.resize(model.springs.slots().size(), kNone);
   isAppended_.resize(model.springs.slots().size(), false);
   for (const auto* slots : {&changes.removed, &changes.modified, &changes.added}) {
@@ -157,7 +230,8 @@ void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
     place(spring, home, slotOf);
     position_[slot] = home;
   } else if (home != kNone) {
-    stiffness[home] = damping[home] = 0.0;
+    stiffness[home] = 0.0;
+    if (damped) damping[home] = 0.0;
   }
   isAppended_[slot] = spring.exists() && !atHome;
 }
@@ -199,10 +273,14 @@ void SpringSchedule::appendLater(const Model& model, const std::vector<std::int3
 
 void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>& slotOf,
                             Coloured colours) {
-  const SpringNetwork& springs = model.springs;
   const std::int32_t particles = *std::max_element(slotOf.begin(), slotOf.end()) + 1;
+  std::vector<Ends> ends;  // close together, as they are looked up in many orders
+  ends.reserve(model.springs.slots().size());
+  for (const Spring& spring : model.springs.slots()) {
+    ends.push_back(spring.exists() ? Ends{slotOf[spring.a], slotOf[spring.b]} : Ends{});
+  }
   const auto joinAll = [&](Sets& sets, const std::vector<std::int32_t>& slots) {
-    for (std::int32_t slot : slots) sets.join(slotOf[springs[slot].a], slotOf[springs[slot].b]);
+    for (std::int32_t slot : slots) sets.join(ends[slot].a, ends[slot].b);
   };
   for (std::size_t first = 0; first < colours.size();) {
     Sets sets(particles);
@@ -212,33 +290,21 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
       Sets joined = sets;
       joinAll(joined, colours[end]);
       if (joined.count() < std::min(kFewestSets, sets.count())) break;
+      if (joined.widest() > particles / kFewestSets) break;
       sets = std::move(joined);
     }
-    std::map<std::int32_t, Coloured> byRoot;
-    for (std::size_t c = first; c < end; ++c) {
-      for (std::int32_t slot : colours[c]) {
-        Coloured& set = byRoot[sets.rootOf(slotOf[springs[slot].a])];
-        set.resize(end - first);
-        set[c - first].push_back(slot);
-      }
-    }
-    std::size_t springsOfBatch = 0;
-    for (std::size_t c = first; c < end; ++c) springsOfBatch += colours[c].size();
-    const std::size_t enough = std::max(kStrandSprings, springsOfBatch / kMostStrands);
     Batch batch;
     const std::int32_t before = size();
     batch.firstStrand = static_cast<std::int32_t>(strands_.size());
-    Coloured strand(end - first);
-    for (auto set = byRoot.begin(); set != byRoot.end();) {
-      std::size_t count = 0;
-      for (std::size_t c = 0; c < strand.size(); ++c) {
-        strand[c].insert(strand[c].end(), set->second[c].begin(), set->second[c].end());
-        count += strand[c].size();
+    const auto rootOf = [&](std::int32_t slot) { return sets.rootOf(ends[slot].a); };
+    const Strands strandOf = divide(colours.begin() + first, colours.begin() + end, rootOf);
+    std::vector<Coloured> strands(strandOf.count, Coloured(end - first));
+    for (std::size_t c = first; c < end; ++c) {
+      for (std::int32_t slot : colours[c]) {
+        strands[strandOf.byRoot[rootOf(slot)]][c - first].push_back(slot);
       }
-      if (++set != byRoot.end() && count < enough) continue;
-      appendStrand(springs, slotOf, strand);
-      for (std::vector<std::int32_t>& slots : strand) slots.clear();
     }
+    for (const Coloured& strand : strands) appendStrand(model.springs, slotOf, ends, strand);
     batch.endStrand = static_cast<std::int32_t>(strands_.size());
     batch.springs = size() - before;
     if (batch.springs > 0) batches_.push_back(batch);
@@ -248,24 +314,21 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
 
 void SpringSchedule::appendStrand(const SpringNetwork& springs,
                                   const std::vector<std::int32_t>& slotOf,
-                                  const Coloured& colours) {
+                                  const std::vector<Ends>& ends, const Coloured& colours) {
   Strand strand;
   strand.firstSpan = static_cast<std::int32_t>(spans_.size());
-  for (const std::vector<std::int32_t>& slots : colours) appendColour(springs, slotOf, slots);
+  for (const std::vector<std::int32_t>& slots : colours) appendColour(springs, slotOf, ends, slots);
   strand.endSpan = static_cast<std::int32_t>(spans_.size());
   strands_.push_back(strand);
 }
 
 void SpringSchedule::appendColour(const SpringNetwork& springs,
                                   const std::vector<std::int32_t>& slotOf,
+                                  const std::vector<Ends>& ends,
                                   const std::vector<std::int32_t>& slots) {
-  std::vector<std::int32_t> sorted = slots;
-  std::sort(sorted.begin(), sorted.end(), [&](std::int32_t s, std::int32_t t) {
-    return slotOf[springs[s].a] < slotOf[springs[t].a];
-  });
+  const std::vector<std::int32_t> sorted = sortedByFirstEnd(ends, slots);
   const auto follows = [&](std::int32_t s, std::int32_t t) {
-    return slotOf[springs[t].a] == slotOf[springs[s].a] + 1 &&
-           slotOf[springs[t].b] == slotOf[springs[s].b] + 1;
+    return ends[t].a == ends[s].a + 1 && ends[t].b == ends[s].b + 1;
   };
   std::vector<std::int32_t> singles;
   for (auto at = sorted.begin(); at != sorted.end();) {
@@ -292,7 +355,7 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs,
     endB.push_back(kNone);
     restLength.push_back(0.0);
     stiffness.push_back(0.0);
-    damping.push_back(0.0);
+    if (damped) damping.push_back(0.0);
     place(springs[slot], position, slotOf);
   }
 }
@@ -303,8 +366,11 @@ void SpringSchedule::place(const Spring& spring, std::int32_t position,
   endB[position] = slotOf[spring.b];
   restLength[position] = spring.restLength;
   stiffness[position] = spring.stiffness;
-  damping[position] = spring.damping;
-  if (spring.damping > 0.0) damped = true;
+  if (spring.damping > 0.0 && !damped) {
+    damped = true;
+    damping.assign(endA.size(), 0.0);
+  }
+  if (damped) damping[position] = spring.damping;
 }
 
 void SpringSchedule::truncate(const Extent& extent) {
@@ -312,7 +378,7 @@ void SpringSchedule::truncate(const Extent& extent) {
   endB.resize(extent.positions);
   restLength.resize(extent.positions);
   stiffness.resize(extent.positions);
-  damping.resize(extent.positions);
+  if (damped) damping.resize(extent.positions);
   spans_.resize(extent.spans);
   strands_.resize(extent.strands);
   batches_.resize(extent.batches);

@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "cloth_sim/mesh/quality.h"
-#include "cloth_sim/parallel_for.h"
 #include "cloth_sim/surgery/tear_line.h"
+#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {

@@ -11,15 +11,14 @@
 #include <iostream>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 
 #include "cloth_sim/ros/bag_writer.h"
 #include "cloth_sim/ros/recording.h"
 #include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
+#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {
 namespace {
@@ -367,8 +366,7 @@ int report(const Options& options, const Recording& recording, const Replay& out
 }
 
 int run(const Options& options) {
-  const int processors = static_cast<int>(std::thread::hardware_concurrency());
-  const ThreadLimit limit(options.threads > 0 ? options.threads : std::max(1, processors));
+  const ThreadLimit limit(options.threads > 0 ? options.threads : ThreadLimit::processors());
   const std::optional<Recording> recording = openRecording(options.replay);
   const std::unique_ptr<Simulation> simulation = buildSimulation(options, recording);
   RunRecord record = startRecord(*simulation);

@@ -16,11 +16,11 @@
 
 #include "cloth_sim/ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/study/advise.h"
 #include "cloth_sim/study/exact.h"
 #include "cloth_sim/study/make_auto_table.h"
 #include "cloth_sim/study/study.h"
+#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {
 namespace {

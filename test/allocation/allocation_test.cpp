@@ -7,8 +7,8 @@
 #include <new>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/sim/simulation.h"
+#include "cloth_sim/threads/thread_limit.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/parallel.h"
+#include "cloth_sim/threads/thread_limit.h"
 #include "determinism/busy_scene.h"
 #include "unit/core_support.h"
 

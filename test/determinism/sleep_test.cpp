@@ -10,9 +10,9 @@
 
 #include "cloth_sim/hash.h"
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/sim/summary.h"
+#include "cloth_sim/threads/thread_limit.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

@@ -31,12 +31,12 @@ void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedu
     EXPECT_EQ(schedule.endB[p], slotOf[spring.b]);
     EXPECT_EQ(schedule.restLength[p], spring.restLength);
     EXPECT_EQ(schedule.stiffness[p], spring.stiffness);
-    EXPECT_EQ(schedule.damping[p], spring.damping);
+    EXPECT_EQ(schedule.dampingAt(p), spring.damping);
   }
   for (std::int32_t p = 0; p < schedule.size(); ++p) {
     if (used.count(p) != 0) continue;
     EXPECT_EQ(schedule.stiffness[p], 0.0) << "position " << p << " is nobody's";
-    EXPECT_EQ(schedule.damping[p], 0.0);
+    EXPECT_EQ(schedule.dampingAt(p), 0.0);
   }
 }
 
@@ -144,6 +144,56 @@ TEST(SpringSchedule, OfAGridNeedsFewBatchesAndIsNearlyAllRuns) {
   const Scheduled grid(clothOf(64, 64, 1.0 / 63.0));
   EXPECT_LE(grid.schedule.batches().size(), 4U);
   EXPECT_GT(shareInRuns(grid.schedule), 0.9);
+}
+
+TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
+  // What one thread has moved in a batch another one should not have to fetch in the next.
+  const int rows = 96;
+  const Scheduled grid(clothOf(96, rows, 1.0 / 95.0));
+  const SpringSchedule& schedule = grid.schedule;
+  const auto rowOf = [](std::int32_t slot) { return slot / 96; };
+  for (const SpringSchedule::Batch& batch : schedule.batches()) {
+    const std::int32_t strands = batch.endStrand - batch.firstStrand;
+    if (strands == 1) continue;
+    EXPECT_EQ(strands % 2, 0);
+    int lastOfFirstHalf = 0;
+    int firstOfSecondHalf = rows;
+    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
+      const bool isFirst = s - batch.firstStrand < strands / 2;
+      const SpringSchedule::Strand& strand = schedule.strands()[s];
+      for (std::int32_t k = strand.firstSpan; k < strand.endSpan; ++k) {
+        const SpringSchedule::Span& span = schedule.spans()[k];
+        for (std::int32_t p = span.first; p < span.first + span.count; ++p) {
+          for (const std::int32_t end : {schedule.endA[p], schedule.endB[p]}) {
+            if (isFirst) lastOfFirstHalf = std::max(lastOfFirstHalf, rowOf(end));
+            if (!isFirst) firstOfSecondHalf = std::min(firstOfSecondHalf, rowOf(end));
+          }
+        }
+      }
+    }
+    EXPECT_NEAR(lastOfFirstHalf, rows / 2, 4);
+    EXPECT_NEAR(firstOfSecondHalf, rows / 2, 4);
+  }
+}
+
+TEST(SpringSchedule, HoldsAParticleWithMoreSpringsThanOneWordHasColours) {
+  const int petals = 150;  // a fan around one particle
+  std::vector<Vec2> material{{0.0, 0.0}};
+  std::vector<Face> faces;
+  for (int k = 0; k < petals; ++k) {
+    const double angle = 2.0 * M_PI * k / petals;
+    material.emplace_back(std::cos(angle), std::sin(angle));
+    faces.push_back({0, 1 + k, 1 + (k + 1) % petals});
+  }
+  Model model;
+  model.mesh = TriangleMesh(material, faces);
+  model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
+  PackedParticles particles;
+  particles.layOut(model);
+  SpringSchedule schedule;
+  schedule.build(model, particles.slotOf);
+  expectHoldsEverySpringOnce(model, schedule, particles.slotOf);
+  expectBatchesAreConflictFree(schedule);
 }
 
 TEST(SpringSchedule, StaysCompleteAndConflictFreeOverCutsAndRefinements) {

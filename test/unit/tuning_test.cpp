@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "cloth_sim/sim/parallel.h"
 #include "cloth_sim/sim/simulation.h"
+#include "cloth_sim/threads/thread_limit.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

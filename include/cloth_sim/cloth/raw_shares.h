@@ -6,14 +6,6 @@
 
 namespace cloth_sim {
 
-/// Some faces in a row.
-struct FaceRange {
-  const FaceId* first = nullptr;
-  const FaceId* last = nullptr;
-  const FaceId* begin() const { return first; }
-  const FaceId* end() const { return last; }
-};
-
 /// What part of a raw constant a spring has, and the rest length that the constant holds for.
 struct RawShare {
   double part = 0.0;    ///< one in the undamaged mesh
@@ -31,10 +23,10 @@ class RawShares {
   void follow(const TriangleMesh& mesh, const MeshChanges& changes);
 
   /// Of the edge {a, b}, by the faces on it.
-  RawShare ofEdge(const TriangleMesh& mesh, const FaceRange& on, VertexId a, VertexId b) const;
+  RawShare ofEdge(const TriangleMesh& mesh, const IndexSpan& on, VertexId a, VertexId b) const;
   /// Of a bend spring over `v`, by the faces around it. The length is 0 where the mesh is not the
   /// original one, and 1 m where it is.
-  RawShare ofCorners(const TriangleMesh& mesh, const FaceRange& around, VertexId v) const;
+  RawShare ofCorners(const TriangleMesh& mesh, const IndexSpan& around, VertexId v) const;
 
  private:
   struct Shares {

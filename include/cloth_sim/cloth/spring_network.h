@@ -93,7 +93,7 @@ class SpringNetwork {
   const std::vector<Spring>& slots() const { return slots_; }
   const Spring& operator[](std::int32_t slot) const { return slots_[slot]; }
   /// Slots of the springs that stand on the faces around `v` (see Spring::support).
-  const std::vector<std::int32_t>& standingOn(VertexId v) const { return standing_[v]; }
+  IndexSpan standingOn(VertexId v) const { return standing_[v]; }
   /// The same around any of `vertices`, ascending, unique. Vertices that the network does not know
   /// have none.
   std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
@@ -142,13 +142,12 @@ class SpringNetwork {
   void measureRawBends(const TriangleMesh& mesh);
   void followCleared(const MeshChanges& changes);
   SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
-  void deriveAround(const TriangleMesh& mesh, VertexId v, std::vector<Spring>& out) const;
   void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, std::vector<Spring>& out) const;
   void deriveBends(const TriangleMesh& mesh, VertexId v, const std::vector<VertexId>& neighbours,
                    std::vector<Spring>& out) const;
-  void setConstants(const TriangleMesh& mesh, const FaceRange& on, Spring& spring) const;
-  double fabricStiffness(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
-  RawShare rawShare(const TriangleMesh& mesh, const FaceRange& on, const Spring& spring) const;
+  void setConstants(const TriangleMesh& mesh, const IndexSpan& on, Spring& spring) const;
+  double fabricStiffness(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
+  RawShare rawShare(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
   std::vector<Spring> deriveAroundAll(const TriangleMesh& mesh,
                                       const std::vector<VertexId>& vertices) const;
   std::int32_t insert(const Spring& spring);
@@ -168,7 +167,7 @@ class SpringNetwork {
   double scale_ = 1.0;   ///< of every stiffness
   RawShares rawShares_;  ///< kept if `anyRaw_`
   std::vector<Spring> slots_;
-  std::vector<std::vector<std::int32_t>> standing_;
+  IndexLists standing_;
   std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};
   std::set<std::array<std::uint64_t, 2>> cleared_;  ///< keys of springs that were cleared
 };

@@ -25,6 +25,9 @@ struct State {
 /// Whether every coordinate and velocity is a finite number.
 bool isFinite(const State& state);
 
+/// to = from, on several threads where that pays.
+void copyState(const State& from, State& to);
+
 struct Energies {
   double kinetic = 0.0;  ///< [J]
   double elastic = 0.0;  ///< of all springs [J]

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "cloth_sim/mesh/index_lists.h"
 #include "cloth_sim/types.h"
 
 namespace cloth_sim {
@@ -35,14 +36,16 @@ class TriangleMesh {
   const std::vector<Vec2>& material() const { return material_; }
   const Vec2& material(VertexId v) const { return material_[v]; }
 
-  /// Faces around `v`, ascending by id.
-  const std::vector<FaceId>& facesAround(VertexId v) const { return incident_[v]; }
+  /// Faces around `v`, ascending by id; to be looked at until the mesh is edited.
+  IndexSpan facesAround(VertexId v) const { return incident_[v]; }
   /// The one or two faces with the edge {a, b} (kNone where there is none).
   std::array<FaceId, 2> facesOnEdge(VertexId a, VertexId b) const;
   /// The vertex of `f` that is neither `a` nor `b`.
   VertexId oppositeVertex(FaceId f, VertexId a, VertexId b) const;
   /// Vertices joined to `v` by an edge, ascending by id.
   std::vector<VertexId> neighbours(VertexId v) const;
+  /// The same, in `out`.
+  void neighbours(VertexId v, std::vector<VertexId>& out) const;
   bool isBoundary(VertexId v) const;
   /// Whether the edge from corner k to the next one of `f` is part of the border that the mesh was
   /// made with. Border edges that are not are where it came apart since.
@@ -65,7 +68,7 @@ class TriangleMesh {
 
   std::vector<Vec2> material_;
   std::vector<Face> faces_;
-  std::vector<std::vector<FaceId>> incident_;
+  IndexLists incident_;
   std::vector<std::uint8_t> rim_;  ///< by face: bit k for the edge from corner k
   std::vector<std::uint8_t> generation_;
   std::uint64_t revision_ = 0;

@@ -19,7 +19,7 @@ class StateError : public std::runtime_error {
 };
 
 /// Raised whenever what is kept changes.
-constexpr std::uint32_t kStateVersion = 3;
+constexpr std::uint32_t kStateVersion = 4;
 
 /// Puts a header before `payload`: what it is, version, length and a hash of it.
 std::string sealState(const std::string& payload);

@@ -76,7 +76,7 @@ class PackedSolver : public Solver {
 
   PackedParticles particles_;
   SpringSchedule schedule_;
-  PackedVectors force_;  ///< [N]; sized to the particles
+  PackedVectors force_;  ///< [N]; of the last substep that needed it
   /// Slots of the kinematic targets of this step, in their order.
   std::vector<std::int32_t> kinematicSlots_;
   /// True in `prepare` if the set of kinematic particles or the schedule is not that of the last

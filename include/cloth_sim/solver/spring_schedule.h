@@ -2,7 +2,7 @@
 /// \file The order in which sweeps visit springs, and their constants in that order.
 
 #include "cloth_sim/cloth/model.h"
-#include "cloth_sim/parallel_for.h"
+#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 
@@ -19,6 +19,11 @@ namespace cloth_sim {
 /// slots of the network alone, not of the order of edits.
 class SpringSchedule {
  public:
+  /// Particle slots of a spring.
+  struct Ends {
+    std::int32_t a = kNone;
+    std::int32_t b = kNone;
+  };
   /// Consecutive positions of one colour.
   struct Span {
     std::int32_t first = 0;
@@ -73,8 +78,9 @@ class SpringSchedule {
   std::vector<std::int32_t> endA, endB;  ///< particle slots
   std::vector<double> restLength;        ///< [m]
   std::vector<double> stiffness;         ///< [N/m]; 0 where the spring is gone
-  std::vector<double> damping;           ///< [N s/m]
-  bool damped = false;                   ///< some spring has a dashpot
+  std::vector<double> damping;           ///< [N s/m]; nothing unless `damped`
+  bool damped = false;                   ///< some spring has or had a dashpot
+  double dampingAt(std::int32_t position) const { return damped ? damping[position] : 0.0; }
 
  private:
   struct Extent {
@@ -93,9 +99,9 @@ class SpringSchedule {
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
   void appendStrand(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
-                    const Coloured& colours);
+                    const std::vector<Ends>& ends, const Coloured& colours);
   void appendColour(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
-                    const std::vector<std::int32_t>& slots);
+                    const std::vector<Ends>& ends, const std::vector<std::int32_t>& slots);
   void appendSpan(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
                   const std::vector<std::int32_t>& slots, bool isRun);
   void place(const Spring& spring, std::int32_t position, const std::vector<std::int32_t>& slotOf);
@@ -104,9 +110,10 @@ class SpringSchedule {
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
-  std::vector<std::int32_t> position_;          ///< by spring slot
-  std::vector<std::int32_t> originalPosition_;  ///< by spring slot of the undamaged mesh
-  std::vector<bool> isAppended_;                ///< by spring slot: after the original positions
+  std::vector<std::int32_t> position_;  ///< by spring slot
+  /// By spring slot of the undamaged mesh; since the first edit.
+  std::vector<std::int32_t> originalPosition_;
+  std::vector<bool> isAppended_;  ///< by spring slot: after the original positions; as long
   std::int32_t originalSlots_ = 0;
   Extent original_;
 };

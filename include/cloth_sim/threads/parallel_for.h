@@ -1,0 +1,52 @@
+#pragma once
+/// \file Parallel loops whose result does not depend on the number of threads.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "cloth_sim/threads/team.h"
+
+namespace cloth_sim {
+
+/// Calls `body(first, last)` on consecutive parts of [0, count) that together cover it, shared with
+/// the Team of this thread, if there is one. Parts have at least `grain` items; a count below two
+/// grains runs in the calling thread at no cost. `body` must not throw and must write nothing that
+/// another part reads.
+template <typename Body>
+void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
+  /// So that who comes late, or has the slower core, finds some left to take.
+  constexpr std::int32_t kPartsPerMember = 4;
+  Team* const team = count < 2 * grain ? nullptr : Team::ofThisThread();
+  if (team == nullptr || team->size() == 1) {
+    if (count > 0) body(0, count);
+    return;
+  }
+  struct Loop {
+    const Body& body;
+    std::int64_t count;
+    std::int64_t parts;
+    std::int32_t boundary(std::int64_t part) const {
+      return static_cast<std::int32_t>(count * part / parts);
+    }
+  };
+  const std::int32_t parts = std::min(count / grain, kPartsPerMember * team->size());
+  const Loop loop{body, count, parts};
+  team->run(
+      parts,
+      [](const void* context, std::int32_t part) {
+        const Loop& shared = *static_cast<const Loop*>(context);
+        shared.body(shared.boundary(part), shared.boundary(part + 1));
+      },
+      &loop);
+}
+
+/// Calls `body(k)` for each k in [0, count), each of which is worth a thread of its own.
+template <typename Body>
+void parallelForEach(std::size_t count, const Body& body) {
+  parallelFor(static_cast<std::int32_t>(count), 1, [&](std::int32_t first, std::int32_t last) {
+    for (std::int32_t k = first; k < last; ++k) body(static_cast<std::size_t>(k));
+  });
+}
+
+}  // namespace cloth_sim

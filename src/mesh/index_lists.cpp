@@ -1,0 +1,119 @@
+#include "cloth_sim/mesh/index_lists.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace cloth_sim {
+namespace {
+
+constexpr std::size_t kLeastRoom = 4;
+constexpr std::size_t kMostRoom = std::numeric_limits<std::uint16_t>::max();
+/// A pool with fewer entries than this that no list has is left as it is.
+constexpr std::size_t kTolerated = 4096;
+
+}  // namespace
+
+bool operator==(const IndexSpan& a, const IndexSpan& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+bool operator==(const IndexSpan& a, const std::vector<std::int32_t>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+bool operator==(const std::vector<std::int32_t>& a, const IndexSpan& b) { return b == a; }
+bool operator!=(const IndexSpan& a, const std::vector<std::int32_t>& b) { return !(a == b); }
+
+IndexLists::IndexLists(const std::vector<std::int32_t>& room) : lists_(room.size()) {
+  std::size_t entries = 0;
+  for (std::size_t k = 0; k < room.size(); ++k) {
+    const auto own = static_cast<std::size_t>(room[k]);
+    if (own > kMostRoom) throw std::length_error("a list of more than 65535 indices");
+    lists_[k].first = static_cast<std::uint32_t>(entries);
+    lists_[k].room = static_cast<std::uint16_t>(own);
+    entries += own;
+  }
+  if (entries > std::numeric_limits<std::uint32_t>::max()) {
+    throw std::length_error("lists of more than 2^32 indices");
+  }
+  pool_.resize(entries);
+}
+
+void IndexLists::insertSorted(std::int32_t list, std::int32_t value) {
+  const IndexSpan now = (*this)[list];
+  const auto* const at = std::upper_bound(now.begin(), now.end(), value);
+  insert(list, static_cast<std::size_t>(at - now.begin()), value);
+}
+
+void IndexLists::insert(std::int32_t list, std::size_t place, std::int32_t value) {
+  grow(list);
+  List& at = lists_[static_cast<std::size_t>(list)];
+  const auto first = pool_.begin() + at.first;
+  const auto here = first + static_cast<std::ptrdiff_t>(place);
+  std::copy_backward(here, first + at.count, first + at.count + 1);
+  *here = value;
+  ++at.count;
+}
+
+void IndexLists::erase(std::int32_t list, std::int32_t value) {
+  List& at = lists_[static_cast<std::size_t>(list)];
+  const auto first = pool_.begin() + at.first;
+  const auto end = first + at.count;
+  const auto found = std::find(first, end, value);
+  if (found == end) throw std::logic_error("a list has no such index to take out");
+  std::copy(found + 1, end, found);
+  --at.count;
+}
+
+/// Room for one more, if there is none.
+void IndexLists::grow(std::int32_t which) {
+  if (lists_[static_cast<std::size_t>(which)].count <
+      lists_[static_cast<std::size_t>(which)].room) {
+    return;
+  }
+  if (left_ > kTolerated && 2 * left_ > pool_.size()) compact();
+  List& list = lists_[static_cast<std::size_t>(which)];
+  if (list.room >= kMostRoom) throw std::length_error("a list of more than 65535 indices");
+  const std::size_t room = std::min(kMostRoom, std::max<std::size_t>(kLeastRoom, 2U * list.room));
+  const std::size_t first = pool_.size();
+  pool_.resize(first + room);
+  std::copy_n(pool_.begin() + list.first, list.count,
+              pool_.begin() + static_cast<std::ptrdiff_t>(first));
+  left_ += list.room;
+  list.first = static_cast<std::uint32_t>(first);
+  list.room = static_cast<std::uint16_t>(room);
+}
+
+void IndexLists::compact() {
+  std::vector<std::int32_t> counts;
+  std::vector<std::int32_t> values;
+  flatten(counts, values);
+  unflatten(counts, values);
+}
+
+void IndexLists::replaceByLast(std::int32_t list) {
+  left_ += lists_[static_cast<std::size_t>(list)].room;
+  lists_[static_cast<std::size_t>(list)] = List(lists_.back());
+  lists_.pop_back();
+}
+
+void IndexLists::flatten(std::vector<std::int32_t>& counts,
+                         std::vector<std::int32_t>& values) const {
+  counts.reserve(lists_.size());
+  values.reserve(pool_.size() - std::min(left_, pool_.size()));
+  for (const List& list : lists_) {
+    counts.push_back(list.count);
+    const auto first = pool_.begin() + list.first;
+    values.insert(values.end(), first, first + list.count);
+  }
+}
+
+void IndexLists::unflatten(const std::vector<std::int32_t>& counts,
+                           const std::vector<std::int32_t>& values) {
+  *this = IndexLists(counts);
+  if (values.size() != pool_.size()) throw std::invalid_argument("lists that do not add up");
+  pool_ = values;
+  for (List& list : lists_) list.count = list.room;
+}
+
+}  // namespace cloth_sim
