@@ -183,6 +183,21 @@ def node(document):
              latency['commands'], latency['median_frames'], latency['p99_frames']))
 
 
+def threads(document):
+    """What a second thread gains, beside what the machine gives."""
+    rows = []
+    for name, entry in medians(document).items():
+        _, method, side = name.split('/')[:3]
+        median, variation = entry['median'], entry['cv']
+
+        def counter(key):
+            return '%.2f +- %.0f %%' % (median[key], 100.0 * variation[key])
+        rows.append(['`%s`' % method, side.split(':')[1], counter('one'), counter('two'),
+                     '**%s**' % counter('gain'), counter('gain_apart')])
+    return table(['method', 'side', 'ms a step', 'with 2 threads', 'times faster',
+                  'two simulations apart'], rows)
+
+
 def scale(document):
     counters = ['loaded', 'peak', 'stepped', 'mesh', 'springs', 'model', 'state', 'solver']
     rows = []
@@ -248,6 +263,14 @@ frame until they are below (`solver.step_guard: subdivide`). `explicit_euler` ha
 
 %(steps)s
 
+## Two threads
+
+The hanging cloth by `xpbd` (its defaults) and by `projective` (one substep, one iteration), wall time: one thread,
+two threads and, for what this machine's two cores give at all, two simulations that have nothing to do with
+each other, in turns. `bench/kernels/threads_bench.cpp`
+
+%(threads)s
+
 ## The node
 
 The node at 128 x 128, with the pace of the wall's clock, one subscriber of `~frame` (60 Hz) and one of
@@ -270,6 +293,7 @@ What is there before the first step, in bytes per particle; *model* has a mesh a
                 'whole': told(read(folder, 'parts.json'), whole),
                 'parts': told(read(folder, 'parts.json'), parts),
                 'node': told(read(folder, 'node.json'), node),
+                'threads': told(read(folder, 'threads.json'), threads),
                 'scale': told(read(folder, 'scale.json'), scale),
                 'steps': told(read(folder, 'steps.json'), steps), 'tried': tried})
 

@@ -1,7 +1,5 @@
 #include "cloth_sim/threads/team.h"
 
-#include <pthread.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -149,7 +147,6 @@ void Team::Impl::callHelpers() {
 }
 
 void Team::Impl::live(std::int32_t member) {
-  pthread_setname_np(pthread_self(), "cloth_help");
   std::int64_t heard = 0;
   std::unique_lock<std::mutex> lock(mutex);
   while (true) {
