@@ -6,9 +6,9 @@
 # BUILD is a build folder of the package (scripts/bench.sh makes one: .ws/build). The tables go to OUT
 # (default: docs/data/performance), the page to docs/performance.md. PARTS: hang and sphere (beside a
 # peer; ten minutes each), parts (a quarter of an hour), steps (ten minutes: sizes that take
-# minutes a step are left out, `cloth_bench --benchmark_filter=^step/` has them all), threads (two minutes), scale (a minute), node
-# (two minutes; its devel space must be sourced); by default all of them.
-# Parts that are not asked for stay as OUT has them. Nothing else should run. The line in
+# minutes a step are left out, `cloth_bench --benchmark_filter=^step/` has them all), threads (four
+# minutes), scale (a minute), node (two minutes; its devel space must be sourced); by default all of
+# them. Parts that are not asked for stay as OUT has them. Nothing else should run. The line in
 # OUT/machine.txt says what machine it was: write it first.
 set -euo pipefail
 

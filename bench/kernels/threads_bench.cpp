@@ -4,8 +4,10 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
+#include <vector>
 
 #include "cloth_sim/threads/thread_limit.h"
 #include "scenes.h"
@@ -17,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kWarmUp = 3;
 constexpr int kStretch = 5;  ///< steps in a turn
-constexpr int kTurns = 12;
+constexpr int kTurns = 25;
 
 /// Takes kStretch steps on so many threads.
 void go(Simulation& simulation, int threads) {
@@ -30,6 +32,12 @@ double secondsFor(const Work& work) {
   const Clock::time_point start = Clock::now();
   work();
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 Scene sceneOf(int n, const std::string& method) {
@@ -47,24 +55,23 @@ void threads(benchmark::State& run, const std::string& method) {
     go(first, 2);
     go(second, 1);
   }
-  double one = 0.0;
-  double two = 0.0;
-  double apart = 0.0;
+  std::vector<double> one, two, gain, apart;
   for (auto _ : run) {
-    one += secondsFor([&] { go(first, 1); });
-    two += secondsFor([&] { go(first, 2); });
-    apart += secondsFor([&] {
+    one.push_back(secondsFor([&] { go(first, 1); }));
+    two.push_back(secondsFor([&] { go(first, 2); }));
+    gain.push_back(one.back() / two.back());
+    const double both = secondsFor([&] {
       std::thread other([&] { go(second, 1); });
       go(first, 1);
       other.join();
     });
+    apart.push_back(2.0 * one.back() / both);
   }
   if (first.failed() || second.failed()) run.SkipWithError(first.failure().c_str());
-  const double steps = static_cast<double>(run.iterations()) * kStretch;
-  run.counters["one"] = 1e3 * one / steps;
-  run.counters["two"] = 1e3 * two / steps;
-  run.counters["gain"] = one / two;
-  run.counters["gain_apart"] = 2.0 * one / apart;
+  run.counters["one"] = 1e3 * median(one) / kStretch;
+  run.counters["two"] = 1e3 * median(two) / kStretch;
+  run.counters["gain"] = median(gain);
+  run.counters["gain_apart"] = median(apart);
 }
 
 const bool registered = [] {
