@@ -21,7 +21,10 @@ constexpr double kSheetThickness = 0.01;   ///< of the same [m]
 constexpr double kTornWidth = 0.005;       ///< of a torn edge [m]
 constexpr double kBoundsWidth = 0.004;     ///< of the lines of bounds [m]
 constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
-constexpr double kTextClearance = 0.20;    ///< of the text above the cloth [m]
+/// From so many faces on each has one colour instead of one for each corner: a quarter of the
+/// message, and too small to be seen.
+constexpr std::size_t kManyFaces = 10000;
+constexpr double kTextClearance = 0.20;  ///< of the text above the cloth [m]
 
 Colour clampColour(ClampState state) {
   switch (state) {
@@ -39,6 +42,20 @@ void setScale(Marker& marker, double x, double y, double z) {
   marker.scale.x = x;
   marker.scale.y = y;
   marker.scale.z = z;
+}
+
+/// The means of the colours of the corners.
+void faceColours(const std::vector<Face>& faces, const std::vector<Colour>& ofVertices,
+                 std::vector<Colour>& out) {
+  constexpr float kThird = 1.0f / 3.0f;
+  out.resize(faces.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const Colour& a = ofVertices[faces[f][0]];
+    const Colour& b = ofVertices[faces[f][1]];
+    const Colour& c = ofVertices[faces[f][2]];
+    out[f] = makeColour(kThird * (a.r + b.r + c.r), kThird * (a.g + b.g + c.g),
+                        kThird * (a.b + b.b + c.b));
+  }
 }
 
 /// Without points there is nothing to draw, and some versions of rviz crash on it.
@@ -128,18 +145,22 @@ void MarkerBuilder::addCloth(const Snapshot& snapshot) {
 /// One side of the surface: the particles moved out along the normals, shaded for that side.
 void MarkerBuilder::addSide(const Snapshot& snapshot, bool front, MarkerSide& out) {
   const StrainColours& colours = front ? frontColours_ : backColours_;
+  const std::vector<Face>& faces = snapshot.topology->faces;
   const std::size_t count = snapshot.positions.size();
   const float side = front ? 1.0f : -1.0f;
   const float offset = style_.twoSided ? side * static_cast<float>(style_.surfaceOffset) : 0.0f;
+  out.byFace = faces.size() >= kManyFaces;
+  std::vector<Colour>& ofVertices = out.byFace ? vertexColours_ : out.colours;
   out.corners.resize(count);
-  out.colours.resize(count);
+  ofVertices.resize(count);
   for (std::size_t v = 0; v < count; ++v) {
-    out.colours[v] = shaded(colours(strain_[v]), brightness(side * normals_[v].head<3>()));
+    ofVertices[v] = shaded(colours(strain_[v]), brightness(side * normals_[v].head<3>()));
     out.corners[v] =
         toPoint(snapshot.positions[v] + (offset * normals_[v].head<3>()).cast<double>());
   }
+  if (out.byFace) faceColours(faces, ofVertices, out.colours);
   Marker& marker = next(front ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
-  if (snapshot.topology->faces.empty()) marker.action = Marker::DELETE;
+  if (faces.empty()) marker.action = Marker::DELETE;
 }
 
 void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {

@@ -130,7 +130,8 @@ void Team::Impl::end() {
     const std::lock_guard<std::mutex> lock(mutex);
     isOpen = false;
   }
-  while (present.load(std::memory_order_acquire) > 0) rest();
+  Wait wait;
+  while (present.load(std::memory_order_acquire) > 0) wait.once();
 }
 
 void Team::Impl::callHelpers() {

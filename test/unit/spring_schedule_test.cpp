@@ -72,6 +72,17 @@ void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
   for (int count : visits) EXPECT_EQ(count, 1);
 }
 
+/// Of a model that has nothing but a mesh.
+void expectGoodSchedule(Model model) {
+  model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
+  PackedParticles particles;
+  particles.layOut(model);
+  SpringSchedule schedule;
+  schedule.build(model, particles.slotOf);
+  expectHoldsEverySpringOnce(model, schedule, particles.slotOf);
+  expectBatchesAreConflictFree(schedule);
+}
+
 double shareInRuns(const SpringSchedule& schedule) {
   std::int32_t inRuns = 0;
   for (const SpringSchedule::Span& span : schedule.spans()) inRuns += span.isRun ? span.count : 0;
@@ -127,13 +138,7 @@ TEST(SpringSchedule, OfAMeshThatIsNoGrid) {
   Model model;
   model.mesh = TriangleMesh({{0, 0}, {1, 0.1}, {0.9, 1}, {-0.1, 0.8}, {0.4, 0.5}},
                             {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
-  model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
-  PackedParticles particles;
-  particles.layOut(model);
-  SpringSchedule schedule;
-  schedule.build(model, particles.slotOf);
-  expectHoldsEverySpringOnce(model, schedule, particles.slotOf);
-  expectBatchesAreConflictFree(schedule);
+  expectGoodSchedule(model);
 }
 
 TEST(SpringSchedule, OfAGridNeedsFewBatchesAndIsNearlyAllRuns) {
@@ -187,13 +192,7 @@ TEST(SpringSchedule, HoldsAParticleWithMoreSpringsThanOneWordHasColours) {
   }
   Model model;
   model.mesh = TriangleMesh(material, faces);
-  model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
-  PackedParticles particles;
-  particles.layOut(model);
-  SpringSchedule schedule;
-  schedule.build(model, particles.slotOf);
-  expectHoldsEverySpringOnce(model, schedule, particles.slotOf);
-  expectBatchesAreConflictFree(schedule);
+  expectGoodSchedule(model);
 }
 
 TEST(SpringSchedule, StaysCompleteAndConflictFreeOverCutsAndRefinements) {

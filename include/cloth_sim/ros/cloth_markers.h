@@ -12,10 +12,11 @@
 
 namespace cloth_sim {
 
-/// One side of the surface, by vertex.
+/// One side of the surface.
 struct MarkerSide {
-  std::vector<geometry_msgs::Point> corners;  ///< [m]
-  std::vector<std_msgs::ColorRGBA> colours;
+  std::vector<geometry_msgs::Point> corners;  ///< by vertex [m]
+  std::vector<std_msgs::ColorRGBA> colours;   ///< by vertex, or by face
+  bool byFace = false;
 };
 
 /// A MarkerArray whose first markers are the sides of the cloth. A TRIANGLE_LIST says everything
@@ -83,10 +84,13 @@ struct Serializer<cloth_sim::ClothMarkers> {
   }
 
   static std::uint32_t serializedLength(const cloth_sim::ClothMarkers& markers) {
-    constexpr std::size_t kCorner = sizeof(geometry_msgs::Point) + sizeof(std_msgs::ColorRGBA);
-    const std::size_t corners =
-        markers.sides.empty() ? 0 : 3 * markers.topology->faces.size() * markers.sides.size();
-    return serializationLength(markers.array) + static_cast<std::uint32_t>(corners * kCorner);
+    std::size_t bytes = 0;
+    for (const cloth_sim::MarkerSide& side : markers.sides) {
+      const std::size_t colours = side.byFace ? 1 : 3;
+      bytes += markers.topology->faces.size() *
+               (3 * sizeof(geometry_msgs::Point) + colours * sizeof(std_msgs::ColorRGBA));
+    }
+    return serializationLength(markers.array) + static_cast<std::uint32_t>(bytes);
   }
 
  private:
@@ -104,7 +108,11 @@ struct Serializer<cloth_sim::ClothMarkers> {
     stream.next(marker.lifetime);
     stream.next(marker.frame_locked);
     writeCorners(stream, side.corners, faces);
-    writeCorners(stream, side.colours, faces);
+    if (side.byFace) {
+      stream.next(side.colours);
+    } else {
+      writeCorners(stream, side.colours, faces);
+    }
     stream.next(marker.text);
     stream.next(marker.mesh_resource);
     stream.next(marker.mesh_use_embedded_materials);

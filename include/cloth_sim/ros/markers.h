@@ -61,6 +61,7 @@ class MarkerBuilder {
   std::size_t mostUsed_ = 0;  ///< ever
   std::vector<Eigen::Vector4f> normals_;
   std::vector<float> strain_;  ///< per vertex, largest of its links
+  std::vector<std_msgs::ColorRGBA> vertexColours_;
 };
 
 /// "pull  t = 7.20 s  pieces 1  broken 214 (torn 160, cut 54)  strain 0.12"

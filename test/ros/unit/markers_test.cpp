@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "cloth_sim/ros/shading.h"
 #include "ros/unit/received.h"
 
@@ -83,6 +85,37 @@ TEST(Markers, EachCornerOfAFaceIsWhereItsVertexIs) {
       const geometry_msgs::Point& point = find(array, "cloth")->points[corner++];
       EXPECT_EQ(Vec3(point.x, point.y, point.z), snapshot.positions[v]);
     }
+  }
+}
+
+TEST(Markers, ALargeClothHasOneColourPerFaceTheMeanOfItsCorners) {
+  MarkerStyle style;
+  style.twoSided = true;
+  MarkerBuilder builder(style);
+  Snapshot snapshot = flatCloth(80);
+  for (std::size_t v = 0; v < snapshot.positions.size(); ++v) {  // so that shades differ
+    snapshot.positions[v].z() += 0.3 * std::sin(0.1 * static_cast<double>(v % 80));
+  }
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
+  const std::vector<Face>& faces = snapshot.topology->faces;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Marker* cloth = find(array, k == 0 ? "cloth" : "cloth_back");
+    ASSERT_EQ(cloth->colors.size(), faces.size());
+    EXPECT_EQ(cloth->points.size(), 3 * faces.size());
+  }
+  // The same cloth in two pieces small enough to be coloured by corner: the same shade.
+  auto part = std::make_shared<Topology>(*snapshot.topology);
+  part->faces.resize(1000);
+  snapshot.topology = part;
+  const auto smooth = sent(builder, snapshot, ros::Time(1.0));
+  const Marker* corners = find(smooth, "cloth");
+  ASSERT_EQ(corners->colors.size(), 3000u);
+  for (std::size_t f = 0; f < 800; f += 50) {  // away from the border of the part
+    const float mean =
+        (corners->colors[3 * f].g + corners->colors[3 * f + 1].g + corners->colors[3 * f + 2].g) /
+        3.0f;
+    EXPECT_NEAR(find(array, "cloth")->colors[f].g, mean, 1e-5f) << f;
+    EXPECT_EQ(find(array, "cloth")->colors[f].a, 1.0f);
   }
 }
 
