@@ -76,9 +76,9 @@ def medians(document):
     return result
 
 
-def spread(entry):
+def spread(entry, figure='cpu_time'):
     variation = entry.get('cv')
-    return '' if variation is None else ' +- %.0f %%' % (100.0 * variation['cpu_time'])
+    return '' if variation is None else ' +- %.0f %%' % (100.0 * variation[figure])
 
 
 def nanoseconds(seconds):
@@ -188,12 +188,9 @@ def threads(document):
     rows = []
     for name, entry in medians(document).items():
         _, method, side = name.split('/')[:3]
-        median, variation = entry['median'], entry['cv']
-
-        def counter(key):
-            return '%.2f +- %.0f %%' % (median[key], 100.0 * variation[key])
-        rows.append(['`%s`' % method, side.split(':')[1], counter('one'), counter('two'),
-                     '**%s**' % counter('gain'), counter('gain_apart')])
+        one, two, gain, apart = ('%.2f%s' % (entry['median'][figure], spread(entry, figure))
+                                 for figure in ('one', 'two', 'gain', 'gain_apart'))
+        rows.append(['`%s`' % method, side.split(':')[1], one, two, '**%s**' % gain, apart])
     return table(['method', 'side', 'ms a step', 'with 2 threads', 'times faster',
                   'two simulations apart'], rows)
 

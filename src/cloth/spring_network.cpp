@@ -214,15 +214,9 @@ void SpringNetwork::followCleared(const MeshChanges& changes) {
 }
 
 void SpringNetwork::build(const TriangleMesh& mesh) {
-  slots_.reserve(kUsualSprings * static_cast<std::size_t>(mesh.vertexCount()));
-  std::vector<VertexId> neighbours;
-  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    mesh.neighbours(v, neighbours);
-    for (VertexId w : neighbours) {
-      if (v < w) deriveEdge(mesh, v, w, slots_);
-    }
-    if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, slots_);
-  }
+  std::vector<VertexId> all(static_cast<std::size_t>(mesh.vertexCount()));
+  std::iota(all.begin(), all.end(), 0);
+  slots_ = deriveAroundAll(mesh, all);
   for (const Spring& spring : slots_) ++count_[static_cast<int>(spring.kind)];
   standing_ = listStanding(slots_, static_cast<std::size_t>(mesh.vertexCount()));
 }
@@ -473,12 +467,13 @@ std::vector<std::int32_t> SpringNetwork::standingOnAny(
 
 std::vector<Spring> SpringNetwork::deriveAroundAll(const TriangleMesh& mesh,
                                                    const std::vector<VertexId>& vertices) const {
-  std::vector<bool> listed(standing_.size(), false);
+  std::vector<bool> listed(static_cast<std::size_t>(mesh.vertexCount()), false);
   for (VertexId v : vertices) listed[v] = true;
   std::vector<Spring> springs;
-  springs.reserve(8 * vertices.size());
+  springs.reserve(kUsualSprings * vertices.size());
+  std::vector<VertexId> neighbours;
   for (VertexId v : vertices) {
-    const std::vector<VertexId> neighbours = mesh.neighbours(v);
+    mesh.neighbours(v, neighbours);
     for (VertexId w : neighbours) {
       const bool foundThere = w < v && listed[w];
       if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), springs);

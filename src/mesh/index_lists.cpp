@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -67,12 +67,9 @@ void IndexLists::erase(std::int32_t list, std::int32_t value) {
 
 /// Room for one more, if there is none.
 void IndexLists::grow(std::int32_t which) {
-  if (lists_[static_cast<std::size_t>(which)].count <
-      lists_[static_cast<std::size_t>(which)].room) {
-    return;
-  }
-  if (left_ > kTolerated && 2 * left_ > pool_.size()) compact();
   List& list = lists_[static_cast<std::size_t>(which)];
+  if (list.count < list.room) return;
+  if (left_ > kTolerated && 2 * left_ > pool_.size()) compact();
   if (list.room >= kMostRoom) throw std::length_error("a list of more than 65535 indices");
   const std::size_t room = std::min(kMostRoom, std::max<std::size_t>(kLeastRoom, 2U * list.room));
   const std::size_t first = pool_.size();
@@ -84,11 +81,18 @@ void IndexLists::grow(std::int32_t which) {
   list.room = static_cast<std::uint16_t>(room);
 }
 
+/// Lists stay where they are, their entries move.
 void IndexLists::compact() {
-  std::vector<std::int32_t> counts;
-  std::vector<std::int32_t> values;
-  flatten(counts, values);
-  unflatten(counts, values);
+  std::vector<std::int32_t> packed;
+  packed.reserve(pool_.size() - left_);
+  for (List& list : lists_) {
+    const auto first = pool_.begin() + list.first;
+    list.first = static_cast<std::uint32_t>(packed.size());
+    list.room = list.count;
+    packed.insert(packed.end(), first, first + list.count);
+  }
+  pool_ = std::move(packed);
+  left_ = 0;
 }
 
 void IndexLists::replaceByLast(std::int32_t list) {
@@ -100,7 +104,7 @@ void IndexLists::replaceByLast(std::int32_t list) {
 void IndexLists::flatten(std::vector<std::int32_t>& counts,
                          std::vector<std::int32_t>& values) const {
   counts.reserve(lists_.size());
-  values.reserve(pool_.size() - std::min(left_, pool_.size()));
+  values.reserve(pool_.size() - left_);
   for (const List& list : lists_) {
     counts.push_back(list.count);
     const auto first = pool_.begin() + list.first;

@@ -5,8 +5,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Faces around a vertex, as a rule.
-
 /// Sets a flag, and tells whether it was not set before.
 bool raise(std::vector<bool>& flags, std::int32_t k) {
   if (flags.size() <= static_cast<std::size_t>(k)) flags.resize(static_cast<std::size_t>(k) + 1);

@@ -49,10 +49,6 @@ class Ring {
     }
   }
 
-  /// Which of the faces has the edge from the vertex to `w`, or -1.
-  int from(VertexId w) const { return placeOf(next_, w); }
-  /// ... from `w` to the vertex.
-  int to(VertexId w) const { return placeOf(previous_, w); }
   /// Whether the edge from the vertex in the k-th of the faces is in no other one.
   bool isRim(std::size_t k) const { return to(next_[k]) < 0; }
 
@@ -85,6 +81,10 @@ class Ring {
   }
 
  private:
+  /// Which of the faces has the edge from the vertex to `w`, or -1.
+  int from(VertexId w) const { return placeOf(next_, w); }
+  /// ... from `w` to the vertex.
+  int to(VertexId w) const { return placeOf(previous_, w); }
   static int placeOf(const std::vector<VertexId>& list, VertexId w) {
     for (std::size_t k = 0; k < list.size(); ++k) {
       if (list[k] == w) return static_cast<int>(k);

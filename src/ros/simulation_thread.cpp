@@ -16,8 +16,6 @@ using std::chrono::duration_cast;
 constexpr double kMeasuringWindow = 0.5;  ///< [s]
 constexpr double kMaxLag = 0.1;  ///< behind the pace by more than this, the lag is forgiven [s]
 
-int threadCount(int asked) { return asked > 0 ? asked : ThreadLimit::processors(); }
-
 std::string failureMessage(const Simulation& simulation) {
   return "the simulation has failed (" + simulation.failure() + "); reset it";
 }
@@ -32,7 +30,7 @@ SimulationThread::SimulationThread(Scene scene, const RunSettings& settings)
   publish();
   tellTime();
   startMeasuring();
-  thread_ = std::thread([this] { run(threadCount(settings_.threads)); });
+  thread_ = std::thread([this] { run(); });
 }
 
 SimulationThread::~SimulationThread() { stop(); }
@@ -185,9 +183,9 @@ std::vector<GripEvent> SimulationThread::takeGripEvents() {
   return std::exchange(gripEvents_, {});
 }
 
-void SimulationThread::run(int threads) {
+void SimulationThread::run() {
   nameThisThread("cloth_step");
-  const ThreadLimit limit(threads);
+  const ThreadLimit limit(settings_.threads);
   nextStep_ = Clock::now();
   while (true) {
     takeRequests();

@@ -67,9 +67,9 @@ Simulation::Simulation(Scene scene)
 
 void Simulation::step() {
   if (failed()) return;
-  const Team::Shift shift(team_);
   runScript();
   if (isAsleep() && !failed()) return sleepOn();
+  const Team::Shift shift(team_);
   const int brokenBefore = broken_.total;
   const int parts = tearing_.isNear() ? solver_->substeps() : 1;
   for (Clamp& clamp : clamps_) clamp.clearWrench();

@@ -15,6 +15,7 @@ constexpr double kTinySquare = 1e-300;
 struct SpringGains {
   std::vector<double> gain;  ///< 1 / ((1 + lag) (w_a + w_b) + 1 / (k h^2)) [kg]
   std::vector<double> lag;   ///< c / (k h) [-]; nothing where no spring is damped
+  double lagAt(std::int32_t p) const { return lag.empty() ? 0.0 : lag[p]; }
 };
 
 /// \param h  length of the substep [s].

@@ -98,7 +98,7 @@ void Xpbd::takeAttachments() {
     if (heldA == heldB) continue;
     const std::int32_t held = heldA ? a : b;
     attachments_.push_back({p, heldA ? b : a, held, static_cast<std::size_t>(targetOf()[held]),
-                            gains_.gain[p], schedule_.damped ? gains_.lag[p] : 0.0});
+                            gains_.gain[p], gains_.lagAt(p)});
     gains_.gain[p] = 0.0;
   }
 }

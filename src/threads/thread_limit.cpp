@@ -7,22 +7,23 @@
 namespace cloth_sim {
 namespace {
 
-thread_local int limitOfThisThread = 0;  // none
+thread_local int limitOfThisThread = 0;  // one per processor
+
+/// That this thread may run on, as `taskset` has it.
+int processors() {
+  cpu_set_t allowed;
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
+  return std::max(1, CPU_COUNT(&allowed));
+}
 
 }  // namespace
 
 ThreadLimit::ThreadLimit(int threads) : before_(limitOfThisThread) {
-  limitOfThisThread = std::max(1, threads);
+  limitOfThisThread = std::max(0, threads);
 }
 
 ThreadLimit::~ThreadLimit() { limitOfThisThread = before_; }
 
 int ThreadLimit::ofThisThread() { return limitOfThisThread > 0 ? limitOfThisThread : processors(); }
-
-int ThreadLimit::processors() {
-  cpu_set_t allowed;
-  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;
-  return std::max(1, CPU_COUNT(&allowed));
-}
 
 }  // namespace cloth_sim

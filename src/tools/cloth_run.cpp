@@ -366,7 +366,7 @@ int report(const Options& options, const Recording& recording, const Replay& out
 }
 
 int run(const Options& options) {
-  const ThreadLimit limit(options.threads > 0 ? options.threads : ThreadLimit::processors());
+  const ThreadLimit limit(options.threads);
   const std::optional<Recording> recording = openRecording(options.replay);
   const std::unique_ptr<Simulation> simulation = buildSimulation(options, recording);
   RunRecord record = startRecord(*simulation);

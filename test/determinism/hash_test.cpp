@@ -3,13 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <set>
-#include <thread>
 
 #include "cloth_sim/solver/packed_particles.h"
 #include "cloth_sim/solver/spring_schedule.h"
-#include "cloth_sim/threads/parallel_for.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "determinism/busy_scene.h"
 #include "unit/core_support.h"
@@ -129,104 +126,6 @@ TEST(Determinism, TheSeedMakesADifference) {
   run(first, 2);
   run(second, 2);
   EXPECT_NE(hashOf(first), hashOf(second));
-}
-
-TEST(ParallelFor, CoversEveryItemOnceAndInOneThreadIfLimited) {
-  Team team;
-  for (const int threads : {1, 2, 3, 1, 2}) {
-    const ThreadLimit limit(threads);
-    const Team::Shift shift(team);
-    for (const std::int32_t count : {0, 1, 63, 64, 128, 1000}) {
-      std::vector<std::atomic<int>> visits(static_cast<std::size_t>(count));
-      std::atomic<bool> elsewhere{false};
-      const std::thread::id here = std::this_thread::get_id();
-      parallelFor(count, 32, [&](std::int32_t first, std::int32_t last) {
-        if (std::this_thread::get_id() != here) elsewhere = true;
-        for (std::int32_t k = first; k < last; ++k) ++visits[k];
-      });
-      for (const auto& n : visits) EXPECT_EQ(n.load(), 1);
-      EXPECT_FALSE(elsewhere && (threads == 1 || count < 64));
-    }
-  }
-}
-
-TEST(ParallelFor, RunsInTheCallingThreadOutsideOfAShift) {
-  const ThreadLimit limit(2);
-  const std::thread::id here = std::this_thread::get_id();
-  std::vector<std::thread::id> by(1000);
-  parallelFor(1000, 10, [&](std::int32_t first, std::int32_t last) {
-    std::fill(by.begin() + first, by.begin() + last, std::this_thread::get_id());
-  });
-  EXPECT_EQ(std::count(by.begin(), by.end(), here), 1000);
-}
-
-TEST(ParallelFor, InAnotherOneIsNotShared) {
-  const ThreadLimit limit(2);
-  Team team;
-  const Team::Shift shift(team);
-  std::vector<std::atomic<int>> visits(64 * 64);
-  parallelFor(64, 1, [&](std::int32_t first, std::int32_t last) {
-    for (std::int32_t j = first; j < last; ++j) {
-      parallelFor(64, 1, [&](std::int32_t begin, std::int32_t end) {
-        for (std::int32_t k = begin; k < end; ++k) ++visits[64 * j + k];
-      });
-    }
-  });
-  for (const auto& n : visits) EXPECT_EQ(n.load(), 1);
-}
-
-/// Polled: a helper comes when the machine lets it.
-TEST(Team, HelpersComeAndTakeParts) {
-  const ThreadLimit limit(2);
-  Team team;
-  const std::thread::id here = std::this_thread::get_id();
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  std::atomic<bool> helped{false};
-  for (int shifts = 0; shifts < 3; ++shifts) {  // ... in each shift
-    const Team::Shift shift(team);
-    helped = false;
-    while (!helped && std::chrono::steady_clock::now() < deadline) {
-      parallelFor(8, 1, [&](std::int32_t, std::int32_t) {
-        if (std::this_thread::get_id() != here) helped = true;
-      });
-    }
-    EXPECT_TRUE(helped);
-  }
-}
-
-/// Loops follow each other at once, so that helpers meet the end of one and the beginning of the
-/// next at any moment.
-TEST(Team, ManyShortLoopsLoseNoPart) {
-  for (const int threads : {2, 3}) {
-    const ThreadLimit limit(threads);
-    Team team;
-    std::vector<std::int64_t> sums(16, 0);
-    constexpr std::int64_t kLoops = 20000;
-    for (std::int64_t loop = 0; loop < kLoops; ++loop) {
-      if (loop % 100 == 0) std::this_thread::yield();
-      const Team::Shift shift(team);
-      for (int again = 0; again < 3; ++again) {
-        parallelFor(16, 1, [&](std::int32_t first, std::int32_t last) {
-          for (std::int32_t k = first; k < last; ++k) sums[k] += loop + k;
-        });
-      }
-    }
-    for (std::int64_t k = 0; k < 16; ++k) {
-      EXPECT_EQ(sums[k], 3 * (kLoops * (kLoops - 1) / 2 + k * kLoops));
-    }
-  }
-}
-
-TEST(ThreadLimit, HoldsForItsThreadWhileItLives) {
-  const int before = ThreadLimit::ofThisThread();
-  EXPECT_EQ(before, ThreadLimit::processors());
-  {
-    const ThreadLimit outer(3);
-    const ThreadLimit inner(1);
-    EXPECT_EQ(ThreadLimit::ofThisThread(), 1);
-    std::thread([&] { EXPECT_EQ(ThreadLimit::ofThisThread(), before); }).join();
-  }
-  EXPECT_EQ(ThreadLimit::ofThisThread(), before);
 }
 
 }  // namespace

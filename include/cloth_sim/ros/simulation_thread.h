@@ -121,7 +121,7 @@ class SimulationThread {
 
   bool enqueue(Envelope envelope);
   CommandResult deliver(std::variant<Command, Look> request, std::chrono::milliseconds timeout);
-  void run(int threads);
+  void run();
   void takeRequests();
   void takeMail(bool last);
   void takeRuns(bool last);

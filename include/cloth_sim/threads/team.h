@@ -13,8 +13,7 @@ namespace cloth_sim {
 /// they let others run first). A loop does not wait for helpers: who is not there gets nothing to
 /// do.
 ///
-/// Not TBB: measured with its pool (2021.8), a worker that was called in every step of 4 to 10 ms
-/// came to hardly any, and its own loops of 50 microseconds gained 1.1 from a second core.
+/// Why not TBB's: docs/design_notes.md.
 class Team {
  public:
   Team();

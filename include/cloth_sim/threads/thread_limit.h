@@ -4,18 +4,17 @@
 namespace cloth_sim {
 
 /// Bounds the threads of the parallel loops of the thread that made it, itself among them, while it
-/// lives (1: all loops run in the calling thread); an inner one counts. Without one: processors().
-/// Results do not depend on it.
+/// lives (1: all loops run in the calling thread); an inner one counts. Without one it is one per
+/// processor. Results do not depend on it.
 class ThreadLimit {
  public:
+  /// \param threads  0: one per processor.
   explicit ThreadLimit(int threads);
   ~ThreadLimit();
   ThreadLimit(const ThreadLimit&) = delete;
   ThreadLimit& operator=(const ThreadLimit&) = delete;
 
   static int ofThisThread();
-  /// That this thread may run on, as `taskset` has it.
-  static int processors();
 
  private:
   int before_;
