@@ -169,11 +169,17 @@ void anySweep(benchmark::State& run) {
     points[static_cast<std::size_t>(packed.particles.slotOf[k])] = {wavy.x[k], wavy.y[k], wavy.z[k],
                                                                     Real(0)};
   }
-  const std::vector<Real> rest(schedule.restLength.begin(), schedule.restLength.end());
+  std::vector<std::int32_t> a, b;
+  std::vector<Real> rest;
+  schedule.forEach([&](const SpringSchedule::Element& spring) {
+    a.push_back(spring.a);
+    b.push_back(spring.b);
+    rest.push_back(static_cast<Real>(spring.law.restLength));
+  });
   for (auto _ : run) {
     for (const SpringSchedule::Span& span : schedule.spans()) {
-      correctColour({static_cast<std::size_t>(span.count), schedule.endA.data() + span.first,
-                     schedule.endB.data() + span.first, rest.data() + span.first},
+      correctColour({static_cast<std::size_t>(span.count), a.data() + span.first,
+                     b.data() + span.first, rest.data() + span.first},
                     points.data());
     }
     benchmark::ClobberMemory();

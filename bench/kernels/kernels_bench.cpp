@@ -32,10 +32,10 @@ BENCHMARK_CAPTURE(springForces, any, Order::kAny)->Name("kernel/spring_forces_an
 
 void springCorrections(benchmark::State& run, Order order) {
   Packed packed(static_cast<int>(run.range(0)), order);
-  SpringGains gains;
-  setGains(packed.schedule, packed.particles.inverseMass, kSubstep, gains);
+  Compliances compliances;
+  setCompliances(packed.schedule.laws, kSubstep, compliances);
   for (auto _ : run) {
-    correctSprings(packed.schedule, gains, packed.particles);
+    correctSprings(packed.schedule, compliances, packed.particles);
     benchmark::ClobberMemory();
   }
   tellPerSpring(packed.schedule.size(), run);
@@ -95,14 +95,12 @@ UpdatableFactor::Matrix globalMatrix(const Packed& packed) {
   for (Eigen::Index k = 0; k < packed.particles.slots; ++k) {
     entries.emplace_back(k, k, packed.particles.mass[static_cast<std::size_t>(k)]);
   }
-  for (std::size_t p = 0; p < packed.schedule.endA.size(); ++p) {
-    const double w = kFrame * kFrame * packed.schedule.stiffness[p];
-    const std::int32_t a = packed.schedule.endA[p];
-    const std::int32_t b = packed.schedule.endB[p];
-    entries.emplace_back(a, a, w);
-    entries.emplace_back(b, b, w);
-    entries.emplace_back(std::max(a, b), std::min(a, b), -w);
-  }
+  packed.schedule.forEach([&](const SpringSchedule::Element& spring) {
+    const double w = kFrame * kFrame * spring.law.stiffness;
+    entries.emplace_back(spring.a, spring.a, w);
+    entries.emplace_back(spring.b, spring.b, w);
+    entries.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b), -w);
+  });
   UpdatableFactor::Matrix matrix(packed.particles.slots, packed.particles.slots);
   matrix.setFromTriplets(entries.begin(), entries.end());
   return matrix;

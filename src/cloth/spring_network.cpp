@@ -99,42 +99,29 @@ class Ancestors {
   std::map<VertexId, VertexId> source_;
 };
 
-/// Of each vertex: the slots of the springs that stand on it, in no more memory than that takes.
-IndexLists listStanding(const std::vector<Spring>& slots, std::size_t vertices) {
-  std::vector<std::int32_t> number(vertices, 0);
+/// Of each vertex that has any: the slots of the springs that stand on it, ascending, in no more
+/// memory than that takes.
+IndexLists listStanding(const SpringSlots& slots) {
+  std::vector<std::int32_t> number;
   for (const Spring& spring : slots) {
     for (VertexId v : spring.support) {
-      if (v != kNone) ++number[v];
+      if (v == kNone) continue;
+      if (number.size() <= static_cast<std::size_t>(v)) number.resize(v + 1, 0);
+      ++number[v];
     }
   }
   IndexLists standing(number);
-  for (std::size_t slot = 0; slot < slots.size(); ++slot) {
-    for (VertexId v : slots[slot].support) {
-      if (v != kNone) standing.append(v, static_cast<std::int32_t>(slot));
+  std::int32_t slot = 0;
+  for (const Spring& spring : slots) {
+    for (VertexId v : spring.support) {
+      if (v != kNone) standing.append(v, slot);
     }
+    ++slot;
   }
   return standing;
 }
 
-bool sameSpring(const Spring& s, const Spring& t) {
-  return s.a == t.a && s.b == t.b && s.support == t.support && s.stiffness == t.stiffness &&
-         s.damping == t.damping && s.restLength == t.restLength && s.kind == t.kind &&
-         s.direction == t.direction;
-}
-
 }  // namespace
-
-const char* toString(SpringKind kind) {
-  switch (kind) {
-    case SpringKind::kStructural:
-      return "structural";
-    case SpringKind::kShear:
-      return "shear";
-    case SpringKind::kBend:
-      return "bend";
-  }
-  return "?";
-}
 
 SpringNetwork::SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric,
                              const SpringSelection& selection)
@@ -213,16 +200,9 @@ void SpringNetwork::followCleared(const MeshChanges& changes) {
   }
 }
 
-void SpringNetwork::build(const TriangleMesh& mesh) {
-  std::vector<VertexId> all(static_cast<std::size_t>(mesh.vertexCount()));
-  std::iota(all.begin(), all.end(), 0);
-  slots_ = deriveAroundAll(mesh, all);
-  for (const Spring& spring : slots_) ++count_[static_cast<int>(spring.kind)];
-  standing_ = listStanding(slots_, static_cast<std::size_t>(mesh.vertexCount()));
-}
-
+template <typename Sink>
 void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
-                               std::vector<Spring>& out) const {
+                               const Sink& sink) const {
   Spring edge;
   edge.a = a;
   edge.b = b;
@@ -234,7 +214,7 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
   const std::array<FaceId, 2> faces = mesh.facesOnEdge(a, b);
   const IndexSpan on{faces.data(), faces.data() + (faces[1] == kNone ? 1 : 2)};
   setConstants(mesh, on, edge);
-  out.push_back(edge);
+  sink(edge);
   if (!bias || faces[1] == kNone) return;
 
   Spring across = edge;
@@ -244,12 +224,12 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
   across.b = std::max(p, q);
   if (threadDirection(mesh.material(q) - mesh.material(p)) != ThreadDirection::kBias) return;
   setConstants(mesh, on, across);
-  out.push_back(across);
+  sink(across);
 }
 
+template <typename Sink>
 void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
-                                const std::vector<VertexId>& neighbours,
-                                std::vector<Spring>& out) const {
+                                const std::vector<VertexId>& neighbours, const Sink& sink) const {
   struct Straight {
     VertexId ahead = kNone;
     VertexId behind = kNone;
@@ -281,8 +261,34 @@ void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
     bend.direction = thread;
     bend.support = {v, kNone};
     setConstants(mesh, mesh.facesAround(v), bend);
-    out.push_back(bend);
+    sink(bend);
   }
+}
+
+template <typename Sink>
+void SpringNetwork::deriveAroundAll(const TriangleMesh& mesh, const std::vector<VertexId>& vertices,
+                                    const Sink& sink) const {
+  std::vector<bool> listed(static_cast<std::size_t>(mesh.vertexCount()), false);
+  for (VertexId v : vertices) listed[v] = true;
+  std::vector<VertexId> neighbours;
+  for (VertexId v : vertices) {
+    mesh.neighbours(v, neighbours);
+    for (VertexId w : neighbours) {
+      const bool foundThere = w < v && listed[w];
+      if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), sink);
+    }
+    if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, sink);
+  }
+}
+
+void SpringNetwork::build(const TriangleMesh& mesh) {
+  std::vector<VertexId> all(static_cast<std::size_t>(mesh.vertexCount()));
+  std::iota(all.begin(), all.end(), 0);
+  slots_.reserve(kUsualSprings * all.size());
+  deriveAroundAll(mesh, all, [this](const Spring& spring) {
+    slots_.append(spring);
+    ++count_[static_cast<int>(spring.kind)];
+  });
 }
 
 void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
@@ -351,11 +357,14 @@ RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,
 
 SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
-  while (standing_.size() < static_cast<std::size_t>(mesh.vertexCount())) standing_.addList();
+  const auto vertices = static_cast<std::size_t>(mesh.vertexCount());
+  for (std::size_t lists = standing().size(); lists < vertices; ++lists) standing_.addList();
   if (anyRaw_) rawShares_.follow(mesh, changes);
   followCleared(changes);
-  const std::vector<std::int32_t> before = standingOnAny(changes.touched);
-  const std::vector<Spring> derived = deriveAroundAll(mesh, changes.touched);
+  const std::vector<std::int32_t> standing = standingOnAny(changes.touched);
+  std::vector<Spring> derived;
+  derived.reserve(kUsualSprings * changes.touched.size());
+  deriveAroundAll(mesh, changes.touched, [&](const Spring& spring) { derived.push_back(spring); });
   std::vector<Keyed<std::size_t>> after;
   after.reserve(derived.size());
   const Ancestors ancestors(changes);
@@ -363,8 +372,8 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
     if (cleared_.count(ownKey(derived[k])) == 0) after.push_back({ancestors.key(derived[k]), k});
   }
   std::vector<Keyed<std::int32_t>> old;
-  old.reserve(before.size());
-  for (std::int32_t slot : before) old.push_back({ownKey(slots_[slot]), slot});
+  old.reserve(standing.size());
+  for (std::int32_t slot : standing) old.push_back({ownKey(slots_[slot]), slot});
   std::sort(old.begin(), old.end());
   std::sort(after.begin(), after.end());
 
@@ -378,9 +387,10 @@ SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges&
     const Spring& spring = derived[k];
     for (; at != old.end() && at->key < key; ++at) result.removed.push_back(at->value);
     if (at != old.end() && at->key == key) {
-      if (!sameSpring(slots_[at->value], spring)) {
+      const Spring before = slots_[at->value];
+      if (!(before == spring)) {
         result.modified.push_back(at->value);
-        --count_[static_cast<std::size_t>(slots_[at->value].kind)];
+        --count_[static_cast<std::size_t>(before.kind)];
         ++count_[static_cast<std::size_t>(spring.kind)];
         replace(at->value, spring);
       }
@@ -412,7 +422,8 @@ SpringChanges SpringNetwork::clear(const std::vector<std::int32_t>& slots) {
 }
 
 SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
-  std::vector<VertexId> nameOf(standing_.size());
+  std::vector<VertexId> nameOf(static_cast<std::size_t>(mesh.vertexCount()) +
+                               changes.vertices.size());
   std::iota(nameOf.begin(), nameOf.end(), 0);
   std::vector<VertexId> original = nameOf;  // by present name
   for (const VertexEdit& edit : changes.vertices) {
@@ -431,15 +442,15 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
   SpringChanges result;
   const auto rename = [&](VertexId& v) { v = v == kNone ? kNone : nameOf[v]; };
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(slots_.size()); ++slot) {
-    Spring& spring = slots_[slot];
-    if (!spring.exists()) continue;
-    const Spring before = spring;
+    const Spring before = slots_[slot];
+    if (!before.exists()) continue;
+    Spring spring = before;
     for (VertexId* v : {&spring.a, &spring.b, &spring.support[0], &spring.support[1]}) rename(*v);
     if (!spring.exists()) {
       result.removed.push_back(slot);
       result.removedSprings.push_back(before);
       --count_[static_cast<int>(before.kind)];
-      spring = Spring{};
+      slots_.set(slot, Spring{});
       continue;
     }
     if (spring.a > spring.b) std::swap(spring.a, spring.b);
@@ -447,17 +458,20 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
     if (!bend && spring.support[0] > spring.support[1]) {
       std::swap(spring.support[0], spring.support[1]);
     }
-    if (!sameSpring(before, spring)) result.modified.push_back(slot);
+    if (spring == before) continue;
+    slots_.set(slot, spring);
+    result.modified.push_back(slot);
   }
-  standing_ = listStanding(slots_, static_cast<std::size_t>(mesh.vertexCount()));
+  standing_ = IndexLists();
   return result;
 }
 
 std::vector<std::int32_t> SpringNetwork::standingOnAny(
     const std::vector<VertexId>& vertices) const {
   std::vector<std::int32_t> slots;
+  const std::size_t known = standing().size();
   for (VertexId v : vertices) {
-    if (static_cast<std::size_t>(v) >= standing_.size()) continue;
+    if (static_cast<std::size_t>(v) >= known) continue;
     slots.insert(slots.end(), standingOn(v).begin(), standingOn(v).end());
   }
   std::sort(slots.begin(), slots.end());
@@ -465,27 +479,14 @@ std::vector<std::int32_t> SpringNetwork::standingOnAny(
   return slots;
 }
 
-std::vector<Spring> SpringNetwork::deriveAroundAll(const TriangleMesh& mesh,
-                                                   const std::vector<VertexId>& vertices) const {
-  std::vector<bool> listed(static_cast<std::size_t>(mesh.vertexCount()), false);
-  for (VertexId v : vertices) listed[v] = true;
-  std::vector<Spring> springs;
-  springs.reserve(kUsualSprings * vertices.size());
-  std::vector<VertexId> neighbours;
-  for (VertexId v : vertices) {
-    mesh.neighbours(v, neighbours);
-    for (VertexId w : neighbours) {
-      const bool foundThere = w < v && listed[w];
-      if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), springs);
-    }
-    if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, springs);
-  }
-  return springs;
+const IndexLists& SpringNetwork::standing() const {
+  if (standing_.size() == 0) standing_ = listStanding(slots_);
+  return standing_;
 }
 
 std::int32_t SpringNetwork::insert(const Spring& spring) {
   const auto slot = static_cast<std::int32_t>(slots_.size());
-  slots_.emplace_back();
+  slots_.append(Spring{});
   replace(slot, spring);
   ++count_[static_cast<int>(spring.kind)];
   return slot;
@@ -497,25 +498,27 @@ void SpringNetwork::erase(std::int32_t slot) {
 }
 
 void SpringNetwork::replace(std::int32_t slot, const Spring& spring) {
-  for (VertexId v : slots_[slot].support) {
-    if (v == kNone) continue;
-    standing_.erase(v, slot);
+  if (standing_.size() > 0) {
+    for (VertexId v : slots_[slot].support) {
+      if (v != kNone) standing_.erase(v, slot);
+    }
+    for (VertexId v : spring.support) {
+      if (v != kNone) standing_.insertSorted(v, slot);
+    }
   }
-  slots_[slot] = spring;
-  for (VertexId v : spring.support) {
-    if (v != kNone) standing_.append(v, slot);
-  }
+  slots_.set(slot, spring);
 }
 
 SpringChanges SpringNetwork::setScale(const TriangleMesh& mesh, double scale) {
   const double factor = scale / std::exchange(scale_, scale);
   SpringChanges changes;
-  for (std::size_t slot = 0; slot < slots_.size(); ++slot) {
-    Spring& spring = slots_[slot];
+  for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(slots_.size()); ++slot) {
+    Spring spring = slots_[slot];
     if (!spring.exists()) continue;
     spring.stiffness *= factor;
     if (!clothAt(mesh, spring.a).raw) spring.damping *= factor;
-    changes.modified.push_back(static_cast<std::int32_t>(slot));
+    slots_.set(slot, spring);
+    changes.modified.push_back(slot);
   }
   return changes;
 }

@@ -3,6 +3,20 @@
 #include <stdexcept>
 
 namespace cloth_sim {
+namespace {
+
+/// The leading 40 bits of a number (Dekker 1971, split): 2^12 times it is still exact.
+double leadingBits(double x) {
+  constexpr double kShift = 8193.0;  // 2^13 + 1
+  const double shifted = kShift * x;
+  return shifted - (shifted - x);
+}
+
+}  // namespace
+
+double Grid::spacingU() const { return leadingBits(width / (columns - 1)); }
+
+double Grid::spacingV() const { return leadingBits(height / (rows - 1)); }
 
 TriangleMesh makeGridMesh(const Grid& grid) {
   if (grid.columns < 2 || grid.rows < 2) {

@@ -48,7 +48,6 @@ Simulation::Simulation(Scene scene)
     : scene_(std::move(scene)),
       model_(buildModel(scene_.cloths)),
       state_(initialState(scene_.cloths, model_, scene_.seed)),
-      lastGood_(state_),
       pins_(pinTargets(scene_.cloths, model_, state_)),
       clamps_(makeClamps(scene_.clamps)),
       colliders_(buildColliders(scene_)),
@@ -232,13 +231,25 @@ void Simulation::detectContacts(double dt) {
   contacts_.divide(model_.cloths.size(), [this](VertexId v) { return model_.clothOf(v); });
 }
 
+/// A step that diverges leaves the state alone. One that does not is taken back where its energy
+/// jumped, or where a grip of limited force gives way.
+bool Simulation::mayTakeBack() const {
+  return watch_.weighs() || std::any_of(clamps_.begin(), clamps_.end(), [](const Clamp& clamp) {
+           return clamp.spec().gripForce.has_value();
+         });
+}
+
+void Simulation::takeBack() {
+  if (mayTakeBack()) copyState(start_, state_);
+}
+
 void Simulation::solve(const StepLength& length) {
-  copyState(state_, lastGood_);
+  if (mayTakeBack()) copyState(state_, start_);
   watch_.begin(model_, state_, controls_, colliders_, length.dt);
   for (int times = 1; times <= watch_.mostTimes(); times *= 2) {
     if (times > 1) watch_.noteRedone(time(), times);
     if (attempt({length.dt, times * length.substepFactor})) return watch_.accept();
-    copyState(lastGood_, state_);
+    takeBack();
   }
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
        " s: take more substeps or a softer fabric");
@@ -252,7 +263,7 @@ bool Simulation::attempt(const StepLength& length) {
     report_ = solver_->step(model_, state_, controls_, contacts_, length);
     if (!watch_.isSound(model_, state_, report_.status)) return false;
     if (!letSlip()) return true;
-    copyState(lastGood_, state_);
+    takeBack();
     gatherControls();
   }
 }

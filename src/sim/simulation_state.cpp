@@ -39,7 +39,7 @@ struct Touch {
 
 }  // namespace
 
-/// Not in the list: what the scene says, what is made anew in every step (`lastGood_`, `report_`),
+/// Not in the list: what the scene says, what is made anew in every step (`start_`, `report_`),
 /// what `load` derives (`pieces_`, `topology_`), and the solver, which is asked itself.
 template <class Archive>
 void Simulation::serialize(Archive& archive) {

@@ -1,5 +1,6 @@
 #include "cloth_sim/solver/packed_particles.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include "packed_ops.h"
@@ -70,6 +71,12 @@ void PackedParticles::store(State& state) const {
       state.x[k] = x.at(slotOf[k]);
       state.v[k] = v.at(slotOf[k]);
     }
+  });
+}
+
+bool PackedParticles::areSlowerThan(double speed) const {
+  return std::all_of(slotOf.begin(), slotOf.end(), [&](std::int32_t slot) {
+    return x.at(slot).allFinite() && v.at(slot).squaredNorm() <= speed * speed;
   });
 }
 

@@ -13,6 +13,8 @@ namespace {
 
 /// So that a third of three substeps is one.
 constexpr double kRounding = 1e-9;
+/// No cloth goes faster [m/s]: a method that diverges is noticed long before its numbers overflow.
+constexpr double kFastest = 1e4;
 
 }  // namespace
 
@@ -73,15 +75,16 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
     const double before = static_cast<double>(k - 1) / substeps;
     substep({model, controls, contacts, h, state.t + fraction * dt, before, fraction});
   }
+  layoutChanged_ = false;
+  report_.substeps = substeps;
+  report_.status = particles_.areSlowerThan(kFastest) ? StepStatus::kOk : StepStatus::kDiverged;
+  if (report_.status == StepStatus::kDiverged) return report_;
   particles_.store(state);
   for (const KinematicTarget& target : controls.kinematic) {
     state.v[target.vertex] = target.velocity;
   }
   state.t += dt;
   finishReactions(model, controls, dt);
-  layoutChanged_ = false;
-  report_.substeps = substeps;
-  report_.status = isFinite(state) ? StepStatus::kOk : StepStatus::kNotFinite;
   return report_;
 }
 

@@ -30,7 +30,7 @@ class Pbd final : public PackedSolver {
     predict(now);
     placeKinematic(now.fraction);
     for (int pass = 0; pass < passes_; ++pass) {
-      schedule_.sweep([&](std::int32_t p) { relax(p, now.h); });
+      schedule_.sweep([&](const SpringSchedule::Element& spring) { relax(spring, now.h); });
     }
     now.contacts.project(particles_.view(), now.time, now.h);
     setSum(particles_.x, -1.0, particles_.start, particles_.v);
@@ -39,7 +39,9 @@ class Pbd final : public PackedSolver {
           for (double& v : axis) v /= now.h;
         },
         particles_.v);
-    if (schedule_.damped) schedule_.sweep([&](std::int32_t p) { damp(p, now.h); });
+    if (schedule_.laws.damped()) {
+      schedule_.sweep([&](const SpringSchedule::Element& spring) { damp(spring, now.h); });
+    }
     noteIterations(passes_, 0.0);
   }
 
@@ -57,17 +59,17 @@ class Pbd final : public PackedSolver {
   }
 
   /// Moves the ends of a spring together or apart by `stiffness` of its error.
-  void relax(std::int32_t p, double h) {
-    const auto a = static_cast<std::size_t>(schedule_.endA[p]);
-    const auto b = static_cast<std::size_t>(schedule_.endB[p]);
+  void relax(const SpringSchedule::Element& spring, double h) {
+    const auto a = static_cast<std::size_t>(spring.a);
+    const auto b = static_cast<std::size_t>(spring.b);
     const double wa = particles_.inverseMass[a];
     const double wb = particles_.inverseMass[b];
-    if (wa + wb == 0.0 || schedule_.stiffness[p] <= 0.0) return;
+    if (wa + wb == 0.0 || spring.law.stiffness <= 0.0) return;
     const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
     const double length = d.norm();
     if (length == 0.0) return;
     const Vec3 correction =
-        stiffness_ * (length - schedule_.restLength[p]) / (length * (wa + wb)) * d;
+        stiffness_ * (length - spring.law.restLength) / (length * (wa + wb)) * d;
     if (wa > 0.0) particles_.x.set(a, particles_.x.at(a) + wa * correction);
     if (wb > 0.0) particles_.x.set(b, particles_.x.at(b) - wb * correction);
     if (wa == 0.0) bear(a, correction / h);
@@ -75,14 +77,14 @@ class Pbd final : public PackedSolver {
   }
 
   /// Takes from the ends of a spring what its dashpot would in the time h, implicitly.
-  void damp(std::int32_t p, double h) {
-    const auto a = static_cast<std::size_t>(schedule_.endA[p]);
-    const auto b = static_cast<std::size_t>(schedule_.endB[p]);
+  void damp(const SpringSchedule::Element& spring, double h) {
+    const auto a = static_cast<std::size_t>(spring.a);
+    const auto b = static_cast<std::size_t>(spring.b);
     const double w = particles_.inverseMass[a] + particles_.inverseMass[b];
     const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
     const double square = d.squaredNorm();
     if (w == 0.0 || square == 0.0) return;
-    const double c = h * schedule_.dampingAt(p);
+    const double c = h * spring.law.damping;
     const double rate = d.dot(particles_.v.at(b) - particles_.v.at(a)) / square;
     const Vec3 impulse = c * rate / (1.0 + c * w) * d;
     if (particles_.inverseMass[a] > 0.0) {

@@ -133,7 +133,7 @@ class Projective final : public PackedSolver {
     }
     obstacles_.addForces(particles_.mass, force_);
     // Dashpots: of the motion in the substep.
-    if (schedule_.damped || bending_.retardation() > 0.0) findVelocity(now.h);
+    if (schedule_.laws.damped() || bending_.retardation() > 0.0) findVelocity(now.h);
     addSpringForces(schedule_, particles_.x, particles_.v, force_);
     bending_.addForces(particles_.x, particles_.v, force_);
     const std::size_t n = particles_.mass.size();
@@ -212,8 +212,8 @@ class Projective final : public PackedSolver {
       const auto slot = static_cast<std::size_t>(k);
       force_.set(slot, now.controls.hasLoads() ? wind_.at(slot) : Vec3::Zero());
     }
-    for (const std::int32_t p : heldSprings_) {
-      addSpringForce(schedule_, p, particles_.x, particles_.v, force_);
+    for (const SpringSchedule::Element& spring : heldSprings_) {
+      addSpringForce(spring, particles_.x, particles_.v, force_);
     }
     for (const std::int32_t k : kinematicSlots_) {
       bending_.addForce(static_cast<std::size_t>(k), particles_.x, particles_.v, force_);
@@ -226,9 +226,9 @@ class Projective final : public PackedSolver {
       return targetOf()[static_cast<std::size_t>(slot)] != kNone;
     };
     heldSprings_.clear();
-    for (std::int32_t p = 0; p < schedule_.size(); ++p) {
-      if (isHeld(schedule_.endA[p]) || isHeld(schedule_.endB[p])) heldSprings_.push_back(p);
-    }
+    schedule_.forEach([&](const SpringSchedule::Element& spring) {
+      if (isHeld(spring.a) || isHeld(spring.b)) heldSprings_.push_back(spring);
+    });
   }
 
   /// What the matrix of the bending energy counts in the global step's.
@@ -237,15 +237,16 @@ class Projective final : public PackedSolver {
   void factorise() {
     double largest = 0.0;
     for (double m : particles_.mass) largest = std::max(largest, m);
-    for (std::int32_t p = 0; p < schedule_.size(); ++p) largest = std::max(largest, weight(p));
+    schedule_.forEach([&](const SpringSchedule::Element& spring) {
+      largest = std::max(largest, weight(spring.law));
+    });
     holdWeight_ = kHold * (largest > 0.0 ? largest : 1.0);
     isSolvable_ = factor_.compute(globalMatrix());
   }
 
   /// What a spring counts in the global step's matrix [kg].
-  double weight(std::int32_t p) const {
-    const auto k = static_cast<std::size_t>(p);
-    return step_ * step_ * schedule_.stiffness[k] + step_ * schedule_.dampingAt(p);
+  double weight(const SpringLaw& law) const {
+    return step_ * step_ * law.stiffness + step_ * law.damping;
   }
 
   /// The matrix of the global step; a particle that is held is tied to its place.
@@ -257,15 +258,13 @@ class Projective final : public PackedSolver {
       const double m = particles_.mass[k] * (1.0 + step_ * drag_);
       entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
     }
-    for (std::int32_t p = 0; p < schedule_.size(); ++p) {
-      const double w = weight(p);
-      if (w == 0.0) continue;
-      const std::int32_t a = schedule_.endA[p];
-      const std::int32_t b = schedule_.endB[p];
-      entries.emplace_back(a, a, w);
-      entries.emplace_back(b, b, w);
-      entries.emplace_back(std::max(a, b), std::min(a, b), -w);
-    }
+    schedule_.forEach([&](const SpringSchedule::Element& spring) {
+      const double w = weight(spring.law);
+      if (w == 0.0) return;
+      entries.emplace_back(spring.a, spring.a, w);
+      entries.emplace_back(spring.b, spring.b, w);
+      entries.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b), -w);
+    });
     bending_.forLower([&](std::size_t row, std::int32_t column, double value) {
       entries.emplace_back(row, column, bendWeight() * value);
     });
@@ -290,8 +289,8 @@ class Projective final : public PackedSolver {
   double freeMass_ = 0.0;    ///< of particles that are not held [kg]
   UpdatableFactor factor_;
   bool isSolvable_ = true;  ///< the matrix was positive definite in spite of rounding
-  std::vector<std::int32_t> heldSprings_;  ///< positions of springs at kinematic particles
-  PackedVectors velocity_;                 ///< at the start of the substep [m/s]
+  std::vector<SpringSchedule::Element> heldSprings_;  ///< at kinematic particles
+  PackedVectors velocity_;                            ///< at the start of the substep [m/s]
   WarmContacts obstacles_;
   PackedVectors wind_, residual_, change_;
   std::vector<double> squares_;  ///< of the residual, by part

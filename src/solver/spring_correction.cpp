@@ -1,13 +1,17 @@
 #include "spring_correction.h"
 
 #include <cmath>
+#include <limits>
 
 #include "cloth_sim/solver/vector_clones.h"
 
 namespace cloth_sim {
 namespace {
 
-struct Ends {
+using Span = SpringSchedule::Span;
+
+/// Particles from some slot on.
+struct Points {
   double* x;
   double* y;
   double* z;
@@ -17,35 +21,49 @@ struct Ends {
   const double* w;
 };
 
-Ends endsAt(PackedParticles& p, std::int32_t slot) {
-  return {p.x.x.data() + slot,        p.x.y.data() + slot,     p.x.z.data() + slot,
-          p.start.x.data() + slot,    p.start.y.data() + slot, p.start.z.data() + slot,
-          p.inverseMass.data() + slot};
+Points allPoints(PackedParticles& p) {
+  return {p.x.x.data(),     p.x.y.data(),     p.x.z.data(),        p.start.x.data(),
+          p.start.y.data(), p.start.z.data(), p.inverseMass.data()};
 }
 
-/// From end a to end b, now and at the start of the substep.
+[[gnu::always_inline]] inline Points from(const Points& p, std::int32_t slot) {
+  return {p.x + slot, p.y + slot, p.z + slot, p.sx + slot, p.sy + slot, p.sz + slot, p.w + slot};
+}
+
+/// From end a to end b.
 struct Offset {
   double x, y, z;
-  double startX, startY, startZ;
 };
 
-/// The correction of a spring over its offset [kg].
-[[gnu::always_inline]] inline double correction(const Offset& d, double rest, double gain) {
-  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare);
-  return gain - gain * rest / length;
+[[gnu::always_inline]] inline Offset offset(const Points& a, std::int32_t i, const Points& b,
+                                            std::int32_t j) {
+  return {b.x[j] - a.x[i], b.y[j] - a.y[i], b.z[j] - a.z[i]};
 }
 
-[[gnu::always_inline]] inline double dampedCorrection(const Offset& d, double rest, double gain,
+[[gnu::always_inline]] inline Offset startOffset(const Points& a, std::int32_t i, const Points& b,
+                                                 std::int32_t j) {
+  return {b.sx[j] - a.sx[i], b.sy[j] - a.sy[i], b.sz[j] - a.sz[i]};
+}
+
+/// The correction of a spring over its offset [kg].
+/// \param w  of both ends together.
+[[gnu::always_inline]] inline double correction(const Offset& d, double w, double rest,
+                                                double alpha) {
+  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare);
+  return (length - rest) / (length * (w + alpha));
+}
+
+[[gnu::always_inline]] inline double dampedCorrection(const Offset& d, const Offset& start,
+                                                      double w, double rest, double alpha,
                                                       double lag) {
   const double squared = d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare;
   const double length = std::sqrt(squared);
-  const double moved = squared - d.x * d.startX - d.y * d.startY - d.z * d.startZ;
-  const double inverse = 1.0 / length;
-  return gain * (length - rest + lag * (moved * inverse)) * inverse;
+  const double moved = (squared - d.x * start.x - d.y * start.y - d.z * start.z) / length;
+  return (length - rest + lag * moved) / (length * ((1.0 + lag) * w + alpha));
 }
 
 /// Moves end i of `a` and end j of `b` by the correction f over their offset.
-[[gnu::always_inline]] inline void moveEnds(const Ends& a, std::int32_t i, const Ends& b,
+[[gnu::always_inline]] inline void moveEnds(const Points& a, std::int32_t i, const Points& b,
                                             std::int32_t j, const Offset& d, double f) {
   const double fa = f * a.w[i];
   const double fb = f * b.w[j];
@@ -57,116 +75,129 @@ struct Offset {
   b.z[j] -= fb * d.z;
 }
 
-CLOTH_SIM_VECTOR_CLONES
-void sweepRun(std::int32_t count, Ends a, Ends b, const double* rest, const double* gain) {
-#pragma GCC ivdep
-  for (std::int32_t k = 0; k < count; ++k) {
-    const Offset d{b.x[k] - a.x[k], b.y[k] - a.y[k], b.z[k] - a.z[k], 0.0, 0.0, 0.0};
-    moveEnds(a, k, b, k, d, correction(d, rest[k], gain[k]));
-  }
-}
-
-CLOTH_SIM_VECTOR_CLONES
-void sweepDampedRun(std::int32_t count, Ends a, Ends b, const double* rest, const double* gain,
-                    const double* lag) {
-#pragma GCC ivdep
-  for (std::int32_t k = 0; k < count; ++k) {
-    const Offset d{b.x[k] - a.x[k],   b.y[k] - a.y[k],   b.z[k] - a.z[k],
-                   b.sx[k] - a.sx[k], b.sy[k] - a.sy[k], b.sz[k] - a.sz[k]};
-    moveEnds(a, k, b, k, d, dampedCorrection(d, rest[k], gain[k], lag[k]));
-  }
-}
-
-/// Springs whose ends are anywhere.
-struct Others {
+/// What sweeps read of springs.
+struct Springs {
   const std::int32_t* a;
   const std::int32_t* b;
   const double* rest;
-  const double* gain;
+  const double* alpha;
   const double* lag;
 };
 
+/// The laws of the springs of a span, `kStride` apart: 0 if all have the same.
+template <int kStride, bool kDamped>
+[[gnu::always_inline]] inline void correctRun(const Span& span, const Springs& springs,
+                                              const Points& points) {
+  const Points a = from(points, span.ends.a);
+  const Points b = from(points, span.ends.b);
+  const double* const rest = springs.rest + span.laws;
+  const double* const alpha = springs.alpha + span.laws;
+  const double* const lag = kDamped ? springs.lag + span.laws : nullptr;
+  const std::int32_t count = span.count;
+#pragma GCC ivdep
+  for (std::int32_t k = 0; k < count; ++k) {
+    const Offset d = offset(a, k, b, k);
+    const double w = a.w[k] + b.w[k];
+    const std::int32_t law = kStride * k;
+    const double f =
+        kDamped ? dampedCorrection(d, startOffset(a, k, b, k), w, rest[law], alpha[law], lag[law])
+                : correction(d, w, rest[law], alpha[law]);
+    moveEnds(a, k, b, k, d, f);
+  }
+}
+
 /// `kLanes` springs, none of which share a particle: gathered, corrected at once, scattered.
 template <int kLanes, bool kDamped>
-[[gnu::always_inline]] inline void correctOthers(std::int32_t k, const Others& springs,
-                                                 const Ends& p) {
+[[gnu::always_inline]] inline void correctOthers(const Springs& springs, const Points& p) {
   Offset d[kLanes];
+  Offset start[kLanes];
+  double w[kLanes];
   double f[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
-    const std::int32_t a = springs.a[k + lane];
-    const std::int32_t b = springs.b[k + lane];
-    d[lane] = {p.x[b] - p.x[a], p.y[b] - p.y[a], p.z[b] - p.z[a], 0.0, 0.0, 0.0};
-    if (!kDamped) continue;
-    d[lane].startX = p.sx[b] - p.sx[a];
-    d[lane].startY = p.sy[b] - p.sy[a];
-    d[lane].startZ = p.sz[b] - p.sz[a];
+    const std::int32_t a = springs.a[lane];
+    const std::int32_t b = springs.b[lane];
+    d[lane] = offset(p, a, p, b);
+    w[lane] = p.w[a] + p.w[b];
+    if (kDamped) start[lane] = startOffset(p, a, p, b);
   }
   for (int lane = 0; lane < kLanes; ++lane) {
-    const double rest = springs.rest[k + lane];
-    const double gain = springs.gain[k + lane];
-    f[lane] = kDamped ? dampedCorrection(d[lane], rest, gain, springs.lag[k + lane])
-                      : correction(d[lane], rest, gain);
+    const double rest = springs.rest[lane];
+    const double alpha = springs.alpha[lane];
+    f[lane] = kDamped
+                  ? dampedCorrection(d[lane], start[lane], w[lane], rest, alpha, springs.lag[lane])
+                  : correction(d[lane], w[lane], rest, alpha);
   }
   for (int lane = 0; lane < kLanes; ++lane) {
-    moveEnds(p, springs.a[k + lane], p, springs.b[k + lane], d[lane], f[lane]);
+    moveEnds(p, springs.a[lane], p, springs.b[lane], d[lane], f[lane]);
   }
+}
+
+/// Springs of a span whose ends are anywhere.
+template <bool kDamped>
+[[gnu::always_inline]] inline void correctAnywhere(const Span& span, const Springs& springs,
+                                                   const Points& points) {
+  constexpr int kLanes = 4;
+  const auto at = [&](std::int32_t k) -> Springs {
+    const std::int32_t other = span.others + k;
+    const std::int32_t law = span.laws + k;
+    return {springs.a + other, springs.b + other, springs.rest + law, springs.alpha + law,
+            kDamped ? springs.lag + law : nullptr};
+  };
+  std::int32_t k = 0;
+  for (; k + kLanes <= span.count; k += kLanes) correctOthers<kLanes, kDamped>(at(k), points);
+  for (; k < span.count; ++k) correctOthers<1, kDamped>(at(k), points);
 }
 
 template <bool kDamped>
-[[gnu::always_inline]] inline void sweepAll(std::int32_t count, const Others& springs,
-                                            const Ends& particles) {
-  constexpr int kLanes = 4;
-  std::int32_t k = 0;
-  for (; k + kLanes <= count; k += kLanes) correctOthers<kLanes, kDamped>(k, springs, particles);
-  for (; k < count; ++k) correctOthers<1, kDamped>(k, springs, particles);
+[[gnu::always_inline]] inline void correctSpans(const Span* span, const Span* end,
+                                                const Springs& springs, const Points& points) {
+  for (; span != end; ++span) {
+    if (span->isUniform) {
+      correctRun<0, kDamped>(*span, springs, points);
+    } else if (span->isRun) {
+      correctRun<1, kDamped>(*span, springs, points);
+    } else {
+      correctAnywhere<kDamped>(*span, springs, points);
+    }
+  }
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void sweepOthers(std::int32_t count, Others springs, Ends particles) {
-  sweepAll<false>(count, springs, particles);
+void sweepElastic(const Span* span, const Span* end, const Springs& springs, const Points& points) {
+  correctSpans<false>(span, end, springs, points);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void sweepDampedOthers(std::int32_t count, Others springs, Ends particles) {
-  sweepAll<true>(count, springs, particles);
+void sweepDamped(const Span* span, const Span* end, const Springs& springs, const Points& points) {
+  correctSpans<true>(span, end, springs, points);
 }
 
 }  // namespace
 
-void setGains(const SpringSchedule& schedule, const std::vector<double>& inverseMass, double h,
-              SpringGains& gains) {
-  const auto n = static_cast<std::size_t>(schedule.size());
-  gains.gain.assign(n, 0.0);
-  gains.lag.assign(schedule.damped ? n : 0, 0.0);
-  for (std::size_t p = 0; p < n; ++p) {
-    const double stiffness = schedule.stiffness[p];
-    if (stiffness <= 0.0) continue;
-    const double w = inverseMass[schedule.endA[p]] + inverseMass[schedule.endB[p]];
-    const double lag = schedule.dampingAt(static_cast<std::int32_t>(p)) / (stiffness * h);
-    if (schedule.damped) gains.lag[p] = lag;
-    gains.gain[p] = 1.0 / ((1.0 + lag) * w + 1.0 / (stiffness * h * h));
+Compliance complianceOf(const SpringLaw& law, double h) {
+  if (law.stiffness <= 0.0) return {std::numeric_limits<double>::infinity(), 0.0};
+  return {1.0 / (law.stiffness * h * h), law.damping / (law.stiffness * h)};
+}
+
+void setCompliances(const SpringLaws& laws, double h, Compliances& compliances) {
+  compliances.alpha.resize(laws.size());
+  compliances.lag.resize(laws.damped() ? laws.size() : 0);
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    const Compliance of = complianceOf(laws[static_cast<std::int32_t>(k)], h);
+    compliances.alpha[k] = of.alpha;
+    if (laws.damped()) compliances.lag[k] = of.lag;
   }
 }
 
-void correctSprings(const SpringSchedule& s, const SpringGains& gains, PackedParticles& particles) {
-  const auto correctRun = [&](std::int32_t first, std::int32_t count) {
-    const Ends a = endsAt(particles, s.endA[first]);
-    const Ends b = endsAt(particles, s.endB[first]);
-    const double* const rest = s.restLength.data() + first;
-    const double* const gain = gains.gain.data() + first;
-    if (s.damped) {
-      sweepDampedRun(count, a, b, rest, gain, gains.lag.data() + first);
-    } else {
-      sweepRun(count, a, b, rest, gain);
-    }
-  };
-  const auto correctOthers = [&](std::int32_t first, std::int32_t count) {
-    const Others others{s.endA.data() + first, s.endB.data() + first, s.restLength.data() + first,
-                        gains.gain.data() + first, s.damped ? gains.lag.data() + first : nullptr};
-    const Ends all = endsAt(particles, 0);
-    s.damped ? sweepDampedOthers(count, others, all) : sweepOthers(count, others, all);
-  };
-  s.sweep(correctRun, correctOthers);
+void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
+                    PackedParticles& particles) {
+  const Springs springs{schedule.endA.data(), schedule.endB.data(),
+                        schedule.laws.restLength().data(), compliances.alpha.data(),
+                        compliances.lag.data()};
+  const Points points = allPoints(particles);
+  const auto sweep = schedule.laws.damped() ? sweepDamped : sweepElastic;
+  schedule.sweepSpans(
+      [&](const Span* first, const Span* end) { sweep(first, end, springs, points); });
 }
 
 }  // namespace cloth_sim

@@ -9,21 +9,27 @@ namespace cloth_sim {
 /// Keeps the direction of a spring of no length from being 0/0 [m^2].
 constexpr double kTinySquare = 1e-300;
 
-/// Per spring, by position in the schedule. A correction along the spring by
-/// gain * (C + lag * dC), where dC is what C has changed by in this substep, is the damped XPBD
-/// update of Macklin et al. 2016, eqs. 18 and 26, with one iteration.
-struct SpringGains {
-  std::vector<double> gain;  ///< 1 / ((1 + lag) (w_a + w_b) + 1 / (k h^2)) [kg]
-  std::vector<double> lag;   ///< c / (k h) [-]; nothing where no spring is damped
-  double lagAt(std::int32_t p) const { return lag.empty() ? 0.0 : lag[p]; }
+/// What springs give way in a substep, by their place in the laws of the schedule: f along a spring
+/// moves its ends until C + alpha f = 0, or with damping C + lag dC + alpha f = 0, where dC is what
+/// C has changed by in this substep. The update of Macklin et al. 2016, eqs. 18 and 26, with one
+/// iteration.
+struct Compliances {
+  std::vector<double> alpha;  ///< 1 / (k h^2) [1/kg]; infinite where the spring is gone
+  std::vector<double> lag;    ///< c / (k h) [-]; nothing where no spring is damped
 };
 
+/// Of one spring.
+struct Compliance {
+  double alpha = 0.0;
+  double lag = 0.0;
+};
 /// \param h  length of the substep [s].
-void setGains(const SpringSchedule& schedule, const std::vector<double>& inverseMass, double h,
-              SpringGains& gains);
+Compliance complianceOf(const SpringLaw& law, double h);
+
+void setCompliances(const SpringLaws& laws, double h, Compliances& compliances);
 
 /// Moves the ends of every spring, in the order of the schedule.
-void correctSprings(const SpringSchedule& schedule, const SpringGains& gains,
+void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
                     PackedParticles& particles);
 
 }  // namespace cloth_sim

@@ -31,11 +31,13 @@ struct Pull {
   return {f * dx, f * dy, f * dz};
 }
 
-template <bool kDamped>
-[[gnu::always_inline]] inline void pullAll(std::int32_t count, std::int32_t first, std::int32_t a,
-                                           std::int32_t b, const SpringSchedule& s,
+/// Constants of the springs of a run, `kStride` apart: 0 if all have the same.
+template <int kStride, bool kDamped>
+[[gnu::always_inline]] inline void pullAll(const SpringSchedule::Span& span, const SpringLaws& laws,
                                            const PackedVectors& x, const PackedVectors& v,
                                            PackedVectors& force) {
+  const std::int32_t a = span.ends.a;
+  const std::int32_t b = span.ends.b;
   const double* const ax = x.x.data() + a;
   const double* const ay = x.y.data() + a;
   const double* const az = x.z.data() + a;
@@ -48,23 +50,25 @@ template <bool kDamped>
   const double* const bu = v.x.data() + b;
   const double* const bv = v.y.data() + b;
   const double* const bw = v.z.data() + b;
-  const double* const rest = s.restLength.data() + first;
-  const double* const stiffness = s.stiffness.data() + first;
-  const double* const damping = kDamped ? s.damping.data() + first : nullptr;
+  const double* const rest = laws.restLength().data() + span.laws;
+  const double* const stiffness = laws.stiffness().data() + span.laws;
+  const double* const damping = kDamped ? laws.damping().data() + span.laws : nullptr;
   double* const fax = force.x.data() + a;
   double* const fay = force.y.data() + a;
   double* const faz = force.z.data() + a;
   double* const fbx = force.x.data() + b;
   double* const fby = force.y.data() + b;
   double* const fbz = force.z.data() + b;
+  const std::int32_t count = span.count;
 #pragma GCC ivdep
   for (std::int32_t k = 0; k < count; ++k) {
     const double dx = bx[k] - ax[k];
     const double dy = by[k] - ay[k];
     const double dz = bz[k] - az[k];
+    const std::int32_t law = kStride * k;
     const Pull pull = kDamped ? dampedPull(dx, dy, dz, bu[k] - au[k], bv[k] - av[k], bw[k] - aw[k],
-                                           rest[k], stiffness[k], damping[k])
-                              : elasticPull(dx, dy, dz, rest[k], stiffness[k]);
+                                           rest[law], stiffness[law], damping[law])
+                              : elasticPull(dx, dy, dz, rest[law], stiffness[law]);
     fax[k] += pull.x;
     fay[k] += pull.y;
     faz[k] += pull.z;
@@ -75,17 +79,17 @@ template <bool kDamped>
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullRun(std::int32_t count, std::int32_t first, std::int32_t a, std::int32_t b,
-             const SpringSchedule& s, const PackedVectors& x, const PackedVectors& v,
-             PackedVectors& force) {
-  pullAll<false>(count, first, a, b, s, x, v, force);
+void pullRun(const SpringSchedule::Span& span, const SpringLaws& laws, const PackedVectors& x,
+             const PackedVectors& v, PackedVectors& force) {
+  span.isUniform ? pullAll<0, false>(span, laws, x, v, force)
+                 : pullAll<1, false>(span, laws, x, v, force);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullDampedRun(std::int32_t count, std::int32_t first, std::int32_t a, std::int32_t b,
-                   const SpringSchedule& s, const PackedVectors& x, const PackedVectors& v,
-                   PackedVectors& force) {
-  pullAll<true>(count, first, a, b, s, x, v, force);
+void pullDampedRun(const SpringSchedule::Span& span, const SpringLaws& laws, const PackedVectors& x,
+                   const PackedVectors& v, PackedVectors& force) {
+  span.isUniform ? pullAll<0, true>(span, laws, x, v, force)
+                 : pullAll<1, true>(span, laws, x, v, force);
 }
 
 }  // namespace
@@ -93,30 +97,30 @@ void pullDampedRun(std::int32_t count, std::int32_t first, std::int32_t a, std::
 double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
                        const PackedVectors& v, double tau) {
   double sum = 0.0;
-  for (std::int32_t p = 0; p < schedule.size(); ++p) {
-    const auto a = static_cast<std::size_t>(schedule.endA[p]);
-    const auto b = static_cast<std::size_t>(schedule.endB[p]);
+  schedule.forEach([&](const SpringSchedule::Element& spring) {
+    const auto a = static_cast<std::size_t>(spring.a);
+    const auto b = static_cast<std::size_t>(spring.b);
     const Vec3 d = x.at(b) - x.at(a);
     const double length = std::sqrt(d.squaredNorm() + kTinySquare);
     const double rate = d.dot(v.at(b) - v.at(a)) / length;
-    const double extension = length - schedule.restLength[p];
-    sum += 0.5 * schedule.stiffness[p] * extension * extension +
-           0.5 * tau * schedule.dampingAt(p) * rate * rate;
-  }
+    const double extension = length - spring.law.restLength;
+    sum += 0.5 * spring.law.stiffness * extension * extension +
+           0.5 * tau * spring.law.damping * rate * rate;
+  });
   return sum;
 }
 
-void addSpringForce(const SpringSchedule& s, std::int32_t p, const PackedVectors& x,
+void addSpringForce(const SpringSchedule::Element& spring, const PackedVectors& x,
                     const PackedVectors& v, PackedVectors& force) {
-  const auto a = static_cast<std::size_t>(s.endA[p]);
-  const auto b = static_cast<std::size_t>(s.endB[p]);
+  const auto a = static_cast<std::size_t>(spring.a);
+  const auto b = static_cast<std::size_t>(spring.b);
+  const auto& [rest, stiffness, damping] = spring.law;
   const double dx = x.x[b] - x.x[a];
   const double dy = x.y[b] - x.y[a];
   const double dz = x.z[b] - x.z[a];
-  const Pull pull = s.damped
-                        ? dampedPull(dx, dy, dz, v.x[b] - v.x[a], v.y[b] - v.y[a], v.z[b] - v.z[a],
-                                     s.restLength[p], s.stiffness[p], s.damping[p])
-                        : elasticPull(dx, dy, dz, s.restLength[p], s.stiffness[p]);
+  const Pull pull = damping > 0.0 ? dampedPull(dx, dy, dz, v.x[b] - v.x[a], v.y[b] - v.y[a],
+                                               v.z[b] - v.z[a], rest, stiffness, damping)
+                                  : elasticPull(dx, dy, dz, rest, stiffness);
   force.x[a] += pull.x;
   force.y[a] += pull.y;
   force.z[a] += pull.z;
@@ -127,13 +131,10 @@ void addSpringForce(const SpringSchedule& s, std::int32_t p, const PackedVectors
 
 void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
                      PackedVectors& force) {
+  const auto pull = schedule.laws.damped() ? pullDampedRun : pullRun;
   schedule.sweep(
-      [&](std::int32_t first, std::int32_t count) {
-        const auto pull = schedule.damped ? pullDampedRun : pullRun;
-        pull(count, first, schedule.endA[first], schedule.endB[first], schedule, x, v, force);
-      },
-      SpringSchedule::each(
-          [&](std::int32_t position) { addSpringForce(schedule, position, x, v, force); }));
+      [&](const SpringSchedule::Span& span) { pull(span, schedule.laws, x, v, force); },
+      [&](const SpringSchedule::Element& spring) { addSpringForce(spring, x, v, force); });
 }
 
 }  // namespace cloth_sim

@@ -10,8 +10,8 @@ namespace cloth_sim {
 void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
                      PackedVectors& force);
 
-/// The same for the spring at one position of the schedule.
-void addSpringForce(const SpringSchedule& schedule, std::int32_t position, const PackedVectors& x,
+/// The same for one spring.
+void addSpringForce(const SpringSchedule::Element& spring, const PackedVectors& x,
                     const PackedVectors& v, PackedVectors& force);
 
 /// Sum of 1/2 k (l - l0)^2 + tau/2 c (dl/dt)^2: its change along the motion x' = v is what springs

@@ -68,33 +68,34 @@ void SpringMatrix::linearise(const Elements& elements, const PackedVectors& x, d
   along_.resize(count);
   across_.resize(count);
   diagonal_ = diagonal;
-  for (std::size_t p = 0; p < count; ++p) {
-    const Vec3 d = x.at(static_cast<std::size_t>(schedule.endB[p])) -
-                   x.at(static_cast<std::size_t>(schedule.endA[p]));
+  schedule.forEach([&](const SpringSchedule::Element& spring) {
+    const auto p = static_cast<std::size_t>(spring.position);
+    const Vec3 d =
+        x.at(static_cast<std::size_t>(spring.b)) - x.at(static_cast<std::size_t>(spring.a));
     const double length = std::sqrt(d.squaredNorm() + kTinySquare);
     direction_.set(p, d / length);
-    const double k = elastic * schedule.stiffness[p];
-    across_[p] = k * std::max(0.0, 1.0 - schedule.restLength[p] / length);
-    along_[p] = k + viscous * schedule.dampingAt(static_cast<std::int32_t>(p)) - across_[p];
-  }
+    const double k = elastic * spring.law.stiffness;
+    across_[p] = k * std::max(0.0, 1.0 - spring.law.restLength / length);
+    along_[p] = k + viscous * spring.law.damping - across_[p];
+  });
   factoriseBlocks(elements);
 }
 
 void SpringMatrix::factoriseBlocks(const Elements& elements) {
-  const SpringSchedule& schedule = elements.springs;
   const std::size_t n = diagonal_.size();
   blockDiagonal_.x = blockDiagonal_.y = blockDiagonal_.z = diagonal_;
   setZero(n, blockOffDiagonal_);
-  for (std::size_t p = 0; p < along_.size(); ++p) {
+  elements.springs.forEach([&](const SpringSchedule::Element& spring) {
+    const auto p = static_cast<std::size_t>(spring.position);
     const Vec3 u = direction_.at(p);
     const Vec3 squares = along_[p] * u.cwiseProduct(u) + Vec3::Constant(across_[p]);
     const Vec3 products = along_[p] * Vec3(u.x() * u.y(), u.y() * u.z(), u.x() * u.z());
-    for (const std::int32_t end : {schedule.endA[p], schedule.endB[p]}) {
+    for (const std::int32_t end : {spring.a, spring.b}) {
       const auto k = static_cast<std::size_t>(end);
       blockDiagonal_.set(k, blockDiagonal_.at(k) + squares);
       blockOffDiagonal_.set(k, blockOffDiagonal_.at(k) + products);
     }
-  }
+  });
   for (std::size_t k = 0; k < n; ++k) {
     const Vec3 d = blockDiagonal_.at(k) + Vec3::Constant(bendScale_ * elements.bending.diagonal(k));
     const Vec3 o = blockOffDiagonal_.at(k);
@@ -109,19 +110,20 @@ void SpringMatrix::factoriseBlocks(const Elements& elements) {
 
 void SpringMatrix::multiply(const Elements& elements, const PackedVectors& p,
                             PackedVectors& q) const {
-  const SpringSchedule& schedule = elements.springs;
   const std::size_t n = diagonal_.size();
   q.resize(n);
   forAxes(
       [&](const auto& from, auto& to) { scaleAxis(n, diagonal_.data(), from.data(), to.data()); },
       p, q);
-  const auto run = [&](std::int32_t first, std::int32_t count) {
-    const std::int32_t a = schedule.endA[first];
-    const std::int32_t b = schedule.endB[first];
+  const auto run = [&](std::int32_t first, std::int32_t count, std::int32_t a, std::int32_t b) {
     multiplyRun(count, axesAt(direction_, first), along_.data() + first, across_.data() + first,
                 axesAt(p, a), axesAt(p, b), axesAt(q, a), axesAt(q, b));
   };
-  schedule.sweep(run, SpringSchedule::each([&](std::int32_t position) { run(position, 1); }));
+  elements.springs.sweep(
+      [&](const SpringSchedule::Span& span) {
+        run(span.first, span.count, span.ends.a, span.ends.b);
+      },
+      [&](const SpringSchedule::Element& spring) { run(spring.position, 1, spring.a, spring.b); });
   elements.bending.addProduct(bendScale_, p, q);
   forAxes([&](auto& axis) { maskAxis(n, diagonal_.data(), axis.data()); }, q);
 }

@@ -156,6 +156,14 @@ std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::End
   return at;
 }
 
+/// Consecutive springs that have the same law, and those behind them.
+const std::int32_t* endOfLaw(const SpringNetwork& springs, const std::int32_t* begin,
+                             const std::int32_t* end) {
+  const SpringLaw law = SpringLaw::of(springs[*begin]);
+  return std::find_if(begin + 1, end,
+                      [&](std::int32_t slot) { return !(SpringLaw::of(springs[slot]) == law); });
+}
+
 /// Which strand a set of springs goes to.
 struct Strands {
   std::size_t count = 0;
@@ -191,29 +199,39 @@ Strands divide(Colours begin, Colours end, const RootOf& rootOf) {
 
 }  // namespace
 
+SpringSchedule::Extent SpringSchedule::extent() const {
+  return {endA.size(), laws.size(), spans_.size(), strands_.size(), batches_.size()};
+}
+
+void SpringSchedule::truncate(const Extent& extent) {
+  endA.resize(extent.others);
+  endB.resize(extent.others);
+  laws.resize(extent.laws);
+  spans_.resize(extent.spans);
+  strands_.resize(extent.strands);
+  batches_.resize(extent.batches);
+}
+
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate({});
-  originalSlots_ = static_cast<std::int32_t>(model.springs.slots().size());
-  std::vector<std::int32_t> all(originalSlots_);
+  std::vector<std::int32_t> all(model.springs.slots().size());
   std::iota(all.begin(), all.end(), 0);
-  position_.assign(originalSlots_, kNone);
-  const auto springs = static_cast<std::size_t>(model.springs.count());
-  for (auto* ends : {&endA, &endB}) ends->reserve(springs);
-  for (auto* constants : {&restLength, &stiffness}) constants->reserve(springs);
+  home_.assign(all.size(), kNone);
+  isAppended_.clear();
   append(model, slotOf, colour(model, all));
-  originalPosition_.clear();
-  original_ = {endA.size(), spans_.size(), strands_.size(), batches_.size()};
+  original_ = extent();
 }
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
                             const std::vector<std::int32_t>& slotOf) {
-  if (originalPosition_.empty()) originalPosition_ = position_;
-  position_.resize(model.springs.slots().size(), kNone);
   isAppended_.resize(model.springs.slots().size(), false);
+  truncate(original_);
   for (const auto* slots : {&changes.removed, &changes.modified, &changes.added}) {
     for (std::int32_t slot : *slots) settle(model.springs[slot], slot, slotOf);
   }
-  truncate(original_);
+  // Where nearly all have changed, runs may have one law as before.
+  if (2 * changes.modified.size() > isAppended_.size()) gatherLaws();
+  original_ = extent();
   std::vector<std::int32_t> appended;
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(isAppended_.size()); ++slot) {
     if (isAppended_[slot]) appended.push_back(slot);
@@ -223,17 +241,48 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
 
 void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
                             const std::vector<std::int32_t>& slotOf) {
-  const std::int32_t home = slot < originalSlots_ ? originalPosition_[slot] : kNone;
-  const bool atHome = spring.exists() && home != kNone && endA[home] == slotOf[spring.a] &&
-                      endB[home] == slotOf[spring.b];
-  if (atHome) {
-    place(spring, home, slotOf);
-    position_[slot] = home;
-  } else if (home != kNone) {
-    stiffness[home] = 0.0;
-    if (damped) damping[home] = 0.0;
+  const std::int32_t home = slot < static_cast<std::int32_t>(home_.size()) ? home_[slot] : kNone;
+  bool atHome = false;
+  if (home != kNone) {
+    const auto before = [](std::int32_t position, const Span& s) { return position < s.first; };
+    Span& span = *(std::upper_bound(spans_.begin(), spans_.end(), home, before) - 1);
+    const Ends ends = endsOf(span, home - span.first);
+    atHome = spring.exists() && ends.a == slotOf[spring.a] && ends.b == slotOf[spring.b];
+    setLaw(atHome ? SpringLaw::of(spring) : SpringLaw{}, span, home - span.first);
   }
   isAppended_[slot] = spring.exists() && !atHome;
+}
+
+void SpringSchedule::setLaw(const SpringLaw& law, Span& span, std::int32_t k) {
+  if (lawOf(span, k) == law) return;
+  if (span.isUniform) spreadLaw(span);
+  laws.set(span.laws + k, law);
+}
+
+/// Gives every spring of a uniform run a law of its own.
+void SpringSchedule::spreadLaw(Span& span) {
+  const SpringLaw law = lawOf(span, 0);
+  span.laws = static_cast<std::int32_t>(laws.size());
+  span.isUniform = false;
+  for (std::int32_t k = 0; k < span.count; ++k) laws.append(law);
+}
+
+/// Keeps one law for every run that has no other, and none that nobody has.
+void SpringSchedule::gatherLaws() {
+  SpringLaws gathered;
+  for (Span& span : spans_) {
+    const auto end = static_cast<std::int32_t>(gathered.size());
+    bool isUniform = span.isRun;
+    for (std::int32_t k = 1; k < span.count; ++k) {
+      isUniform = isUniform && lawOf(span, k) == lawOf(span, 0);
+    }
+    for (std::int32_t k = 0; k < (isUniform ? 1 : span.count); ++k) {
+      gathered.append(lawOf(span, k));
+    }
+    span.isUniform = isUniform;
+    span.laws = end;
+  }
+  laws = std::move(gathered);
 }
 
 SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
@@ -262,7 +311,11 @@ void SpringSchedule::appendLater(const Model& model, const std::vector<std::int3
       const std::size_t end = std::min(first + kLaterStrand, slots.size());
       Strand strand;
       strand.firstSpan = static_cast<std::int32_t>(spans_.size());
-      appendSpan(model.springs, slotOf, {slots.begin() + first, slots.begin() + end}, false);
+      const auto endsOf = [&](std::int32_t slot) {
+        const Spring& spring = model.springs[slot];
+        return Ends{slotOf[spring.a], slotOf[spring.b]};
+      };
+      appendSpan(model.springs, endsOf, slots.data() + first, slots.data() + end, {});
       strand.endSpan = static_cast<std::int32_t>(spans_.size());
       strands_.push_back(strand);
     }
@@ -304,7 +357,7 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
         strands[strandOf.byRoot[rootOf(slot)]][c - first].push_back(slot);
       }
     }
-    for (const Coloured& strand : strands) appendStrand(model.springs, slotOf, ends, strand);
+    for (const Coloured& strand : strands) appendStrand(model.springs, ends, strand);
     batch.endStrand = static_cast<std::int32_t>(strands_.size());
     batch.springs = size() - before;
     if (batch.springs > 0) batches_.push_back(batch);
@@ -312,76 +365,72 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
   }
 }
 
-void SpringSchedule::appendStrand(const SpringNetwork& springs,
-                                  const std::vector<std::int32_t>& slotOf,
-                                  const std::vector<Ends>& ends, const Coloured& colours) {
+void SpringSchedule::appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,
+                                  const Coloured& colours) {
   Strand strand;
   strand.firstSpan = static_cast<std::int32_t>(spans_.size());
-  for (const std::vector<std::int32_t>& slots : colours) appendColour(springs, slotOf, ends, slots);
+  for (const std::vector<std::int32_t>& slots : colours) appendColour(springs, ends, slots);
   strand.endSpan = static_cast<std::int32_t>(spans_.size());
   strands_.push_back(strand);
 }
 
-void SpringSchedule::appendColour(const SpringNetwork& springs,
-                                  const std::vector<std::int32_t>& slotOf,
-                                  const std::vector<Ends>& ends,
+void SpringSchedule::appendColour(const SpringNetwork& springs, const std::vector<Ends>& ends,
                                   const std::vector<std::int32_t>& slots) {
   const std::vector<std::int32_t> sorted = sortedByFirstEnd(ends, slots);
+  const auto endsOf = [&](std::int32_t slot) { return ends[slot]; };
   const auto follows = [&](std::int32_t s, std::int32_t t) {
     return ends[t].a == ends[s].a + 1 && ends[t].b == ends[s].b + 1;
   };
   std::vector<std::int32_t> singles;
-  for (auto at = sorted.begin(); at != sorted.end();) {
-    auto stop = at + 1;
-    while (stop != sorted.end() && follows(*(stop - 1), *stop)) ++stop;
-    if (stop - at >= kShortestRun) {
-      appendSpan(springs, slotOf, {at, stop}, true);
-    } else {
-      singles.insert(singles.end(), at, stop);
+  const auto appendRun = [&](const std::int32_t* begin, const std::int32_t* end, bool isUniform) {
+    if (end - begin < kShortestRun) {
+      singles.insert(singles.end(), begin, end);
+      return;
     }
-    at = stop;
+    Span run;
+    run.isRun = true;
+    run.isUniform = isUniform;
+    appendSpan(springs, endsOf, begin, end, run);
+  };
+  const std::int32_t* const last = sorted.data() + sorted.size();
+  for (const std::int32_t* at = sorted.data(); at != last;) {
+    const std::int32_t* stop = at + 1;
+    while (stop != last && follows(*(stop - 1), *stop)) ++stop;
+    const std::int32_t* mixed = at;  // up to where laws change too often for uniform runs
+    while (at != stop) {
+      const std::int32_t* const same = endOfLaw(springs, at, stop);
+      if (same - at >= kShortestRun) {
+        appendRun(mixed, at, false);
+        appendRun(at, same, true);
+        mixed = same;
+      }
+      at = same;
+    }
+    appendRun(mixed, stop, false);
   }
-  if (!singles.empty()) appendSpan(springs, slotOf, singles, false);
+  appendSpan(springs, endsOf, singles.data(), singles.data() + singles.size(), {});
 }
 
-void SpringSchedule::appendSpan(const SpringNetwork& springs,
-                                const std::vector<std::int32_t>& slotOf,
-                                const std::vector<std::int32_t>& slots, bool isRun) {
-  spans_.push_back({size(), static_cast<std::int32_t>(slots.size()), isRun});
-  for (std::int32_t slot : slots) {
-    const std::int32_t position = size();
-    position_[slot] = position;
-    endA.push_back(kNone);
-    endB.push_back(kNone);
-    restLength.push_back(0.0);
-    stiffness.push_back(0.0);
-    if (damped) damping.push_back(0.0);
-    place(springs[slot], position, slotOf);
+template <typename EndsOf>
+void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& endsOf,
+                                const std::int32_t* slot, const std::int32_t* end, Span span) {
+  if (slot == end) return;
+  const auto originals = static_cast<std::int32_t>(home_.size());
+  span.first = size();
+  span.count = static_cast<std::int32_t>(end - slot);
+  span.others = static_cast<std::int32_t>(endA.size());
+  span.laws = static_cast<std::int32_t>(laws.size());
+  if (span.isRun) span.ends = endsOf(*slot);
+  if (span.isUniform) laws.append(SpringLaw::of(springs[*slot]));
+  for (std::int32_t position = span.first; slot != end; ++slot, ++position) {
+    if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;
+    if (!span.isUniform) laws.append(SpringLaw::of(springs[*slot]));
+    if (span.isRun) continue;
+    const Ends ends = endsOf(*slot);
+    endA.push_back(ends.a);
+    endB.push_back(ends.b);
   }
-}
-
-void SpringSchedule::place(const Spring& spring, std::int32_t position,
-                           const std::vector<std::int32_t>& slotOf) {
-  endA[position] = slotOf[spring.a];
-  endB[position] = slotOf[spring.b];
-  restLength[position] = spring.restLength;
-  stiffness[position] = spring.stiffness;
-  if (spring.damping > 0.0 && !damped) {
-    damped = true;
-    damping.assign(endA.size(), 0.0);
-  }
-  if (damped) damping[position] = spring.damping;
-}
-
-void SpringSchedule::truncate(const Extent& extent) {
-  endA.resize(extent.positions);
-  endB.resize(extent.positions);
-  restLength.resize(extent.positions);
-  stiffness.resize(extent.positions);
-  if (damped) damping.resize(extent.positions);
-  spans_.resize(extent.spans);
-  strands_.resize(extent.strands);
-  batches_.resize(extent.batches);
+  spans_.push_back(span);
 }
 
 }  // namespace cloth_sim

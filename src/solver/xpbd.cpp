@@ -47,26 +47,26 @@ class Xpbd final : public PackedSolver {
   /// A spring between a free and a prescribed particle; solved after the others, one by one, so
   /// that its impulse on the holder is known.
   struct Attachment {
-    std::int32_t position = kNone;  ///< in the schedule
     std::int32_t freeSlot = kNone;
     std::int32_t heldSlot = kNone;
     std::size_t held = 0;  ///< index of the kinematic target
-    double gain = 0.0;
-    double lag = 0.0;
+    double restLength = 0.0;
+    Compliance compliance;
   };
 
   void loadBending(const Model& model) override;
   void prepare(const Controls& controls, double h) override;
   void substep(const Substep& now) override;
 
-  void takeAttachments();
+  void listAttachments();
   void predict(const Substep& now);
   void applyLoads(const Substep& now);
+  void sweep(double fraction);
   void solveAttachments(double h);
   void solveBending(double h);
 
-  double gainStep_ = 0.0;  ///< the h that gains_ are for
-  SpringGains gains_;
+  double complianceStep_ = 0.0;  ///< the h that compliances_ are for
+  Compliances compliances_;
   std::vector<Attachment> attachments_;
   BendSweep bending_;
   double retardation_ = 0.0;  ///< of bending [s]
@@ -78,35 +78,32 @@ void Xpbd::loadBending(const Model& model) {
 }
 
 void Xpbd::prepare(const Controls& /*controls*/, double h) {
-  if (layoutChanged_ || gainStep_ != h) {
-    gainStep_ = h;
-    setGains(schedule_, particles_.inverseMass, h, gains_);
-    takeAttachments();
+  if (layoutChanged_ || complianceStep_ != h) {
+    complianceStep_ = h;
+    setCompliances(schedule_.laws, h, compliances_);
+    listAttachments();
     if (!bending_.empty()) bending_.setStep(h, retardation_, particles_.inverseMass);
   }
   setSum(particles_.x, -h, particles_.v, particles_.start);
 }
 
-void Xpbd::takeAttachments() {
+void Xpbd::listAttachments() {
   attachments_.clear();
   if (kinematicSlots_.empty()) return;
-  for (std::int32_t p = 0; p < schedule_.size(); ++p) {
-    const std::int32_t a = schedule_.endA[p];
-    const std::int32_t b = schedule_.endB[p];
-    const bool heldA = targetOf()[a] != kNone;
-    const bool heldB = targetOf()[b] != kNone;
-    if (heldA == heldB) continue;
-    const std::int32_t held = heldA ? a : b;
-    attachments_.push_back({p, heldA ? b : a, held, static_cast<std::size_t>(targetOf()[held]),
-                            gains_.gain[p], gains_.lagAt(p)});
-    gains_.gain[p] = 0.0;
-  }
+  schedule_.forEach([this](const SpringSchedule::Element& spring) {
+    const bool heldA = targetOf()[spring.a] != kNone;
+    const bool heldB = targetOf()[spring.b] != kNone;
+    if (heldA == heldB) return;
+    const std::int32_t held = heldA ? spring.a : spring.b;
+    attachments_.push_back({heldA ? spring.b : spring.a, held,
+                            static_cast<std::size_t>(targetOf()[held]), spring.law.restLength,
+                            complianceOf(spring.law, complianceStep_)});
+  });
 }
 
 void Xpbd::substep(const Substep& now) {
   predict(now);
-  placeKinematic(now.fraction);
-  correctSprings(schedule_, gains_, particles_);
+  sweep(now.fraction);
   solveAttachments(now.h);
   if (!bending_.empty()) solveBending(now.h);
   now.contacts.project(particles_.view(), now.time, now.h);
@@ -151,6 +148,17 @@ void Xpbd::applyLoads(const Substep& now) {
   }
 }
 
+/// Springs between a free and a prescribed particle have their turn later: here the prescribed one
+/// counts as weightless and takes the whole correction, until it is put back.
+void Xpbd::sweep(double fraction) {
+  constexpr double kWeightless = 1e200;  // [1/kg]
+  placeKinematic(fraction);
+  for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = kWeightless;
+  correctSprings(schedule_, compliances_, particles_);
+  for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = 0.0;
+  placeKinematic(fraction);
+}
+
 void Xpbd::solveAttachments(double h) {
   for (const Attachment& at : attachments_) {
     const auto free = static_cast<std::size_t>(at.freeSlot);
@@ -160,9 +168,11 @@ void Xpbd::solveAttachments(double h) {
     const Vec3 direction = d / length;
     const double moved =
         length - direction.dot(particles_.start.at(held) - particles_.start.at(free));
+    const double w = particles_.inverseMass[free];
+    const auto [alpha, lag] = at.compliance;
     // The multiplier of eq. 18: the impulse is this over h.
-    const double pull = at.gain * (length - schedule_.restLength[at.position] + at.lag * moved);
-    particles_.x.set(free, particles_.x.at(free) + particles_.inverseMass[free] * pull * direction);
+    const double pull = (length - at.restLength + lag * moved) / ((1.0 + lag) * w + alpha);
+    particles_.x.set(free, particles_.x.at(free) + w * pull * direction);
     addReaction(at.held, -pull / h * direction);
   }
 }

@@ -136,7 +136,7 @@ bool staysBounded(const SolverInfo& method, const VibratingSystem& system, doubl
   for (int k = 0; k < kSteps; ++k) {
     const StepReport& report = solver->step(system.model, state, controls, contacts, {h});
     const double now = amplitude(system, state);
-    if (report.status == StepStatus::kNotFinite || !(now < bound)) return false;
+    if (report.status == StepStatus::kDiverged || !(now < bound)) return false;
     if (k < kWindow) first = std::max(first, now);
     if (k >= kSteps - kWindow) last = std::max(last, now);
   }

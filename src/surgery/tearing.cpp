@@ -74,6 +74,7 @@ Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::
   for (std::int32_t slot = 0; slot < slots; ++slot) {
     if (allowed(model, model.springs[slot])) candidates_.push_back(slot);
   }
+  candidates_.shrink_to_fit();
 }
 
 bool Tearing::allowed(const Model& model, const Spring& spring) const {

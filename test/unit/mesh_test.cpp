@@ -75,7 +75,7 @@ TEST(Grid, NumbersVerticesRowByRowAndCutsCellsAlongTheRisingDiagonal) {
   EXPECT_EQ(mesh.vertexCount(), 12);
   EXPECT_EQ(mesh.faceCount(), 2 * 3 * 2);  // two per cell
   EXPECT_EQ(grid.vertex(3, 2), 11);
-  EXPECT_EQ(mesh.material(grid.vertex(3, 2)), Vec2(3 * (0.6 / 3), 2 * (0.8 / 2)));
+  EXPECT_EQ(mesh.material(grid.vertex(3, 2)), Vec2(0.6, 0.8));
   EXPECT_EQ(mesh.revision(), 0U);
   EXPECT_EQ(describeDefect(mesh), "");
   EXPECT_EQ(mesh.facesOnEdge(grid.vertex(0, 0), grid.vertex(1, 1))[1], 1);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 #include "cloth_sim/solver/packed_particles.h"
 #include "cloth_sim/surgery/operation.h"
@@ -15,36 +16,41 @@ namespace {
 
 using namespace testing_support;
 
-/// Every existing spring has one position, with its ends and constants; all other positions are
-/// without effect.
+/// By position.
+std::vector<SpringSchedule::Element> elementsOf(const SpringSchedule& schedule) {
+  std::vector<SpringSchedule::Element> elements;
+  schedule.forEach([&](const SpringSchedule::Element& spring) {
+    EXPECT_EQ(spring.position, static_cast<std::int32_t>(elements.size()));
+    elements.push_back(spring);
+  });
+  EXPECT_EQ(elements.size(), static_cast<std::size_t>(schedule.size()));
+  return elements;
+}
+
+/// The springs there are, with their ends and laws, are the elements that have a law.
 void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedule,
                                 const std::vector<std::int32_t>& slotOf) {
-  std::set<std::int32_t> used;
-  const std::vector<Spring>& springs = model.springs.slots();
-  for (std::size_t slot = 0; slot < springs.size(); ++slot) {
-    const Spring& spring = springs[slot];
+  using Row = std::tuple<std::int32_t, std::int32_t, double, double, double>;
+  const auto row = [](std::int32_t a, std::int32_t b, const SpringLaw& law) {
+    return Row(a, b, law.restLength, law.stiffness, law.damping);
+  };
+  std::multiset<Row> expected, found;
+  for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
-    const std::int32_t p = schedule.positionOf(static_cast<std::int32_t>(slot));
-    ASSERT_TRUE(p >= 0 && p < schedule.size()) << "spring " << slot;
-    EXPECT_TRUE(used.insert(p).second) << "two springs at position " << p;
-    EXPECT_EQ(schedule.endA[p], slotOf[spring.a]);
-    EXPECT_EQ(schedule.endB[p], slotOf[spring.b]);
-    EXPECT_EQ(schedule.restLength[p], spring.restLength);
-    EXPECT_EQ(schedule.stiffness[p], spring.stiffness);
-    EXPECT_EQ(schedule.dampingAt(p), spring.damping);
+    expected.insert(row(slotOf[spring.a], slotOf[spring.b], SpringLaw::of(spring)));
   }
-  for (std::int32_t p = 0; p < schedule.size(); ++p) {
-    if (used.count(p) != 0) continue;
-    EXPECT_EQ(schedule.stiffness[p], 0.0) << "position " << p << " is nobody's";
-    EXPECT_EQ(schedule.dampingAt(p), 0.0);
+  for (const SpringSchedule::Element& spring : elementsOf(schedule)) {
+    if (!(spring.law == SpringLaw{})) found.insert(row(spring.a, spring.b, spring.law));
   }
+  EXPECT_TRUE(found == expected);
 }
 
 /// Batches cover every position once. Springs of a span share no particle (one colour), and neither
 /// do strands of a batch (they may run at once): not even springs without effect, as they too are
 /// written.
 void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
-  std::vector<int> visits(static_cast<std::size_t>(schedule.size()), 0);
+  const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
+  std::vector<int> visits(elements.size(), 0);
   for (const SpringSchedule::Batch& batch : schedule.batches()) {
     std::set<std::int32_t> ofBatch;
     for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
@@ -55,12 +61,9 @@ void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
         std::set<std::int32_t> ofSpan;
         for (std::int32_t p = span.first; p < span.first + span.count; ++p) {
           ++visits[p];
-          EXPECT_TRUE(ofSpan.insert(schedule.endA[p]).second) << "position " << p;
-          EXPECT_TRUE(ofSpan.insert(schedule.endB[p]).second) << "position " << p;
-          if (span.isRun) {
-            EXPECT_EQ(schedule.endA[p], schedule.endA[span.first] + p - span.first);
-            EXPECT_EQ(schedule.endB[p], schedule.endB[span.first] + p - span.first);
-          }
+          EXPECT_TRUE(ofSpan.insert(elements[p].a).second) << "position " << p;
+          EXPECT_TRUE(ofSpan.insert(elements[p].b).second) << "position " << p;
+          EXPECT_TRUE(span.isRun || !span.isUniform);
         }
         ofStrand.insert(ofSpan.begin(), ofSpan.end());
       }
@@ -83,10 +86,11 @@ void expectGoodSchedule(Model model) {
   expectBatchesAreConflictFree(schedule);
 }
 
-double shareInRuns(const SpringSchedule& schedule) {
-  std::int32_t inRuns = 0;
-  for (const SpringSchedule::Span& span : schedule.spans()) inRuns += span.isRun ? span.count : 0;
-  return static_cast<double>(inRuns) / schedule.size();
+/// Part of the springs that is in spans of a kind.
+double shareIn(bool SpringSchedule::Span::*kind, const SpringSchedule& schedule) {
+  std::int32_t springs = 0;
+  for (const SpringSchedule::Span& span : schedule.spans()) springs += span.*kind ? span.count : 0;
+  return static_cast<double>(springs) / schedule.size();
 }
 
 struct Scheduled {
@@ -148,7 +152,46 @@ TEST(SpringSchedule, OfAGridNeedsFewBatchesAndIsNearlyAllRuns) {
   // interleaving to the next) are springs left over: fewer than one in ten at 64 columns.
   const Scheduled grid(clothOf(64, 64, 1.0 / 63.0));
   EXPECT_LE(grid.schedule.batches().size(), 4U);
-  EXPECT_GT(shareInRuns(grid.schedule), 0.9);
+  EXPECT_GT(shareIn(&SpringSchedule::Span::isRun, grid.schedule), 0.9);
+}
+
+TEST(SpringSchedule, OfAGridHasTheLawOfARunOnce) {
+  for (const double spacing : {1.0 / 63.0, 0.1, 0.7 / 63.0}) {
+    const Scheduled grid(clothOf(64, 50, spacing));
+    EXPECT_GT(shareIn(&SpringSchedule::Span::isUniform, grid.schedule), 0.9) << spacing;
+    EXPECT_LT(grid.schedule.laws.size(), 0.15 * grid.schedule.size()) << spacing;
+  }
+}
+
+/// Both have the same springs at the same positions.
+void expectSame(const SpringSchedule& a, const SpringSchedule& b) {
+  const std::vector<SpringSchedule::Element> ofA = elementsOf(a);
+  const std::vector<SpringSchedule::Element> ofB = elementsOf(b);
+  ASSERT_EQ(ofA.size(), ofB.size());
+  for (std::size_t p = 0; p < ofA.size(); ++p) {
+    EXPECT_EQ(ofA[p].a, ofB[p].a);
+    EXPECT_EQ(ofA[p].b, ofB[p].b);
+    EXPECT_TRUE(ofA[p].law == ofB[p].law) << "position " << p;
+  }
+}
+
+TEST(SpringSchedule, RunsHaveOneLawAgainWhenAllSpringsAreTuned) {
+  Scheduled grid(clothOf(64, 50, 0.1));
+  const std::size_t before = grid.schedule.laws.size();
+  const SpringChanges changes = grid.model.springs.setScale(grid.model.mesh, 3.0);
+  grid.schedule.follow(grid.model, changes, grid.particles.slotOf);
+  EXPECT_EQ(grid.schedule.laws.size(), before);
+  expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
+}
+
+TEST(SpringSchedule, OfOneSpringThatGoesOnlyItsRunGetsLawsOfItsOwn) {
+  Scheduled grid(clothOf(64, 50, 0.1));
+  const std::size_t before = grid.schedule.laws.size();
+  const auto middle = static_cast<std::int32_t>(grid.model.springs.slots().size() / 2);
+  const SpringChanges changes = grid.model.springs.clear({middle});
+  grid.schedule.follow(grid.model, changes, grid.particles.slotOf);
+  EXPECT_LE(grid.schedule.laws.size(), before + 64);
+  expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
 }
 
 TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
@@ -156,6 +199,7 @@ TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
   const int rows = 96;
   const Scheduled grid(clothOf(96, rows, 1.0 / 95.0));
   const SpringSchedule& schedule = grid.schedule;
+  const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
   const auto rowOf = [](std::int32_t slot) { return slot / 96; };
   for (const SpringSchedule::Batch& batch : schedule.batches()) {
     const std::int32_t strands = batch.endStrand - batch.firstStrand;
@@ -169,7 +213,7 @@ TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
       for (std::int32_t k = strand.firstSpan; k < strand.endSpan; ++k) {
         const SpringSchedule::Span& span = schedule.spans()[k];
         for (std::int32_t p = span.first; p < span.first + span.count; ++p) {
-          for (const std::int32_t end : {schedule.endA[p], schedule.endB[p]}) {
+          for (const std::int32_t end : {elements[p].a, elements[p].b}) {
             if (isFirst) lastOfFirstHalf = std::max(lastOfFirstHalf, rowOf(end));
             if (!isFirst) firstOfSecondHalf = std::min(firstOfSecondHalf, rowOf(end));
           }
@@ -225,14 +269,7 @@ TEST(SpringSchedule, DependsOnTheSlotsAloneAndNotOnTheOrderOfEdits) {
   }
   all.modified.assign(seen.begin(), seen.end());
   atOnce.schedule.follow(atOnce.model, all, atOnce.particles.slotOf);
-  EXPECT_EQ(atOnce.schedule.endA, stepwise.schedule.endA);
-  EXPECT_EQ(atOnce.schedule.endB, stepwise.schedule.endB);
-  EXPECT_EQ(atOnce.schedule.stiffness, stepwise.schedule.stiffness);
-  // A spring that changed before it went leaves another length behind, without effect.
-  for (std::int32_t p = 0; p < stepwise.schedule.size(); ++p) {
-    if (stepwise.schedule.stiffness[p] == 0.0) continue;
-    EXPECT_EQ(atOnce.schedule.restLength[p], stepwise.schedule.restLength[p]) << p;
-  }
+  expectSame(atOnce.schedule, stepwise.schedule);
 }
 
 TEST(PackedParticles, LayOutIsAPermutationOfTheGrid) {

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <set>
 
 #include "unit/core_support.h"
@@ -381,6 +382,21 @@ TEST_P(Methods, ConvergesWithDashpotsToo) {
 
 // ---- what holders bear
 // ---------------------------------------------------------------------------
+
+TEST_P(Methods, AStepThatDivergesLeavesTheStateAlone) {
+  const Model model = buildModel(clothOf(4, 4, 0.1, softFabric()));
+  for (const double speed : {1e6, std::numeric_limits<double>::quiet_NaN()}) {
+    State state = flatState(model);
+    for (Vec3& v : state.v) v.z() = speed;
+    const State before = state;
+    Contacts contacts;
+    const std::unique_ptr<Solver> solver = makeSolver(info(), model, 4);
+    EXPECT_EQ(solver->step(model, state, Controls(), contacts, {0.01}).status,
+              StepStatus::kDiverged);
+    EXPECT_EQ(stateHash(model, state), stateHash(model, before));
+    EXPECT_EQ(state.t, before.t);
+  }
+}
 
 TEST_P(Methods, AHeldClothInTheWindIsBorneByItsHolders) {
   // Every particle is held, so its holders bear its weight and 1/2 rho c A |v|^2 along the normal.

@@ -4,43 +4,15 @@
 #include <array>
 #include <optional>
 #include <set>
-#include <string>
 
 #include "cloth_sim/cloth/fabric.h"
 #include "cloth_sim/cloth/raw_shares.h"
+#include "cloth_sim/cloth/spring.h"
 #include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
 namespace cloth_sim {
-
-enum class SpringKind : std::uint8_t { kStructural, kShear, kBend };
-constexpr int kSpringKinds = 3;
-/// "structural", "shear" or "bend".
-const char* toString(SpringKind kind);
-
-/// Direction of a spring in the weave.
-enum class ThreadDirection : std::uint8_t { kWarp, kWeft, kBias };
-
-struct Spring {
-  VertexId a = kNone;
-  VertexId b = kNone;
-  SpringKind kind = SpringKind::kStructural;
-  ThreadDirection direction = ThreadDirection::kWarp;
-  /// The vertices whose faces the spring stands on: its own ends if it is a mesh edge, the ends of
-  /// the edge that it crosses, or (bend) the vertex that it bridges and kNone.
-  std::array<VertexId, 2> support{kNone, kNone};
-  double restLength = 0.0;  ///< [m]
-  double stiffness = 0.0;   ///< [N/m]
-  double damping = 0.0;     ///< dashpot along the spring [N s/m]
-
-  bool exists() const { return a != kNone; }
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(a, b, kind, direction, support, restLength, stiffness, damping);
-  }
-};
 
 /// Which springs a scene asks for.
 struct SpringSelection {
@@ -90,10 +62,10 @@ class SpringNetwork {
                 const std::vector<SpringRecipe>& recipes);
 
   /// All slots; some may be empty (`!exists()`) after edits.
-  const std::vector<Spring>& slots() const { return slots_; }
-  const Spring& operator[](std::int32_t slot) const { return slots_[slot]; }
+  const SpringSlots& slots() const { return slots_; }
+  Spring operator[](std::int32_t slot) const { return slots_[slot]; }
   /// Slots of the springs that stand on the faces around `v` (see Spring::support).
-  IndexSpan standingOn(VertexId v) const { return standing_[v]; }
+  IndexSpan standingOn(VertexId v) const { return standing()[v]; }
   /// The same around any of `vertices`, ascending, unique. Vertices that the network does not know
   /// have none.
   std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
@@ -142,14 +114,18 @@ class SpringNetwork {
   void measureRawBends(const TriangleMesh& mesh);
   void followCleared(const MeshChanges& changes);
   SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
-  void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, std::vector<Spring>& out) const;
+  template <typename Sink>
+  void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, const Sink& sink) const;
+  template <typename Sink>
   void deriveBends(const TriangleMesh& mesh, VertexId v, const std::vector<VertexId>& neighbours,
-                   std::vector<Spring>& out) const;
+                   const Sink& sink) const;
   void setConstants(const TriangleMesh& mesh, const IndexSpan& on, Spring& spring) const;
   double fabricStiffness(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
   RawShare rawShare(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
-  std::vector<Spring> deriveAroundAll(const TriangleMesh& mesh,
-                                      const std::vector<VertexId>& vertices) const;
+  template <typename Sink>
+  void deriveAroundAll(const TriangleMesh& mesh, const std::vector<VertexId>& vertices,
+                       const Sink& sink) const;
+  const IndexLists& standing() const;
   std::int32_t insert(const Spring& spring);
   void erase(std::int32_t slot);
   void replace(std::int32_t slot, const Spring& spring);
@@ -166,8 +142,9 @@ class SpringNetwork {
   bool anyRaw_ = false;
   double scale_ = 1.0;   ///< of every stiffness
   RawShares rawShares_;  ///< kept if `anyRaw_`
-  std::vector<Spring> slots_;
-  IndexLists standing_;
+  SpringSlots slots_;
+  /// By vertex; made when it is first asked for: a cloth that nobody cuts does without.
+  mutable IndexLists standing_;
   std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};
   std::set<std::array<std::uint64_t, 2>> cleared_;  ///< keys of springs that were cleared
 };

@@ -15,10 +15,16 @@ struct Grid {
 
   /// Vertices are numbered row by row.
   VertexId vertex(int i, int j) const { return j * columns + i; }
-  /// Material coordinates of a vertex [m].
-  Vec2 place(int i, int j) const { return Vec2(i * spacingU(), j * spacingV()); }
-  double spacingU() const { return width / (columns - 1); }
-  double spacingV() const { return height / (rows - 1); }
+  /// Material coordinates of a vertex [m]. The far border is where the sides end; all other rows
+  /// and columns are multiples of the spacing.
+  Vec2 place(int i, int j) const {
+    return Vec2(i + 1 < columns ? i * spacingU() : width, j + 1 < rows ? j * spacingV() : height);
+  }
+  /// Between neighbours [m]: to a part in 10^12 what divides the sides evenly, so short a binary
+  /// number that its multiples are exact. Then all inner cells are the same, to the last bit, and
+  /// so are the springs in them.
+  double spacingU() const;
+  double spacingV() const;
 };
 
 /// Every cell is cut into two triangles along its rising diagonal, (i, j) to (i+1, j+1).

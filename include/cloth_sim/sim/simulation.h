@@ -91,6 +91,8 @@ class Simulation {
   void detectContacts(double dt);
   void solve(const StepLength& length);
   bool attempt(const StepLength& length);
+  bool mayTakeBack() const;
+  void takeBack();
   void readClamps(double share);
   void tear(double dt);
   void sleepOn();
@@ -149,7 +151,7 @@ class Simulation {
   Scene scene_;
   Model model_;
   State state_;
-  State lastGood_;
+  State start_;  ///< of the step, where one that ends well may be taken back
   Controls controls_;
   std::vector<KinematicTarget> pins_;
   std::vector<KinematicTarget> holders_;  ///< of pins, clamps and what is dragged, as they come

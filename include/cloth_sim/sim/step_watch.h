@@ -7,9 +7,9 @@
 
 namespace cloth_sim {
 
-/// Judges steps. One ended well if everything is finite and slower than 10 km/s, and, for methods
-/// with a limit of stability, if its energy did not jump: kinetic and elastic energy are at most
-/// twice what clamps, wind, obstacles and gravity can have put in since they were last lower.
+/// Judges steps. One ended well if it did not diverge and, for methods with a limit of stability,
+/// if its energy did not jump: kinetic and elastic energy are at most twice what clamps, wind,
+/// obstacles and gravity can have put in since they were last lower.
 class StepWatch {
  public:
   /// \param substeps  that the method has after the guard looked at the scene.
@@ -18,6 +18,9 @@ class StepWatch {
   /// How many times the substeps a step that ends badly is tried with at most; each attempt has
   /// twice those of the one before. 1: it is not redone.
   int mostTimes() const { return redoes_ ? kMostTimes : 1; }
+
+  /// Whether it looks at the energy.
+  bool weighs() const { return weighs_; }
 
   /// Notes what a step starts from.
   void begin(const Model& model, const State& state, const Controls& controls,
@@ -40,7 +43,7 @@ class StepWatch {
   static constexpr int kMostTimes = 64;
 
   bool redoes_;
-  bool weighs_;           ///< looks at the energy
+  bool weighs_;
   double budget_ = -1.0;  ///< that the cloth can have by now; negative: no step yet [J]
   double input_ = 0.0;    ///< root of what may come in during the step [J^1/2]
   double height_ = 0.0;   ///< energy of weight at the start of the step [J]

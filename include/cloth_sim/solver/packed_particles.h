@@ -53,6 +53,8 @@ struct PackedParticles {
   void follow(const MeshChanges& changes);
   void load(const State& state);
   void store(State& state) const;
+  /// Whether everything is finite, and no particle faster than this [m/s].
+  bool areSlowerThan(double speed) const;
   /// Sets masses; the particles in `kinematic` get zero.
   void loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic);
   ParticleView view();

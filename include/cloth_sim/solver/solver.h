@@ -78,7 +78,10 @@ struct StepLength {
   double substepFactor = 1.0;  ///< times the substeps that the method was configured with, > 0
 };
 
-enum class StepStatus { kOk, kNotFinite };
+enum class StepStatus {
+  kOk,
+  kDiverged,  ///< something is not finite, or faster than 10 km/s
+};
 
 struct StepReport {
   StepStatus status = StepStatus::kOk;
@@ -96,9 +99,8 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Advances `state`.
-  /// Allocates nothing once warm. If the result is not finite, says so in the status; the caller
-  /// restores the state.
+  /// Advances `state`; if the step diverges, says so in the status and leaves the state as it was.
+  /// Allocates nothing once warm.
   virtual const StepReport& step(const Model& model, State& state, const Controls& controls,
                                  Contacts& contacts, const StepLength& length) = 0;
 

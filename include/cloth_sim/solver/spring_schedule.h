@@ -2,6 +2,7 @@
 /// \file The order in which sweeps visit springs, and their constants in that order.
 
 #include "cloth_sim/cloth/model.h"
+#include "cloth_sim/solver/spring_laws.h"
 #include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
@@ -13,10 +14,11 @@ namespace cloth_sim {
 /// colours pass over them.
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
-/// consecutive particles they form a run, which is swept without gathers. Where a spring has gone
-/// or its ends have changed, its place stays with zero stiffness, so runs stay whole; springs that
-/// an edit made or moved are appended, coloured among themselves. The schedule is a function of the
-/// slots of the network alone, not of the order of edits.
+/// consecutive particles they form a run, which is swept without gathers and without a list of
+/// ends; if all of them have the same law, as in the middle of a grid, it is there once. Where a
+/// spring has gone or its ends have changed, its place stays with zero stiffness, so runs stay
+/// whole; springs that an edit made or moved are appended, coloured among themselves. What a sweep
+/// does is a function of the slots of the network alone, not of the order of edits.
 class SpringSchedule {
  public:
   /// Particle slots of a spring.
@@ -28,7 +30,18 @@ class SpringSchedule {
   struct Span {
     std::int32_t first = 0;
     std::int32_t count = 0;
-    bool isRun = false;  ///< their ends are consecutive particles
+    bool isRun = false;       ///< their ends are consecutive particles
+    bool isUniform = false;   ///< a run of one law
+    Ends ends;                ///< of the first one of a run
+    std::int32_t others = 0;  ///< of its first one in `endA` and `endB`, if it is no run
+    std::int32_t laws = 0;    ///< of its first one, or of them all, in `laws`
+  };
+  /// A spring as sweeps see it.
+  struct Element {
+    std::int32_t position = 0;
+    std::int32_t a = kNone;  ///< particle slots
+    std::int32_t b = kNone;
+    SpringLaw law;
   };
   /// Consecutive spans, to be visited in order.
   struct Strand {
@@ -50,76 +63,92 @@ class SpringSchedule {
   const std::vector<Batch>& batches() const { return batches_; }
   const std::vector<Strand>& strands() const { return strands_; }
   const std::vector<Span>& spans() const { return spans_; }
-  std::int32_t size() const { return static_cast<std::int32_t>(endA.size()); }
-  /// Position of a spring by its slot in the network.
-  std::int32_t positionOf(std::int32_t springSlot) const { return position_[springSlot]; }
-
-  /// Calls `runVisitor(first, count)` for runs and `otherVisitor(first, count)` for spans of
-  /// springs whose ends are anywhere, but no two of them share a particle, in the order of the
-  /// sweep, on several threads where that pays.
-  template <typename RunVisitor, typename OtherVisitor>
-  void sweep(const RunVisitor& runVisitor, const OtherVisitor& otherVisitor) const;
-
-  /// A visitor of spans that calls `visitor(position)` for every spring.
-  template <typename Visitor>
-  static auto each(const Visitor& visitor) {
-    return [visitor](std::int32_t first, std::int32_t count) {
-      for (std::int32_t p = first; p < first + count; ++p) visitor(p);
-    };
+  std::int32_t size() const {
+    return spans_.empty() ? 0 : spans_.back().first + spans_.back().count;
   }
 
-  /// The same, with `visitor(position)` for every spring.
+  /// Calls `visitor(span, end)` for consecutive spans, in the order of the sweep, on several
+  /// threads where that pays.
+  template <typename SpansVisitor>
+  void sweepSpans(const SpansVisitor& visitor) const;
+  /// The same with `visitRun(span)` for runs and `visitor(element)` for all other springs.
+  template <typename RunVisitor, typename Visitor>
+  void sweep(const RunVisitor& visitRun, const Visitor& visitor) const {
+    sweepSpans([&](const Span* span, const Span* end) {
+      for (; span != end; ++span) span->isRun ? visitRun(*span) : visit(*span, visitor);
+    });
+  }
+  /// The same with `visitor(element)` for every spring.
   template <typename Visitor>
   void sweep(const Visitor& visitor) const {
-    sweep(each(visitor), each(visitor));
+    sweep([&](const Span& span) { visit(span, visitor); }, visitor);
+  }
+  /// The same by ascending position, on one thread.
+  template <typename Visitor>
+  void forEach(const Visitor& visitor) const {
+    for (const Span& span : spans_) visit(span, visitor);
+  }
+  /// The same for a span.
+  template <typename Visitor>
+  void visit(const Span& span, const Visitor& visitor) const {
+    for (std::int32_t k = 0; k < span.count; ++k) visitor(element(span, k));
   }
 
-  // By position:
-  std::vector<std::int32_t> endA, endB;  ///< particle slots
-  std::vector<double> restLength;        ///< [m]
-  std::vector<double> stiffness;         ///< [N/m]; 0 where the spring is gone
-  std::vector<double> damping;           ///< [N s/m]; nothing unless `damped`
-  bool damped = false;                   ///< some spring has or had a dashpot
-  double dampingAt(std::int32_t position) const { return damped ? damping[position] : 0.0; }
+  SpringLaws laws;
+  std::vector<std::int32_t> endA, endB;  ///< particle slots, of springs that are in no run
 
  private:
   struct Extent {
-    std::size_t positions = 0;
+    std::size_t others = 0;
+    std::size_t laws = 0;
     std::size_t spans = 0;
     std::size_t strands = 0;
     std::size_t batches = 0;
   };
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
+  Ends endsOf(const Span& span, std::int32_t k) const {
+    if (span.isRun) return {span.ends.a + k, span.ends.b + k};
+    return {endA[span.others + k], endB[span.others + k]};
+  }
+  SpringLaw lawOf(const Span& span, std::int32_t k) const {
+    return laws[span.laws + (span.isUniform ? 0 : k)];
+  }
+  Element element(const Span& span, std::int32_t k) const {
+    const Ends ends = endsOf(span, k);
+    return {span.first + k, ends.a, ends.b, lawOf(span, k)};
+  }
+  Extent extent() const;
+  void truncate(const Extent& extent);
+
   Coloured colour(const Model& model, const std::vector<std::int32_t>& slots) const;
-  /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among the
-  /// appended ones; or nowhere, if it is gone.
+  /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among those
+  /// to be appended; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
+  void setLaw(const SpringLaw& law, Span& span, std::int32_t k);
+  void spreadLaw(Span& span);
+  void gatherLaws();
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
-  void appendStrand(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
-                    const std::vector<Ends>& ends, const Coloured& colours);
-  void appendColour(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
-                    const std::vector<Ends>& ends, const std::vector<std::int32_t>& slots);
-  void appendSpan(const SpringNetwork& springs, const std::vector<std::int32_t>& slotOf,
-                  const std::vector<std::int32_t>& slots, bool isRun);
-  void place(const Spring& spring, std::int32_t position, const std::vector<std::int32_t>& slotOf);
-  void truncate(const Extent& extent);
+  void appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,
+                    const Coloured& colours);
+  void appendColour(const SpringNetwork& springs, const std::vector<Ends>& ends,
+                    const std::vector<std::int32_t>& slots);
+  template <typename EndsOf>
+  void appendSpan(const SpringNetwork& springs, const EndsOf& endsOf, const std::int32_t* slot,
+                  const std::int32_t* end, Span span);
 
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
-  std::vector<std::int32_t> position_;  ///< by spring slot
-  /// By spring slot of the undamaged mesh; since the first edit.
-  std::vector<std::int32_t> originalPosition_;
-  std::vector<bool> isAppended_;  ///< by spring slot: after the original positions; as long
-  std::int32_t originalSlots_ = 0;
+  std::vector<std::int32_t> home_;  ///< by spring slot of the undamaged mesh: its position
+  std::vector<bool> isAppended_;    ///< by spring slot, since the first edit
   Extent original_;
 };
 
-template <typename RunVisitor, typename OtherVisitor>
-void SpringSchedule::sweep(const RunVisitor& runVisitor, const OtherVisitor& otherVisitor) const {
+template <typename SpansVisitor>
+void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
   /// Fewer springs are not worth a second thread.
   constexpr std::int32_t kGrainSprings = 2048;
   for (const Batch& batch : batches_) {
@@ -127,16 +156,8 @@ void SpringSchedule::sweep(const RunVisitor& runVisitor, const OtherVisitor& oth
     const std::int32_t grain =
         static_cast<std::int32_t>(std::int64_t{kGrainSprings} * strands / batch.springs) + 1;
     parallelFor(strands, grain, [&](std::int32_t begin, std::int32_t end) {
-      const std::int32_t firstSpan = strands_[batch.firstStrand + begin].firstSpan;
-      const std::int32_t endSpan = strands_[batch.firstStrand + end - 1].endSpan;
-      for (std::int32_t k = firstSpan; k < endSpan; ++k) {
-        const Span& span = spans_[k];
-        if (span.isRun) {
-          runVisitor(span.first, span.count);
-        } else {
-          otherVisitor(span.first, span.count);
-        }
-      }
+      visitor(spans_.data() + strands_[batch.firstStrand + begin].firstSpan,
+              spans_.data() + strands_[batch.firstStrand + end - 1].endSpan);
     });
   }
 }

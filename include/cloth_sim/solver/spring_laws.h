@@ -1,0 +1,62 @@
+#pragma once
+/// \file Constants of springs, side by side.
+
+#include <cstddef>
+#include <vector>
+
+#include "cloth_sim/cloth/spring_network.h"
+
+namespace cloth_sim {
+
+/// How a spring pulls: f = -(k (l - l0) + c dl/dt).
+struct SpringLaw {
+  double restLength = 0.0;  ///< l0 [m]
+  double stiffness = 0.0;   ///< k [N/m]; 0 where the spring is gone
+  double damping = 0.0;     ///< c [N s/m]
+
+  static SpringLaw of(const Spring& s) { return {s.restLength, s.stiffness, s.damping}; }
+  bool operator==(const SpringLaw& other) const {
+    return restLength == other.restLength && stiffness == other.stiffness &&
+           damping == other.damping;
+  }
+};
+
+/// Laws as structure of arrays. Dashpots take no memory where there are none.
+class SpringLaws {
+ public:
+  std::size_t size() const { return restLength_.size(); }
+  SpringLaw operator[](std::int32_t k) const {
+    return {restLength_[k], stiffness_[k], damped() ? damping_[k] : 0.0};
+  }
+  /// Some spring has or had a dashpot.
+  bool damped() const { return damped_; }
+  const std::vector<double>& restLength() const { return restLength_; }
+  const std::vector<double>& stiffness() const { return stiffness_; }
+  /// Nothing unless `damped()`.
+  const std::vector<double>& damping() const { return damping_; }
+
+  void append(const SpringLaw& law) {
+    resize(size() + 1);
+    set(static_cast<std::int32_t>(size()) - 1, law);
+  }
+  void set(std::int32_t k, const SpringLaw& law) {
+    restLength_[k] = law.restLength;
+    stiffness_[k] = law.stiffness;
+    if (law.damping > 0.0 && !damped_) {
+      damped_ = true;
+      damping_.assign(size(), 0.0);
+    }
+    if (damped_) damping_[k] = law.damping;
+  }
+  void resize(std::size_t n) {
+    restLength_.resize(n);
+    stiffness_.resize(n);
+    if (damped_) damping_.resize(n);
+  }
+
+ private:
+  std::vector<double> restLength_, stiffness_, damping_;
+  bool damped_ = false;
+};
+
+}  // namespace cloth_sim

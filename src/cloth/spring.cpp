@@ -1,0 +1,84 @@
+#include "cloth_sim/cloth/spring.h"
+
+#include <cstring>
+
+namespace cloth_sim {
+namespace {
+
+/// Makes that are looked for before a new one is entered; a power of two.
+constexpr std::size_t kKnownMakes = 1024;
+
+std::size_t hashOf(const Spring& spring) {
+  std::uint64_t hash =
+      static_cast<std::uint64_t>(spring.kind) * 4 + static_cast<std::uint64_t>(spring.direction);
+  for (const double value : {spring.restLength, spring.stiffness}) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    hash = (hash ^ bits) * 0x9e3779b97f4a7c15U;  // 2^64 over the golden ratio
+    hash ^= hash >> 29U;
+  }
+  return static_cast<std::size_t>(hash >> 32U) & (kKnownMakes - 1);
+}
+
+}  // namespace
+
+const char* toString(SpringKind kind) {
+  switch (kind) {
+    case SpringKind::kStructural:
+      return "structural";
+    case SpringKind::kShear:
+      return "shear";
+    case SpringKind::kBend:
+      return "bend";
+  }
+  return "?";
+}
+
+bool Spring::operator==(const Spring& other) const {
+  return a == other.a && b == other.b && support == other.support && kind == other.kind &&
+         direction == other.direction && restLength == other.restLength &&
+         stiffness == other.stiffness && damping == other.damping;
+}
+
+void SpringSlots::append(const Spring& spring) {
+  slots_.emplace_back();
+  set(static_cast<std::int32_t>(size()) - 1, spring);
+}
+
+void SpringSlots::set(std::int32_t slot, const Spring& spring) {
+  Slot& at = slots_[static_cast<std::size_t>(slot)];
+  leave(at.make);
+  at = {spring.a, spring.b, spring.support, spring.exists() ? enter(spring) : kNone};
+}
+
+std::int32_t SpringSlots::enter(const Spring& spring) {
+  if (known_.empty()) known_.assign(kKnownMakes, kNone);
+  std::int32_t& known = known_[hashOf(spring)];
+  if (known != kNone) {
+    Make& make = makes_[static_cast<std::size_t>(known)];
+    const bool same = make.springs > 0 && make.kind == spring.kind &&
+                      make.direction == spring.direction && make.restLength == spring.restLength &&
+                      make.stiffness == spring.stiffness && make.damping == spring.damping;
+    if (same) {
+      ++make.springs;
+      return known;
+    }
+  }
+  if (unused_.empty()) {
+    unused_.push_back(static_cast<std::int32_t>(makes_.size()));
+    makes_.emplace_back();
+  }
+  known = unused_.back();
+  unused_.pop_back();
+  makes_[static_cast<std::size_t>(known)] = {spring.restLength, spring.stiffness, spring.damping,
+                                             spring.kind,       spring.direction, 1};
+  return known;
+}
+
+void SpringSlots::leave(std::int32_t make) {
+  if (make != kNone && --makes_[static_cast<std::size_t>(make)].springs == 0) {
+    unused_.push_back(make);
+  }
+}
+
+}  // namespace cloth_sim
