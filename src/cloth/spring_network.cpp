@@ -469,14 +469,18 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
 std::vector<std::int32_t> SpringNetwork::standingOnAny(
     const std::vector<VertexId>& vertices) const {
   std::vector<std::int32_t> slots;
-  const std::size_t known = standing().size();
   for (VertexId v : vertices) {
-    if (static_cast<std::size_t>(v) >= known) continue;
-    slots.insert(slots.end(), standingOn(v).begin(), standingOn(v).end());
+    const IndexSpan there = standingOn(v);
+    slots.insert(slots.end(), there.begin(), there.end());
   }
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   return slots;
+}
+
+IndexSpan SpringNetwork::standingOn(VertexId v) const {
+  if (static_cast<std::size_t>(v) >= standing().size()) return {nullptr, nullptr};
+  return standing()[v];
 }
 
 const IndexLists& SpringNetwork::standing() const {

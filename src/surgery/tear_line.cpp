@@ -158,14 +158,8 @@ Vec2 tensionDirection(const Model& model, const State& state, VertexId v) {
     unique(wider);
     ring = std::move(wider);
   }
-  std::vector<std::int32_t> slots;
-  for (VertexId w : ring) {
-    const auto& standing = model.springs.standingOn(w);
-    slots.insert(slots.end(), standing.begin(), standing.end());
-  }
-  unique(slots);
   Eigen::Matrix<double, 3, 2> stress = Eigen::Matrix<double, 3, 2>::Zero();
-  for (std::int32_t slot : slots) {
+  for (std::int32_t slot : model.springs.standingOnAny(ring)) {
     const Spring& s = model.springs[slot];
     const Vec3 d = state.x[s.b] - state.x[s.a];
     const double length = d.norm();

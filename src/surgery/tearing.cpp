@@ -70,16 +70,15 @@ std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
 }  // namespace
 
 Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::move(settings)) {
+  if (!settings_.seam) return;
   const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
   for (std::int32_t slot = 0; slot < slots; ++slot) {
-    if (allowed(model, model.springs[slot])) candidates_.push_back(slot);
+    if (mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
   }
-  candidates_.shrink_to_fit();
 }
 
-bool Tearing::allowed(const Model& model, const Spring& spring) const {
+bool Tearing::mayOpenSeam(const Model& model, const Spring& spring) const {
   if (!spring.exists()) return false;
-  if (!settings_.seam) return true;
   const Seam& seam = *settings_.seam;
   if (straddles(model.mesh, spring, seam.path)) return true;
   if (endOn(model.mesh, spring, seam.path) != kNone) return true;
@@ -94,7 +93,7 @@ void Tearing::setRatio(const TearRatios& ratio) {
 void Tearing::follow(const Model& model, const ModelChanges& changes) {
   watched_.clear();
   for (std::int32_t slot : changes.springs.added) {
-    if (allowed(model, model.springs[slot])) candidates_.push_back(slot);
+    if (settings_.seam && mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
   }
   for (std::int32_t slot : changes.springs.modified) idle_.erase(slot);
   for (const VertexEdit& edit : changes.mesh.vertices) {
@@ -109,9 +108,10 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
 
 void Tearing::watch(const Model& model) {
   if (!watched_.empty()) return;
-  watched_.reserve(candidates_.size());
-  for (const std::int32_t slot : candidates_) {
-    const Spring& spring = model.springs[slot];
+  const std::size_t candidates = settings_.seam ? onSeam_.size() : model.springs.slots().size();
+  watched_.reserve(candidates);
+  for (std::size_t k = 0; k < candidates; ++k) {
+    const Spring& spring = model.springs[candidate(k)];
     if (!spring.exists()) {
       watched_.push_back({0, 0, 0.0});  // no longer than that
       continue;
@@ -125,8 +125,8 @@ void Tearing::watch(const Model& model) {
 /// Most springs are far from failing: that shows without a root.
 void Tearing::markNear(const Model& model, const State& state) {
   watch(model);
-  isNear_.resize(candidates_.size());
-  parallelFor(static_cast<std::int32_t>(candidates_.size()), kGrain,
+  isNear_.resize(watched_.size());
+  parallelFor(static_cast<std::int32_t>(watched_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
                 for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                      ++k) {
@@ -141,7 +141,7 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const 
   worst_ = 0.0;
   markNear(model, state);
   for (std::size_t k = nextSet(isNear_, 0); k < isNear_.size(); k = nextSet(isNear_, k + 1)) {
-    const std::int32_t slot = candidates_[k];
+    const std::int32_t slot = candidate(k);
     const Spring& spring = model.springs[slot];
     const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
     const double stretched = stretch(spring, state);
@@ -178,7 +178,7 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
     const VertexId tip = nearestTip(model.mesh, middle, kGrip * edge);
     if (tip != kNone && tips_.at(tip) > state.t) continue;
     // A spring may have crossed the seam before an edit moved it.
-    if (!allowed(model, spring)) continue;
+    if (settings_.seam && !mayOpenSeam(model, spring)) continue;
     std::optional<SurfacePath> line = seamLine(model.mesh, spring, faces);
     const bool begins = tip == kNone && !line;
     if (begins && isShaded(middle, edge, state.t)) continue;

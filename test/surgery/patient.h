@@ -114,6 +114,7 @@ class Patient {
   /// beyond the stable one would give.
   /// \param goOnWith  the method whose result the cloth goes on from; absent: it stays as it is.
   std::string step(std::optional<int> goOnWith = std::nullopt) {
+    constexpr double kFastest = 1e4;     // [m/s], from which on steps count as diverged
     if (!std::isfinite(dt_)) return "";  // no springs at all
     Controls controls;
     if (clamp_) clamp_->appendTargets(controls.kinematic);
@@ -131,7 +132,9 @@ class Patient {
         const StepReport& report = solvers_[k]->step(model_, own, controls, contacts, {dt_});
         if (report.status != StepStatus::kOk) {
           // Undamped forward Euler grows by up to 1.4 in each of many substeps: it may overflow.
-          if (info.stabilityLimit > 0.0) return info.name + " diverged";
+          // And where the tear has stretched the cloth so far, any method is right to say so.
+          const bool mayDiverge = info.stabilityLimit <= 0.0 || bound > kFastest;
+          if (!mayDiverge) return say(info.name, " diverged, below ", bound, " m/s");
           own = start;
           break;
         }

@@ -65,7 +65,7 @@ class SpringNetwork {
   const SpringSlots& slots() const { return slots_; }
   Spring operator[](std::int32_t slot) const { return slots_[slot]; }
   /// Slots of the springs that stand on the faces around `v` (see Spring::support).
-  IndexSpan standingOn(VertexId v) const { return standing()[v]; }
+  IndexSpan standingOn(VertexId v) const;
   /// The same around any of `vertices`, ascending, unique. Vertices that the network does not know
   /// have none.
   std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;

@@ -115,10 +115,14 @@ class Tearing {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(settings_.enabled, settings_.ratio);
-    archive(candidates_, tips_, runs_, idle_, worst_, plannedAt_, strides_);
+    archive(onSeam_, tips_, runs_, idle_, worst_, plannedAt_, strides_);
   }
 
-  bool allowed(const Model& model, const Spring& spring) const;
+  bool mayOpenSeam(const Model& model, const Spring& spring) const;
+  /// Slot of the k-th spring that may fail; without a seam all may.
+  std::int32_t candidate(std::size_t k) const {
+    return settings_.seam ? onSeam_[k] : static_cast<std::int32_t>(k);
+  }
   void markNear(const Model& model, const State& state);
   void watch(const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);
@@ -133,8 +137,8 @@ class Tearing {
   void forget(const TriangleMesh& mesh, double time);
 
   TearingSettings settings_;
-  std::vector<std::int32_t>
-      candidates_;                   ///< slots that the gate allows, ascending; some may be gone
+  /// With a seam, slots that may open it, ascending; some may be gone.
+  std::vector<std::int32_t> onSeam_;
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
   std::set<std::int32_t> idle_;   ///< slots whose lines opened nothing, since they last changed
