@@ -156,7 +156,7 @@ std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::End
   return at;
 }
 
-/// Consecutive springs that have the same law, and those behind them.
+/// The first spring from `begin` on that has another law than that one, or the end.
 const std::int32_t* endOfLaw(const SpringNetwork& springs, const std::int32_t* begin,
                              const std::int32_t* end) {
   const SpringLaw law = SpringLaw::of(springs[*begin]);
@@ -271,7 +271,7 @@ void SpringSchedule::spreadLaw(Span& span) {
 void SpringSchedule::gatherLaws() {
   SpringLaws gathered;
   for (Span& span : spans_) {
-    const auto end = static_cast<std::int32_t>(gathered.size());
+    const auto first = static_cast<std::int32_t>(gathered.size());
     bool isUniform = span.isRun;
     for (std::int32_t k = 1; k < span.count; ++k) {
       isUniform = isUniform && lawOf(span, k) == lawOf(span, 0);
@@ -280,7 +280,7 @@ void SpringSchedule::gatherLaws() {
       gathered.append(lawOf(span, k));
     }
     span.isUniform = isUniform;
-    span.laws = end;
+    span.laws = first;
   }
   laws = std::move(gathered);
 }
@@ -302,6 +302,10 @@ SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
 /// Springs of a colour share no particle: they may be swept in any order, or at once.
 void SpringSchedule::appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                                  const Coloured& colours) {
+  const auto endsOf = [&](std::int32_t slot) {
+    const Spring& spring = model.springs[slot];
+    return Ends{slotOf[spring.a], slotOf[spring.b]};
+  };
   for (const std::vector<std::int32_t>& slots : colours) {
     if (slots.empty()) continue;
     Batch batch;
@@ -311,10 +315,6 @@ void SpringSchedule::appendLater(const Model& model, const std::vector<std::int3
       const std::size_t end = std::min(first + kLaterStrand, slots.size());
       Strand strand;
       strand.firstSpan = static_cast<std::int32_t>(spans_.size());
-      const auto endsOf = [&](std::int32_t slot) {
-        const Spring& spring = model.springs[slot];
-        return Ends{slotOf[spring.a], slotOf[spring.b]};
-      };
       appendSpan(model.springs, endsOf, slots.data() + first, slots.data() + end, {});
       strand.endSpan = static_cast<std::int32_t>(spans_.size());
       strands_.push_back(strand);
@@ -423,7 +423,7 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& ends
   if (span.isRun) span.ends = endsOf(*slot);
   if (span.isUniform) laws.append(SpringLaw::of(springs[*slot]));
   for (std::int32_t position = span.first; slot != end; ++slot, ++position) {
-    if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;
+    if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;  // where it is first
     if (!span.isUniform) laws.append(SpringLaw::of(springs[*slot]));
     if (span.isRun) continue;
     const Ends ends = endsOf(*slot);
