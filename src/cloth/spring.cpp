@@ -1,6 +1,6 @@
 #include "cloth_sim/cloth/spring.h"
 
-#include <cstring>
+#include "cloth_sim/hash.h"
 
 namespace cloth_sim {
 namespace {
@@ -9,15 +9,9 @@ namespace {
 constexpr std::size_t kKnownMakes = 1024;
 
 std::size_t hashOf(const Spring& spring) {
-  std::uint64_t hash =
-      static_cast<std::uint64_t>(spring.kind) * 4 + static_cast<std::uint64_t>(spring.direction);
-  for (const double value : {spring.restLength, spring.stiffness}) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15U;  // 2^64 over the golden ratio
-    hash ^= hash >> 29U;
-  }
-  return static_cast<std::size_t>(hash >> 32U) & (kKnownMakes - 1);
+  Hash hash;
+  for (const double value : {spring.restLength, spring.stiffness}) hash.add(&value, sizeof value);
+  return static_cast<std::size_t>(hash.value()) & (kKnownMakes - 1);
 }
 
 }  // namespace

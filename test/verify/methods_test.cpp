@@ -380,9 +380,6 @@ TEST_P(Methods, ConvergesWithDashpotsToo) {
   EXPECT_LT(fine, 1e-3);
 }
 
-// ---- what holders bear
-// ---------------------------------------------------------------------------
-
 TEST_P(Methods, AStepThatDivergesLeavesTheStateAlone) {
   const Model model = buildModel(clothOf(4, 4, 0.1, softFabric()));
   for (const double speed : {1e6, std::numeric_limits<double>::quiet_NaN()}) {
@@ -397,6 +394,9 @@ TEST_P(Methods, AStepThatDivergesLeavesTheStateAlone) {
     EXPECT_EQ(state.t, before.t);
   }
 }
+
+// ---- what holders bear
+// ---------------------------------------------------------------------------
 
 TEST_P(Methods, AHeldClothInTheWindIsBorneByItsHolders) {
   // Every particle is held, so its holders bear its weight and 1/2 rho c A |v|^2 along the normal.
