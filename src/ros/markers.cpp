@@ -7,7 +7,6 @@
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
-#include "cloth_sim/ros/surface_messages.h"
 
 namespace cloth_sim {
 namespace {
@@ -42,20 +41,6 @@ void setScale(Marker& marker, double x, double y, double z) {
   marker.scale.x = x;
   marker.scale.y = y;
   marker.scale.z = z;
-}
-
-/// The means of the colours of the corners.
-void faceColours(const std::vector<Face>& faces, const std::vector<Colour>& ofVertices,
-                 std::vector<Colour>& out) {
-  constexpr float kThird = 1.0f / 3.0f;
-  out.resize(faces.size());
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const Colour& a = ofVertices[faces[f][0]];
-    const Colour& b = ofVertices[faces[f][1]];
-    const Colour& c = ofVertices[faces[f][2]];
-    out[f] = makeColour(kThird * (a.r + b.r + c.r), kThird * (a.g + b.g + c.g),
-                        kThird * (a.b + b.b + c.b));
-  }
 }
 
 /// Without points there is nothing to draw, and some versions of rviz crash on it.
@@ -134,33 +119,45 @@ Marker& MarkerBuilder::next(const char* space, int type) {
 }
 
 void MarkerBuilder::addCloth(const Snapshot& snapshot) {
-  vertexNormals(snapshot, normals_);
-  vertexStrains(snapshot, strain_);
+  const std::size_t faces = snapshot.topology->faces.size();
+  const bool byFace = faces >= kManyFaces;
+  if (!byFace || style_.twoSided) vertexLooks(snapshot, looks_);
   markers_.topology = snapshot.topology;
   markers_.sides.resize(style_.twoSided ? 2 : 1);
-  addSide(snapshot, true, markers_.sides[0]);
-  if (style_.twoSided) addSide(snapshot, false, markers_.sides[1]);
+  for (std::size_t k = 0; k < markers_.sides.size(); ++k) {
+    MarkerSide& side = markers_.sides[k];
+    side.byFace = byFace;
+    side.colours.resize(byFace ? faces : looks_.size());
+    placeCorners(snapshot, k == 0, side.corners);
+    Marker& marker = next(k == 0 ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
+    if (faces == 0) marker.action = Marker::DELETE;
+  }
+  const auto paint = [this](std::size_t k, const Look& look) { this->paint(k, look); };
+  if (byFace) {
+    faceLooks_.visit(snapshot, paint);
+  } else {
+    for (std::size_t v = 0; v < looks_.size(); ++v) paint(v, looks_[v]);
+  }
 }
 
-/// One side of the surface: the particles moved out along the normals, shaded for that side.
-void MarkerBuilder::addSide(const Snapshot& snapshot, bool front, MarkerSide& out) {
-  const StrainColours& colours = front ? frontColours_ : backColours_;
-  const std::vector<Face>& faces = snapshot.topology->faces;
-  const std::size_t count = snapshot.positions.size();
-  const float side = front ? 1.0f : -1.0f;
-  const float offset = style_.twoSided ? side * static_cast<float>(style_.surfaceOffset) : 0.0f;
-  out.byFace = faces.size() >= kManyFaces;
-  std::vector<Colour>& ofVertices = out.byFace ? vertexColours_ : out.colours;
-  out.corners.resize(count);
-  ofVertices.resize(count);
-  for (std::size_t v = 0; v < count; ++v) {
-    ofVertices[v] = shaded(colours(strain_[v]), brightness(side * normals_[v].head<3>()));
-    out.corners[v] =
-        toPoint(snapshot.positions[v] + (offset * normals_[v].head<3>()).cast<double>());
+/// Colour number k of each side.
+void MarkerBuilder::paint(std::size_t k, const Look& look) {
+  const Eigen::Vector3f normal = look.head<3>();
+  markers_.sides[0].colours[k] = shaded(frontColours_(look[3]), brightness(normal));
+  if (!style_.twoSided) return;
+  markers_.sides[1].colours[k] = shaded(backColours_(look[3]), brightness(-normal));
+}
+
+/// The particles; of two sides, each is moved out along the normals.
+void MarkerBuilder::placeCorners(const Snapshot& snapshot, bool front,
+                                 std::vector<geometry_msgs::Point>& out) {
+  out.resize(snapshot.positions.size());
+  const auto offset = static_cast<float>(front ? style_.surfaceOffset : -style_.surfaceOffset);
+  for (std::size_t v = 0; v < out.size(); ++v) {
+    const Vec3& place = snapshot.positions[v];
+    out[v] =
+        toPoint(style_.twoSided ? place + (offset * looks_[v].head<3>()).cast<double>() : place);
   }
-  if (out.byFace) faceColours(faces, ofVertices, out.colours);
-  Marker& marker = next(front ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
-  if (faces.empty()) marker.action = Marker::DELETE;
 }
 
 void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {

@@ -2,56 +2,15 @@
 
 #include <sensor_msgs/point_cloud2_iterator.h>
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
-
 #include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/ros/looks.h"
 
 namespace cloth_sim {
 
-namespace {
-
-Eigen::Vector4f padded(const Vec3& value) {
-  return {static_cast<float>(value.x()), static_cast<float>(value.y()),
-          static_cast<float>(value.z()), 0.0f};
-}
-
-}  // namespace
-
-void vertexNormals(const Snapshot& snapshot, std::vector<Eigen::Vector4f>& out) {
-  out.assign(snapshot.positions.size(), Eigen::Vector4f::Zero());
-  for (const Face& face : snapshot.topology->faces) {
-    const Vec3& a = snapshot.positions[face[0]];
-    const Eigen::Vector4f normal =
-        padded(snapshot.positions[face[1]] - a).cross3(padded(snapshot.positions[face[2]] - a));
-    for (const VertexId v : face) out[v] += normal;
-  }
-  for (Eigen::Vector4f& normal : out) {
-    // In double: the square of a flat cloth's rounding errors is a subnormal float, which is slow.
-    const double length = normal.cast<double>().norm();
-    normal = length > 0.0 ? Eigen::Vector4f(normal * static_cast<float>(1.0 / length))
-                          : Eigen::Vector4f::Unit(2);
-  }
-}
-
-void vertexStrains(const Snapshot& snapshot, std::vector<float>& out) {
-  out.assign(snapshot.positions.size(), 1.0f);  // of squared lengths, for now
-  for (const Topology::Link& link : snapshot.topology->links) {
-    const double square = (snapshot.positions[link.b] - snapshot.positions[link.a]).squaredNorm();
-    const auto stretch = static_cast<float>(square / (link.restLength * link.restLength));
-    out[link.a] = std::max(out[link.a], stretch);
-    out[link.b] = std::max(out[link.b], stretch);
-  }
-  for (float& strain : out) strain = std::sqrt(strain) - 1.0f;
-}
-
 sensor_msgs::PointCloud2 toPointCloud(const Snapshot& snapshot, const std_msgs::Header& header) {
   using sensor_msgs::PointField;
-  std::vector<Eigen::Vector4f> normals;
-  std::vector<float> strains;
-  vertexNormals(snapshot, normals);
-  vertexStrains(snapshot, strains);
+  std::vector<Look> looks;
+  vertexLooks(snapshot, looks);
   sensor_msgs::PointCloud2 cloud;
   cloud.header = header;
   cloud.is_dense = 1;
@@ -65,8 +24,8 @@ sensor_msgs::PointCloud2 toPointCloud(const Snapshot& snapshot, const std_msgs::
   for (std::size_t v = 0; v < snapshot.positions.size(); ++v, ++out) {
     const Eigen::Vector3f place = snapshot.positions[v].cast<float>();
     for (int k = 0; k < 3; ++k) out[k] = place[k];
-    out[3] = strains[v];
-    for (int k = 0; k < 3; ++k) out[4 + k] = normals[v][k];
+    out[3] = looks[v][3];
+    for (int k = 0; k < 3; ++k) out[4 + k] = looks[v][k];
   }
   return cloud;
 }

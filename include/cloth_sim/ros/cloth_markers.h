@@ -109,13 +109,21 @@ struct Serializer<cloth_sim::ClothMarkers> {
     stream.next(marker.frame_locked);
     writeCorners(stream, side.corners, faces);
     if (side.byFace) {
-      stream.next(side.colours);
+      writeAll(stream, side.colours);
     } else {
       writeCorners(stream, side.colours, faces);
     }
     stream.next(marker.text);
     stream.next(marker.mesh_resource);
     stream.next(marker.mesh_use_embedded_materials);
+  }
+
+  /// In one go: they are in memory as they are in the message.
+  template <typename Stream, typename Value>
+  static void writeAll(Stream& stream, const std::vector<Value>& values) {
+    stream.next(static_cast<std::uint32_t>(values.size()));
+    const std::size_t bytes = values.size() * sizeof(Value);
+    std::memcpy(stream.advance(static_cast<std::uint32_t>(bytes)), values.data(), bytes);
   }
 
   template <typename Stream, typename Value>

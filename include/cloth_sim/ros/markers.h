@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cloth_sim/ros/cloth_markers.h"
+#include "cloth_sim/ros/looks.h"
 #include "cloth_sim/ros/shading.h"
 #include "cloth_sim/sim/snapshot.h"
 
@@ -43,7 +44,8 @@ class MarkerBuilder {
   void begin(const ros::Time& stamp);
   Marker& next(const char* space, int type);
   void addCloth(const Snapshot& snapshot);
-  void addSide(const Snapshot& snapshot, bool front, MarkerSide& out);
+  void placeCorners(const Snapshot& snapshot, bool front, std::vector<geometry_msgs::Point>& out);
+  void paint(std::size_t k, const Look& look);
   void addTornEdges(const Snapshot& snapshot);
   void addSurroundings(const Snapshot& snapshot, const Figures& figures);
   void addObstacle(const Obstacle& obstacle);
@@ -59,9 +61,8 @@ class MarkerBuilder {
   ros::Time stamp_;
   std::size_t used_ = 0;
   std::size_t mostUsed_ = 0;  ///< ever
-  std::vector<Eigen::Vector4f> normals_;
-  std::vector<float> strain_;  ///< per vertex, largest of its links
-  std::vector<std_msgs::ColorRGBA> vertexColours_;
+  FaceLooks faceLooks_;
+  std::vector<Look> looks_;  ///< by vertex
 };
 
 /// "pull  t = 7.20 s  pieces 1  broken 214 (torn 160, cut 54)  strain 0.12"

@@ -54,8 +54,12 @@ inline float brightness(const Eigen::Vector3f& normal) {
 
 /// Opaque, no brighter than white.
 inline std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& base, float factor) {
-  return makeColour(std::min(1.0f, base.r * factor), std::min(1.0f, base.g * factor),
-                    std::min(1.0f, base.b * factor));
+  static_assert(sizeof(std_msgs::ColorRGBA) == 4 * sizeof(float));
+  std_msgs::ColorRGBA result;
+  Eigen::Map<Eigen::Array4f>(&result.r) =
+      (factor * Eigen::Map<const Eigen::Array4f>(&base.r)).min(1.0f);
+  result.a = 1.0f;
+  return result;
 }
 
 }  // namespace cloth_sim

@@ -15,10 +15,4 @@ sensor_msgs::PointCloud2 toPointCloud(const Snapshot& snapshot, const std_msgs::
 /// Triangles and vertices [m]. The message has no header: it is in the world frame.
 shape_msgs::Mesh toMeshMessage(const Snapshot& snapshot);
 
-/// Of each particle, from the faces around it, by area; unit vectors, with a fourth that is 0:
-/// whole registers.
-void vertexNormals(const Snapshot& snapshot, std::vector<Eigen::Vector4f>& out);
-/// Of each particle: the largest strain of the structural and shear springs at it, >= 0 [-].
-void vertexStrains(const Snapshot& snapshot, std::vector<float>& out);
-
 }  // namespace cloth_sim
