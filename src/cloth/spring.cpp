@@ -30,8 +30,7 @@ const char* toString(SpringKind kind) {
 
 bool Spring::operator==(const Spring& other) const {
   return a == other.a && b == other.b && support == other.support && kind == other.kind &&
-         direction == other.direction && restLength == other.restLength &&
-         stiffness == other.stiffness && damping == other.damping;
+         direction == other.direction && law() == other.law();
 }
 
 void SpringSlots::append(const Spring& spring) {
@@ -51,8 +50,7 @@ std::int32_t SpringSlots::enter(const Spring& spring) {
   if (known != kNone) {
     Make& make = makes_[static_cast<std::size_t>(known)];
     const bool same = make.springs > 0 && make.kind == spring.kind &&
-                      make.direction == spring.direction && make.restLength == spring.restLength &&
-                      make.stiffness == spring.stiffness && make.damping == spring.damping;
+                      make.direction == spring.direction && make.law == spring.law();
     if (same) {
       ++make.springs;
       return known;
@@ -64,8 +62,7 @@ std::int32_t SpringSlots::enter(const Spring& spring) {
   }
   known = unused_.back();
   unused_.pop_back();
-  makes_[static_cast<std::size_t>(known)] = {spring.restLength, spring.stiffness, spring.damping,
-                                             spring.kind,       spring.direction, 1};
+  makes_[static_cast<std::size_t>(known)] = {spring.law(), spring.kind, spring.direction, 1};
   return known;
 }
 

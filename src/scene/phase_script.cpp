@@ -62,6 +62,11 @@ const PhaseSpec* PhaseScript::current() const {
   return status_ == ScriptStatus::kRunning ? &phases_[index_] : nullptr;
 }
 
+bool PhaseScript::wantsMeanSpeed() const {
+  const PhaseSpec* phase = current();
+  return phase != nullptr && phase->until.meanSpeedBelow.has_value();
+}
+
 std::vector<std::string> PhaseScript::names() const {
   std::vector<std::string> names;
   for (const PhaseSpec& phase : phases_) names.push_back(phase.name);

@@ -130,7 +130,7 @@ void Simulation::runScript() {
 PhaseObservation Simulation::observe() const {
   PhaseObservation now;
   now.time = time();
-  now.meanSpeed = isAsleep() ? 0.0 : meanSpeed(state_);
+  if (script_.wantsMeanSpeed() && !isAsleep()) now.meanSpeed = meanSpeed(state_);
   now.pieces = pieces();
   now.broken = broken_.total;
   now.inContact =

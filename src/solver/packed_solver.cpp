@@ -89,7 +89,6 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
 }
 
 void PackedSolver::loadKinematics(const Model& model, const Controls& controls) {
-  particles_.loadMasses(model, controls.kinematic);
   kinematicSlots_.clear();
   kinematicFrom_.resize(controls.kinematic.size());
   kinematicTo_.resize(controls.kinematic.size());
@@ -107,6 +106,7 @@ void PackedSolver::loadKinematics(const Model& model, const Controls& controls) 
     layoutChanged_ = true;
   }
   if (!layoutChanged_) return;
+  particles_.loadMasses(model, controls.kinematic);
   targetOf_.assign(static_cast<std::size_t>(particles_.slots), kNone);
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     targetOf_[static_cast<std::size_t>(kinematicSlots_[k])] = static_cast<std::int32_t>(k);

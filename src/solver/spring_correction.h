@@ -6,9 +6,6 @@
 
 namespace cloth_sim {
 
-/// Keeps the direction of a spring of no length from being 0/0 [m^2].
-constexpr double kTinySquare = 1e-300;
-
 /// What springs give way in a substep, by their place in the laws of the schedule: f along a spring
 /// moves its ends until C + alpha f = 0, or with damping C + lag dC + alpha f = 0, where dC is what
 /// C has changed by in this substep. The update of Macklin et al. 2016, eqs. 18 and 26, with one

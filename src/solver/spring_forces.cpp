@@ -7,9 +7,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Keeps the direction of a spring of no length from being 0/0 [m^2].
-constexpr double kTinySquare = 1e-300;
-
 /// One spring from a to b: the force that a gets.
 struct Pull {
   double x, y, z;

@@ -9,9 +9,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Keeps the direction of a spring of no length from being 0/0 [m^2].
-constexpr double kTinySquare = 1e-300;
-
 struct Axes {
   const double *x, *y, *z;
 };

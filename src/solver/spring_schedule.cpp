@@ -159,9 +159,9 @@ std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::End
 /// The first spring from `begin` on that has another law than that one, or the end.
 const std::int32_t* endOfLaw(const SpringNetwork& springs, const std::int32_t* begin,
                              const std::int32_t* end) {
-  const SpringLaw law = SpringLaw::of(springs[*begin]);
+  const SpringLaw law = springs[*begin].law();
   return std::find_if(begin + 1, end,
-                      [&](std::int32_t slot) { return !(SpringLaw::of(springs[slot]) == law); });
+                      [&](std::int32_t slot) { return !(springs[slot].law() == law); });
 }
 
 /// Which strand a set of springs goes to.
@@ -248,7 +248,7 @@ void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
     Span& span = *(std::upper_bound(spans_.begin(), spans_.end(), home, before) - 1);
     const Ends ends = endsOf(span, home - span.first);
     atHome = spring.exists() && ends.a == slotOf[spring.a] && ends.b == slotOf[spring.b];
-    setLaw(atHome ? SpringLaw::of(spring) : SpringLaw{}, span, home - span.first);
+    setLaw(atHome ? spring.law() : SpringLaw{}, span, home - span.first);
   }
   isAppended_[slot] = spring.exists() && !atHome;
 }
@@ -421,10 +421,10 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& ends
   span.others = static_cast<std::int32_t>(endA.size());
   span.laws = static_cast<std::int32_t>(laws.size());
   if (span.isRun) span.ends = endsOf(*slot);
-  if (span.isUniform) laws.append(SpringLaw::of(springs[*slot]));
+  if (span.isUniform) laws.append(springs[*slot].law());
   for (std::int32_t position = span.first; slot != end; ++slot, ++position) {
     if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;  // where it is first
-    if (!span.isUniform) laws.append(SpringLaw::of(springs[*slot]));
+    if (!span.isUniform) laws.append(springs[*slot].law());
     if (span.isRun) continue;
     const Ends ends = endsOf(*slot);
     endA.push_back(ends.a);

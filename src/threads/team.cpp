@@ -88,7 +88,6 @@ struct Team::Impl {
   void live(std::int32_t member);
   void help(std::int32_t member);
   bool work(std::int32_t member);
-  void carryOut(std::int32_t part);
 
   std::int32_t size = 1;
   std::array<Share, kMostMembers> shares;  ///< by member
@@ -176,17 +175,14 @@ bool Team::Impl::work(std::int32_t member) {
   Share& own = shares[static_cast<std::size_t>(member)];
   std::int32_t part = own.takeFirst();
   if (part < 0) return false;
-  for (; part >= 0; part = own.takeFirst()) carryOut(part);
+  std::int32_t done = 0;  // told at the end: `pending` goes from core to core each time
+  for (; part >= 0; part = own.takeFirst(), ++done) body(context, part);
   for (std::int32_t k = 1; k < size; ++k) {
     Share& other = shares[static_cast<std::size_t>((member + k) % size)];
-    while ((part = other.takeLast()) >= 0) carryOut(part);
+    for (; (part = other.takeLast()) >= 0; ++done) body(context, part);
   }
+  pending.fetch_sub(done, std::memory_order_release);
   return true;
-}
-
-void Team::Impl::carryOut(std::int32_t part) {
-  body(context, part);
-  pending.fetch_sub(1, std::memory_order_release);
 }
 
 Team::Team() : impl_(std::make_unique<Impl>()) {}

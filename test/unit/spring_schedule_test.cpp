@@ -37,7 +37,7 @@ void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedu
   std::multiset<Row> expected, found;
   for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
-    expected.insert(row(slotOf[spring.a], slotOf[spring.b], SpringLaw::of(spring)));
+    expected.insert(row(slotOf[spring.a], slotOf[spring.b], spring.law()));
   }
   for (const SpringSchedule::Element& spring : elementsOf(schedule)) {
     if (!(spring.law == SpringLaw{})) found.insert(row(spring.a, spring.b, spring.law));

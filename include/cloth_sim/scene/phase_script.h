@@ -13,7 +13,7 @@ namespace cloth_sim {
 /// What the script may look at, after each step.
 struct PhaseObservation {
   double time = 0.0;       ///< [s]
-  double meanSpeed = 0.0;  ///< [m/s]
+  double meanSpeed = 0.0;  ///< [m/s]; 0 unless `wantsMeanSpeed`
   bool inContact = false;  ///< some particle touched an obstacle in the last step
   bool clampsAtTarget = false;
   bool clampsClosed = false;
@@ -62,6 +62,8 @@ class PhaseScript {
   ScriptStatus status() const { return status_; }
   /// nullptr unless running.
   const PhaseSpec* current() const;
+  /// Whether `update` will look at the mean speed, which takes a look at every particle.
+  bool wantsMeanSpeed() const;
   const std::vector<PhaseRecord>& history() const { return history_; }
   std::vector<std::string> names() const;
 

@@ -4,24 +4,15 @@
 #include <cstddef>
 #include <vector>
 
-#include "cloth_sim/cloth/spring_network.h"
+#include "cloth_sim/cloth/spring.h"
 
 namespace cloth_sim {
 
-/// How a spring pulls: f = -(k (l - l0) + c dl/dt).
-struct SpringLaw {
-  double restLength = 0.0;  ///< l0 [m]
-  double stiffness = 0.0;   ///< k [N/m]; 0 where the spring is gone
-  double damping = 0.0;     ///< c [N s/m]
+/// Keeps the direction of a spring of no length from being 0/0 [m^2].
+constexpr double kTinySquare = 1e-300;
 
-  static SpringLaw of(const Spring& s) { return {s.restLength, s.stiffness, s.damping}; }
-  bool operator==(const SpringLaw& other) const {
-    return restLength == other.restLength && stiffness == other.stiffness &&
-           damping == other.damping;
-  }
-};
-
-/// Laws as structure of arrays. Dashpots take no memory where there are none.
+/// Laws as structure of arrays; without stiffness where a spring is gone. Dashpots take no memory
+/// where there are none.
 class SpringLaws {
  public:
   std::size_t size() const { return restLength_.size(); }
