@@ -20,8 +20,7 @@ Pose WorldFrame::toWorld(const Pose& pose, const std_msgs::Header& header) const
   if (header.frame_id.empty()) throw std::runtime_error("header.frame_id is empty");
   if (header.frame_id == frame_ || header.frame_id == "/" + frame_) return pose;
   waitFor(header);
-  const Pose frame =
-      toPose(buffer_.lookupTransform(frame_, header.frame_id, header.stamp).transform);
+  const Pose frame = toPose(lookUp(header.frame_id, header.stamp).transform);
   return {frame.toWorld(pose.position), (frame.orientation * pose.orientation).normalized()};
 }
 
@@ -35,9 +34,19 @@ void WorldFrame::waitFor(const std_msgs::Header& header) const {
 }
 
 WorldFrame::Sighting WorldFrame::latest(const std::string& frame) const {
-  const geometry_msgs::TransformStamped found =
-      buffer_.lookupTransform(frame_, frame, ros::Time(0));
+  const geometry_msgs::TransformStamped found = lookUp(frame, ros::Time(0));
   return {toPose(found.transform), found.header.stamp.toSec()};
+}
+
+/// What tf says of a frame that it does not know may be about the other one.
+geometry_msgs::TransformStamped WorldFrame::lookUp(const std::string& frame,
+                                                   const ros::Time& time) const {
+  try {
+    return buffer_.lookupTransform(frame_, frame, time);
+  } catch (const tf2::TransformException& error) {
+    throw std::runtime_error("no transform from '" + frame + "' to '" + frame_ +
+                             "': " + error.what());
+  }
 }
 
 }  // namespace cloth_sim

@@ -29,7 +29,7 @@ template <typename Items, typename Name>
 std::string listNames(const Items& items, const Name& name) {
   std::string names;
   for (const auto& item : items) names += (names.empty() ? "" : ", ") + name(item);
-  return names.empty() ? "there are none" : "there is " + names;
+  return names.empty() ? "there are none" : "known: " + names;
 }
 
 /// Why a target that moves cannot be used; empty if it can.

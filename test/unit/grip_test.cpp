@@ -253,7 +253,7 @@ TEST(GuidedObstacle, IsWhereItsTargetIsAtTheEndOfEveryStep) {
   ASSERT_TRUE(simulation.apply(GuideObstacle{"ball", target}).success);
   simulation.step();
   EXPECT_EQ(simulation.colliders().all()[0].obstacle().velocity, Vec3::Zero()) << "a jump";
-  EXPECT_THAT(simulation.apply(GuideObstacle{"bowl", target}).message, HasSubstr("there is ball"));
+  EXPECT_THAT(simulation.apply(GuideObstacle{"bowl", target}).message, HasSubstr("known: ball"));
 }
 
 }  // namespace

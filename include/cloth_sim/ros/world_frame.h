@@ -33,6 +33,7 @@ class WorldFrame {
 
  private:
   void waitFor(const std_msgs::Header& header) const;
+  geometry_msgs::TransformStamped lookUp(const std::string& frame, const ros::Time& time) const;
 
   const tf2_ros::Buffer& buffer_;
   std::string frame_;
