@@ -112,25 +112,29 @@ def floors(document):
 
 
 def whole(document):
-    """Steps of whole scenes over those of the bare one."""
+    """Steps of whole scenes over those of the bare one, and cut ones over the same uncut."""
     found = medians(document)
     rows = []
     for method in ('xpbd', 'projective'):
-        bare = found.get('whole/%s/pins' % method)
+        bare, uncut = (found.get('whole/%s/%s' % (method, what)) for what in ('pins', 'armed'))
         for what, told in (('pins', 'hanging from two pins'),
                            ('armed', 'from two clamps, over ground and ball, tearing armed'),
                            ('armed_cut', 'the same after three cuts'),
                            ('armed_cut_refined', 'the same, refined around the cuts')):
             entry = found.get('whole/%s/%s' % (method, what))
-            if not (bare and entry):
+            if not (bare and uncut and entry):
                 return 'Not measured yet.'
-            time = entry['median']['cpu_time']
+
+            def over(other, figure):
+                return '%.2f' % (entry['median'][figure] / other['median'][figure])
+            is_cut = what.startswith('armed_')
             rows.append(['`%s`' % method, told, '%d' % entry['median'].get('particles', 0),
-                         '%.2f%s' % (time, spread(entry)),
-                         '%.2f' % (time / bare['median']['cpu_time']),
-                         '%.2f' % (entry['median']['per_spring'] / bare['median']['per_spring'])])
-    return table(['method', 'scene', 'particles', 'ms a step', 'over the first',
-                  'the same a spring'], rows)
+                         '%.2f%s' % (entry['median']['cpu_time'], spread(entry)),
+                         over(bare, 'cpu_time'), over(bare, 'per_spring'),
+                         over(uncut, 'cpu_time') if is_cut else '',
+                         over(uncut, 'per_spring') if is_cut else ''])
+    return table(['method', 'scene', 'particles', 'ms a step', 'over the first', 'the same a spring',
+                  'over the uncut one', 'the same a spring'], rows)
 
 
 def parts(document):

@@ -13,7 +13,7 @@ namespace cloth_sim {
 namespace {
 
 constexpr std::size_t kMaxVertices = 1100000;
-constexpr std::streamoff kMaxFileSize = 256 << 20;  // [bytes]
+constexpr std::streamoff kMaxMeshSize = 256 << 20;  // [bytes]
 
 /// A corner of a face as the file has it, from 0.
 struct Corner {
@@ -220,7 +220,7 @@ ClothMesh parseObj(const std::string& text, const std::string& path, const ObjUn
 ClothMesh readObj(const std::string& path, const ObjUnits& units) {
   std::ifstream stream(path, std::ios::binary | std::ios::ate);
   if (!stream) throw SceneError(path + ": cannot read the file");
-  if (stream.tellg() > kMaxFileSize) throw SceneError(path + ": expected at most 256 MiB");
+  if (stream.tellg() > kMaxMeshSize) throw SceneError(path + ": expected at most 256 MiB");
   stream.seekg(0);
   std::ostringstream text;
   text << stream.rdbuf();

@@ -1,15 +1,13 @@
 #include <cmath>
 
 #include "cloth_sim/sim/simulation.h"
+#include "command_checks.h"
 
 namespace cloth_sim {
 namespace {
 
 /// Times the scene's stiffness that can be asked for at most, and one over the least [-].
 constexpr double kMostScale = 1e3;
-
-CommandResult done() { return {true, ""}; }
-CommandResult refuse(const std::string& message) { return {false, message}; }
 
 bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 

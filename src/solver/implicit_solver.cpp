@@ -13,7 +13,7 @@ constexpr double kLinearTolerance = 0.05;  ///< of the residual, per Newton step
 constexpr int kLinearIterations = 400;
 constexpr int kHalvings = 8;
 /// Of the potential: what rounding may add to it.
-constexpr double kRounding = 1e-12;
+constexpr double kSlack = 1e-12;
 
 }  // namespace
 
@@ -82,7 +82,7 @@ double ImplicitSolver::potential(const Substep& now, double tau, const PackedVec
 void ImplicitSolver::search(const Substep& now, double tau, double fraction,
                             const PackedVectors& fromX, const PackedVectors& fromV) {
   const double start = potential(now, tau, fromV);
-  const double allowance = kRounding * std::abs(start);
+  const double allowance = kSlack * std::abs(start);
   before_ = particles_.v;
   double step = 1.0;
   for (int k = 0; k <= kHalvings; ++k, step *= 0.5) {

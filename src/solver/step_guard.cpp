@@ -10,7 +10,7 @@ namespace {
 /// Limit of stability of the method that `stableStep` is about.
 constexpr double kLimitOfStableStep = 2.0;
 /// What rounding adds to the ratio is not worth a substep.
-constexpr double kRounding = 1e-9;
+constexpr double kWholeWithin = 1e-9;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ int stableSubsteps(const SolverInfo& info, const FastestMode& mode, double dt) {
     throw std::invalid_argument("solver.method: " + info.name +
                                 " is stable at no step where anything is undamped");
   }
-  return std::max(1, static_cast<int>(std::ceil(dt / longest - kRounding)));
+  return std::max(1, static_cast<int>(std::ceil(dt / longest - kWholeWithin)));
 }
 
 SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const FastestMode& mode,

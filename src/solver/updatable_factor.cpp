@@ -8,7 +8,7 @@ namespace cloth_sim {
 namespace {
 
 /// A change of an entry, relative to it, that is taken for rounding.
-constexpr double kRounding = 1e-12;
+constexpr double kSameEntry = 1e-12;
 /// A factorisation costs the sum over columns of the square of their entries; a change costs this
 /// much per entry that it passes, in the same unit (measured: docs/design_notes.md).
 constexpr double kCostOfEntry = 3.0;
@@ -65,7 +65,7 @@ bool UpdatableFactor::follow(const Matrix& matrix) {
   }
   for (std::size_t k = 0; k < n; ++k) {
     const auto j = static_cast<Eigen::Index>(k);
-    if (std::abs(rest[k]) > kRounding * matrix.coeff(j, j)) {
+    if (std::abs(rest[k]) > kSameEntry * matrix.coeff(j, j)) {
       changes.push_back({position_[k], kNone, rest[k]});
     }
   }
@@ -86,7 +86,7 @@ std::vector<UpdatableFactor::Change> UpdatableFactor::changesTo(const Matrix& ma
   const auto note = [&](Eigen::Index row, Eigen::Index column, double from, double to) {
     const double difference = to - from;
     const bool isRounding =
-        std::abs(difference) <= kRounding * std::max(std::abs(from), std::abs(to));
+        std::abs(difference) <= kSameEntry * std::max(std::abs(from), std::abs(to));
     if (row < column || isRounding) return;
     const auto a = static_cast<std::size_t>(row);
     const auto b = static_cast<std::size_t>(column);

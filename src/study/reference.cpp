@@ -17,7 +17,7 @@ namespace {
 /// The coarsest run's steps are this part of the scene's.
 constexpr int kStepDivision = 2;
 /// Part of the longest stable step that the coarsest run takes.
-constexpr double kMargin = 0.5;
+constexpr double kStepMargin = 0.5;
 /// Relative difference of figures that rounding on another machine may make.
 constexpr double kSameFigure = 1e-9;
 
@@ -125,7 +125,7 @@ double errorAgainst(const Reference& reference, const StudyScene& study, const R
 Reference convergeReference(const StudyScene& study, const ConvergenceGoal& goal) {
   const SolverInfo& method = referenceMethod();
   double dt = study.scene.solver.dt / kStepDivision;
-  const double longest = kMargin * stableStep(buildModel(study.scene.cloths));
+  const double longest = kStepMargin * stableStep(buildModel(study.scene.cloths));
   const int substeps = std::max(1, static_cast<int>(std::ceil(dt / longest)));
   RunResult run = runScene(study, configure(method, dt, substeps, 0));
   Reference reference;

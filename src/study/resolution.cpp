@@ -14,8 +14,8 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kSide = 0.5;    ///< of the cloth [m]
-constexpr double kMargin = 0.7;  ///< part of the longest stable step
+constexpr double kSide = 0.5;          ///< of the cloth [m]
+constexpr double kStableMargin = 0.7;  ///< part of the longest stable step
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kSwing = M_PI / 9.0;   ///< [rad]
 constexpr double kSettling = 8.0;       ///< drag that brings a cloth to rest [1/s]
@@ -188,7 +188,7 @@ Experiment hoop(int n) {
 
 std::vector<ResolutionRow> run(const Experiment& experiment) {
   const double dt = experiment.scene.solver.dt;
-  const double longest = kMargin * stableStep(buildModel(experiment.scene.cloths));
+  const double longest = kStableMargin * stableStep(buildModel(experiment.scene.cloths));
   const int substeps = static_cast<int>(std::ceil(dt / longest));
   const Configuration configuration = configure(referenceMethod(), dt, substeps, 0);
   Simulation simulation(withConfiguration(experiment.scene, configuration));

@@ -10,18 +10,18 @@ namespace cloth_sim {
 namespace {
 
 /// Angles below this are worth a flip [rad].
-constexpr double kGoodAngle = 0.35;
+constexpr double kPoorAngle = 0.35;
 /// ... if it gains this much [rad].
 constexpr double kWorthwhile = 0.02;
 constexpr int kImprovePasses = 4;
 /// A border counts as straight, and a point as on it, within this [m].
-constexpr double kStraight = 1e-14;
+constexpr double kOnBorder = 1e-14;
 /// Edges this near in relative length count as equally long.
 constexpr double kSameLength = 1e-9;
 /// Deepest chain of bisections that one may call for.
 constexpr int kDeepest = 64;
 
-double offLine(const Vec2& a, const Vec2& b, const Vec2& p) {
+double distanceToLine(const Vec2& a, const Vec2& b, const Vec2& p) {
   const double length = (b - a).norm();
   return length > 0.0 ? std::abs(doubleArea(a, b, p)) / length : (p - a).norm();
 }
@@ -83,7 +83,7 @@ VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
   // On the edge, rounding is all that is left; beside it, the vertex has to move.
   // An edge on the border stays on its line.
   const bool inside = mesh().facesAround(middle).size() == 4;
-  if (inside && offLine(pa, pa + d, at) > kStraight) moveVertex(middle, at);
+  if (inside && distanceToLine(pa, pa + d, at) > kOnBorder) moveVertex(middle, at);
   return middle;
 }
 
@@ -91,11 +91,11 @@ bool Remesher::mayMove(VertexId v, const Vec2& to) const {
   if (held_.count(v) != 0 || marked_.count(v) != 0) return false;
   const std::vector<VertexId> around = mesh().neighbours(v);
   if (around.size() == mesh().facesAround(v).size()) return true;
-  const double tolerance = kStraight * std::max(1.0, to.cwiseAbs().maxCoeff());
+  const double tolerance = kOnBorder * std::max(1.0, to.cwiseAbs().maxCoeff());
   const auto isStraight = [&](VertexId w) {
     if (mesh().facesOnEdge(v, w)[1] != kNone) return true;
     const Vec2& from = mesh().material(w);
-    return offLine(from, mesh().material(v), to) <= tolerance;
+    return distanceToLine(from, mesh().material(v), to) <= tolerance;
   };
   return std::all_of(around.begin(), around.end(), isStraight);
 }
@@ -210,7 +210,7 @@ double Remesher::angleIfFlipped(VertexId a, VertexId b) const {
 }
 
 bool Remesher::improveFace(FaceId f, std::vector<FaceId>& next) {
-  if (minAngle(mesh(), f) >= kGoodAngle) return false;
+  if (minAngle(mesh(), f) >= kPoorAngle) return false;
   const Face face = mesh().face(f);
   EdgeKey best{kNone, kNone};
   double gain = kWorthwhile;

@@ -10,7 +10,7 @@ namespace cloth_sim {
 namespace {
 
 /// Parameters on edges and in faces this near to an end are at the end.
-constexpr double kSnap = 1e-12;
+constexpr double kAtEnd = 1e-12;
 /// Distances of a face's corners that count as none, in lengths of the facet.
 constexpr double kCoplanar = 1e-13;
 /// Differences that are smaller, relative to the lengths involved, are not left to rounding.
@@ -27,8 +27,8 @@ struct Box {
 };
 
 double snapped(double part) {
-  if (!(part > kSnap)) return 0.0;
-  return part < 1.0 - kSnap ? part : 1.0;
+  if (!(part > kAtEnd)) return 0.0;
+  return part < 1.0 - kAtEnd ? part : 1.0;
 }
 
 class Crossing {

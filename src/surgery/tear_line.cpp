@@ -15,7 +15,7 @@ constexpr int kStressRings = 2;
 /// A vertex lies on a seam if it is within this of it [m].
 constexpr double kOnSeam = 1e-9;
 /// Parameters along a line count as the same within this.
-constexpr double kTolerance = 1e-9;
+constexpr double kSameParameter = 1e-9;
 
 double angleAround(const TriangleMesh& mesh, VertexId v) {
   double sum = 0.0;
@@ -51,8 +51,8 @@ bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
       for (FaceId f : mesh.facesAround(v)) {
         const std::array<double, 3> weight = barycentric(mesh, f, p);
         const double least = *std::min_element(weight.begin(), weight.end());
-        if (least > kTolerance) return true;
-        if (least > -kTolerance) ++inside;
+        if (least > kSameParameter) return true;
+        if (least > -kSameParameter) ++inside;
       }
       if (inside > 1 && (p - mesh.material(v)).norm() > kOnSeam) return true;
     }
@@ -61,15 +61,15 @@ bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
 }
 
 /// Where the line from + t d is inside a face: an interval of t, empty if first > last.
-struct Interval {
+struct FaceInterval {
   double first = 0.0;
   double last = 0.0;
   FaceId face = kNone;
 };
 
-Interval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& d, double low,
-              double high) {
-  Interval inside{low, high, f};
+FaceInterval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& d, double low,
+                  double high) {
+  FaceInterval inside{low, high, f};
   const Face& face = mesh.face(f);
   for (int k = 0; k < 3; ++k) {
     const Vec2& a = mesh.material(face[k]);
@@ -77,8 +77,8 @@ Interval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& 
     const Vec2 r = from - a;
     const double height = cross(e, r);
     const double rate = cross(e, d);
-    if (std::abs(rate) <= kTolerance * e.norm() * d.norm()) {
-      if (height < -kTolerance * e.squaredNorm()) return {1.0, 0.0, f};
+    if (std::abs(rate) <= kSameParameter * e.norm() * d.norm()) {
+      if (height < -kSameParameter * e.squaredNorm()) return {1.0, 0.0, f};
     } else if (rate > 0.0) {
       inside.first = std::max(inside.first, -height / rate);
     } else {
@@ -89,13 +89,14 @@ Interval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& 
 }
 
 /// Grows [first, last] by the intervals that meet it, until none does.
-Interval connected(const std::vector<Interval>& intervals, double at) {
-  Interval all{at, at, kNone};
+FaceInterval connected(const std::vector<FaceInterval>& intervals, double at) {
+  FaceInterval all{at, at, kNone};
   FaceId firstFace = kNone;
   for (bool grew = true; grew;) {
     grew = false;
-    for (const Interval& part : intervals) {
-      const bool meets = part.first <= all.last + kTolerance && part.last >= all.first - kTolerance;
+    for (const FaceInterval& part : intervals) {
+      const bool meets =
+          part.first <= all.last + kSameParameter && part.last >= all.first - kSameParameter;
       if (!meets || part.first > part.last) continue;
       if (firstFace == kNone || part.first < all.first) {
         grew = grew || part.first < all.first;
@@ -124,7 +125,7 @@ std::vector<FaceId> facesUnder(const TriangleMesh& mesh, const Spring& spring) {
 }
 
 bool isTip(const TriangleMesh& mesh, VertexId v) {
-  return mesh.isBoundary(v) && angleAround(mesh, v) > 1.5 * M_PI + kTolerance;
+  return mesh.isBoundary(v) && angleAround(mesh, v) > 1.5 * M_PI + kSameParameter;
 }
 
 VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
@@ -134,7 +135,7 @@ VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces
     for (VertexId v : mesh.face(f)) {
       if (!mesh.isBoundary(v)) continue;
       const double angle = angleAround(mesh, v);
-      if (angle > most + kTolerance) {
+      if (angle > most + kSameParameter) {
         most = angle;
         best = v;
       }
@@ -194,16 +195,16 @@ std::optional<double> placeOn(const MaterialPath& seam, const Vec2& p) {
 
 std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
                                     const MaterialPath& seam, double at) {
-  std::vector<Interval> parts;
+  std::vector<FaceInterval> parts;
   for (std::size_t k = 0; k + 1 < seam.size(); ++k) {
     const auto offset = static_cast<double>(k);
     for (FaceId f : faces) {
-      const Interval part = clip(mesh, f, seam[k], seam[k + 1] - seam[k], 0.0, 1.0);
+      const FaceInterval part = clip(mesh, f, seam[k], seam[k + 1] - seam[k], 0.0, 1.0);
       if (part.first > part.last) continue;
       parts.push_back({offset + part.first, offset + part.last, f});
     }
   }
-  const Interval whole = connected(parts, at);
+  const FaceInterval whole = connected(parts, at);
   const FaceId hint = whole.face != kNone ? whole.face : faces.front();
   const auto pointAt = [&](double s) -> Vec2 {
     const auto k = std::min(static_cast<std::size_t>(s), seam.size() - 2);
@@ -211,11 +212,11 @@ std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<
   };
   SurfacePath path;
   path.points.push_back({hint, pointAt(whole.first)});
-  for (double s = std::floor(whole.first) + 1.0; s < whole.last - kTolerance; s += 1.0) {
-    if (s > whole.first + kTolerance) path.points.push_back({hint, pointAt(s)});
+  for (double s = std::floor(whole.first) + 1.0; s < whole.last - kSameParameter; s += 1.0) {
+    if (s > whole.first + kSameParameter) path.points.push_back({hint, pointAt(s)});
   }
   path.points.push_back({hint, pointAt(whole.last)});
-  if ((path.points.back().material - path.points.front().material).norm() <= kTolerance) {
+  if ((path.points.back().material - path.points.front().material).norm() <= kSameParameter) {
     return std::nullopt;
   }
   return path;
@@ -232,7 +233,7 @@ std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v,
   const Vec2 onwards = awayFromTear(mesh, v);
   const auto isAhead = [&](const SurfacePoint& p) {
     const Vec2 d = p.material - mesh.material(v);
-    return d.norm() > kTolerance && d.dot(onwards) > 0.0;
+    return d.norm() > kSameParameter && d.dot(onwards) > 0.0;
   };
   std::vector<SurfacePoint>& points = path->points;
   points.erase(std::remove_if(points.begin(), points.end(),
@@ -248,11 +249,11 @@ std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v,
 
 std::optional<SurfacePath> lineThrough(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
                                        const Vec2& middle, const Vec2& direction) {
-  std::vector<Interval> parts;
+  std::vector<FaceInterval> parts;
   constexpr double kFar = 1e6;  // [m]
   for (FaceId f : faces) parts.push_back(clip(mesh, f, middle, direction, -kFar, kFar));
-  const Interval whole = connected(parts, 0.0);
-  if (whole.face == kNone || whole.last - whole.first <= kTolerance) return std::nullopt;
+  const FaceInterval whole = connected(parts, 0.0);
+  if (whole.face == kNone || whole.last - whole.first <= kSameParameter) return std::nullopt;
   SurfacePath path;
   path.points.push_back({whole.face, middle + whole.first * direction});
   path.points.push_back({whole.face, middle + whole.last * direction});

@@ -36,50 +36,50 @@ class Wait {
   int looks_ = 0;
 };
 
-/// Parts [next, end) of a member, in one word, so that they are taken one at a time.
-class alignas(64) Share {
- public:
-  void set(std::int32_t next, std::int32_t end) {
-    word_.store(wordOf(next, end), std::memory_order_release);
-  }
-  /// \return a part, or -1. Whoever gets a part sees the loop that it belongs to, because that was
-  /// written before, and is not overwritten as long as a part of it is not done.
-  std::int32_t takeFirst() {
-    return take([](std::int32_t next, std::int32_t end) { return wordOf(next + 1, end); },
-                [](std::int32_t next, std::int32_t /*end*/) { return next; });
-  }
-  std::int32_t takeLast() {
-    return take([](std::int32_t next, std::int32_t end) { return wordOf(next, end - 1); },
-                [](std::int32_t /*next*/, std::int32_t end) { return end - 1; });
-  }
-
- private:
-  using Word = std::uint64_t;
-
-  static Word wordOf(std::int32_t next, std::int32_t end) {
-    return Word{static_cast<std::uint32_t>(next)} << 32 | static_cast<std::uint32_t>(end);
-  }
-
-  template <typename Rest, typename Taken>
-  std::int32_t take(const Rest& rest, const Taken& taken) {
-    Word word = word_.load(std::memory_order_relaxed);
-    while (true) {
-      const auto next = static_cast<std::int32_t>(word >> 32);
-      const auto end = static_cast<std::int32_t>(word & 0xffffffffU);
-      if (next >= end) return -1;
-      if (word_.compare_exchange_weak(word, rest(next, end), std::memory_order_acq_rel,
-                                      std::memory_order_relaxed)) {
-        return taken(next, end);
-      }
-    }
-  }
-
-  std::atomic<Word> word_{0};
-};
-
 }  // namespace
 
 struct Team::Impl {
+  /// Parts [next, end) of a member, in one word, so that they are taken one at a time.
+  class alignas(64) Share {
+   public:
+    void set(std::int32_t next, std::int32_t end) {
+      word_.store(wordOf(next, end), std::memory_order_release);
+    }
+    /// \return a part, or -1. Whoever gets a part sees the loop that it belongs to, because that
+    /// was written before, and is not overwritten as long as a part of it is not done.
+    std::int32_t takeFirst() {
+      return take([](std::int32_t next, std::int32_t end) { return wordOf(next + 1, end); },
+                  [](std::int32_t next, std::int32_t /*end*/) { return next; });
+    }
+    std::int32_t takeLast() {
+      return take([](std::int32_t next, std::int32_t end) { return wordOf(next, end - 1); },
+                  [](std::int32_t /*next*/, std::int32_t end) { return end - 1; });
+    }
+
+   private:
+    using Word = std::uint64_t;
+
+    static Word wordOf(std::int32_t next, std::int32_t end) {
+      return Word{static_cast<std::uint32_t>(next)} << 32 | static_cast<std::uint32_t>(end);
+    }
+
+    template <typename Rest, typename Taken>
+    std::int32_t take(const Rest& rest, const Taken& taken) {
+      Word word = word_.load(std::memory_order_relaxed);
+      while (true) {
+        const auto next = static_cast<std::int32_t>(word >> 32);
+        const auto end = static_cast<std::int32_t>(word & 0xffffffffU);
+        if (next >= end) return -1;
+        if (word_.compare_exchange_weak(word, rest(next, end), std::memory_order_acq_rel,
+                                        std::memory_order_relaxed)) {
+          return taken(next, end);
+        }
+      }
+    }
+
+    std::atomic<Word> word_{0};
+  };
+
   ~Impl();
 
   void begin();
