@@ -111,28 +111,29 @@ def floors(document):
                              'over double', 'over float'], rows)
 
 
+def over(entry, other, figure):
+    return '%.2f' % (entry['median'][figure] / other['median'][figure])
+
+
 def whole(document):
     """Steps of whole scenes over those of the bare one, and cut ones over the same uncut."""
-    found = medians(document)
+    found = {name.partition('/iterations')[0]: entry for name, entry in medians(document).items()}
+    scenes = {'pins': 'hanging from two pins',
+              'armed': 'from two clamps, over ground and ball, tearing armed',
+              'armed_cut': 'the same after three cuts',
+              'armed_cut_refined': 'the same, refined around the cuts'}
     rows = []
     for method in ('xpbd', 'projective'):
-        bare, uncut = (found.get('whole/%s/%s/iterations:20' % (method, what)) for what in ('pins', 'armed'))
-        for what, told in (('pins', 'hanging from two pins'),
-                           ('armed', 'from two clamps, over ground and ball, tearing armed'),
-                           ('armed_cut', 'the same after three cuts'),
-                           ('armed_cut_refined', 'the same, refined around the cuts')):
-            entry = found.get('whole/%s/%s/iterations:20' % (method, what))
-            if not (bare and uncut and entry):
-                return 'Not measured yet.'
-
-            def over(other, figure):
-                return '%.2f' % (entry['median'][figure] / other['median'][figure])
-            is_cut = what.startswith('armed_')
-            rows.append(['`%s`' % method, told, '%d' % entry['median'].get('particles', 0),
-                         '%.2f%s' % (entry['median']['cpu_time'], spread(entry)),
-                         over(bare, 'cpu_time'), over(bare, 'per_spring'),
-                         over(uncut, 'cpu_time') if is_cut else '',
-                         over(uncut, 'per_spring') if is_cut else ''])
+        entries = {what: found.get('whole/%s/%s' % (method, what)) for what in scenes}
+        if not all(entries.values()):
+            return 'Not measured yet.'
+        for what, entry in entries.items():
+            row = ['`%s`' % method, scenes[what], '%d' % entry['median'].get('particles', 0),
+                   '%.2f%s' % (entry['median']['cpu_time'], spread(entry))]
+            row += [over(entry, entries['pins'], figure) for figure in ('cpu_time', 'per_spring')]
+            row += [over(entry, entries['armed'], figure) if 'cut' in what else ''
+                    for figure in ('cpu_time', 'per_spring')]
+            rows.append(row)
     return table(['method', 'scene', 'particles', 'ms a step', 'over the first', 'the same a spring',
                   'over the uncut one', 'the same a spring'], rows)
 

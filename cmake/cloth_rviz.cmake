@@ -15,9 +15,7 @@ endif()
 file(GLOB rviz_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/rviz/*.cpp)
 add_library(cloth_rviz ${rviz_sources})
 cloth_sim_compile_options(cloth_rviz)
-# The headers of rviz, Ogre and Qt cost more than what is in these files: read them twice, not eleven
-# times. Names without linkage must therefore differ between the files.
-set_target_properties(cloth_rviz PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+cloth_sim_compile_together(cloth_rviz)
 # Qt's words (signals, slots, emit) are others' names.
 target_compile_definitions(cloth_rviz PRIVATE QT_NO_KEYWORDS)
 target_link_libraries(cloth_rviz PUBLIC cloth_ros PRIVATE Qt5::Widgets)

@@ -10,6 +10,9 @@ namespace {
 
 using Eigen::Vector4f;
 
+constexpr double kLeastRest = 1e-6;     ///< rest length of an edge that may divide [m]
+constexpr float kLeastNormal = 1e-30f;  ///< square of a face's normal that may divide [-]
+
 constexpr int kLanes = FaceLooks::kLanes;
 using Lanes = FaceLooks::Lanes;
 
@@ -50,9 +53,6 @@ void scatter(const Lanes3& normal, const Lanes& strain, Look* out) {
     for (int j = 0; j < 4; ++j) out[lane + j] = four.col(j);
   }
 }
-
-constexpr double kLeastRest = 1e-6;     ///< rest length of an edge that may divide [m]
-constexpr float kLeastNormal = 1e-30f;  ///< square of a face's normal that may divide [-]
 
 Vector4f padded(const Vec3& value) {
   return {static_cast<float>(value.x()), static_cast<float>(value.y()),

@@ -132,9 +132,8 @@ void MarkerBuilder::addCloth(const Snapshot& snapshot) {
     Marker& marker = next(k == 0 ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
     if (faces == 0) marker.action = Marker::DELETE;
   }
-  const auto paint = [this](std::size_t k, const Look& look) { this->paint(k, look); };
   if (byFace) {
-    faceLooks_.visit(snapshot, paint);
+    faceLooks_.visit(snapshot, [this](std::size_t f, const Look& look) { paint(f, look); });
   } else {
     for (std::size_t v = 0; v < looks_.size(); ++v) paint(v, looks_[v]);
   }

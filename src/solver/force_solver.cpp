@@ -7,6 +7,7 @@
 #include "cloth_sim/solver/vector_clones.h"
 #include "packed_ops.h"
 #include "spring_forces.h"
+#include "whole_steps.h"
 
 namespace cloth_sim {
 namespace {
@@ -48,8 +49,7 @@ ForceSolver::ForceSolver(const Model& model, int substeps)
 int ForceSolver::substepsFor(const Model& model, int configured) {
   const double now = stableStep(model);
   if (!(now < stableAtFirst_) || !std::isfinite(stableAtFirst_)) return configured;
-  // What rounding adds to the ratio is not worth a substep.
-  return static_cast<int>(std::ceil(configured * stableAtFirst_ / now - 1e-9));
+  return wholeSteps(configured * stableAtFirst_ / now);
 }
 
 void ForceSolver::evaluateForces(const Substep& now) {

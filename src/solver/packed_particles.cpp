@@ -23,7 +23,7 @@ int packedColumn(int i, int columns) {
 
 /// Counts instead of leaving early, so that it can be vectorised.
 CLOTH_SIM_VECTOR_CLONES
-bool partIsSlower(std::size_t count, std::size_t first, const PackedVectors& x,
+bool partIsSlower(std::size_t first, std::size_t count, const PackedVectors& x,
                   const PackedVectors& v, double square) {
   const double* const px = x.x.data() + first;
   const double* const py = x.y.data() + first;
@@ -97,7 +97,7 @@ void PackedParticles::store(State& state) const {
 bool PackedParticles::areSlowerThan(double speed) const {
   std::atomic<bool> all = true;
   forParts(static_cast<std::size_t>(slots), [&](std::size_t first, std::size_t count) {
-    if (!partIsSlower(count, first, x, v, speed * speed)) all = false;
+    if (!partIsSlower(first, count, x, v, speed * speed)) all = false;
   });
   return all;
 }

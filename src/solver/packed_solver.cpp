@@ -7,12 +7,11 @@
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/sim/archive.h"
 #include "packed_ops.h"
+#include "whole_steps.h"
 
 namespace cloth_sim {
 namespace {
 
-/// So that a third of three substeps is one.
-constexpr double kRounding = 1e-9;
 /// No cloth goes faster [m/s]: a method that diverges is noticed long before its numbers overflow.
 constexpr double kFastest = 1e4;
 
@@ -55,8 +54,7 @@ void PackedSolver::load(StateReader& archive, const Model& model) {
 const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,
                                      Contacts& contacts, const StepLength& length) {
   const double dt = length.dt;
-  const int substeps =
-      std::max(1, static_cast<int>(std::ceil(substeps_ * length.substepFactor - kRounding)));
+  const int substeps = wholeSteps(substeps_ * length.substepFactor);
   const double h = dt / substeps;
   particles_.load(state);
   loadKinematics(model, controls);

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "whole_steps.h"
+
 namespace cloth_sim {
 namespace {
 
 /// Limit of stability of the method that `stableStep` is about.
 constexpr double kLimitOfStableStep = 2.0;
-/// What rounding adds to the ratio is not worth a substep.
-constexpr double kWholeWithin = 1e-9;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ int stableSubsteps(const SolverInfo& info, const FastestMode& mode, double dt) {
     throw std::invalid_argument("solver.method: " + info.name +
                                 " is stable at no step where anything is undamped");
   }
-  return std::max(1, static_cast<int>(std::ceil(dt / longest - kWholeWithin)));
+  return wholeSteps(dt / longest);
 }
 
 SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const FastestMode& mode,

@@ -14,8 +14,8 @@ namespace {
 
 /// A corner of a path that turns by more than this becomes a vertex [cosine].
 constexpr double kCornerCosine = 0.966;
-/// Parameters of crossings count as 0 or 1 within this.
-constexpr double kCrossingEnds = 1e-9;
+/// Parts of something that are no more than this are none: parameters of crossings are then 0 or 1.
+constexpr double kNegligible = 1e-9;
 /// Faces with angles from here on are good enough not to look for better ones [rad].
 constexpr double kGoodAngle = 0.17;
 /// Where a path ends on the border, a vertex of the border this near slides there [edge lengths].
@@ -152,7 +152,7 @@ bool Embedding::isOnBorder(FaceId f, const Vec2& at) const {
 /// Whether a point is on an edge, or the line that it is part of.
 bool Embedding::isOn(VertexId v, VertexId w, const Vec2& at) const {
   const double beside = std::abs(doubleArea(mesh_.material(v), mesh_.material(w), at));
-  return beside <= kCrossingEnds * (mesh_.material(w) - mesh_.material(v)).squaredNorm();
+  return beside <= kNegligible * (mesh_.material(w) - mesh_.material(v)).squaredNorm();
 }
 
 VertexId Embedding::placeAnchor(const SurfacePoint& where) {
@@ -187,7 +187,7 @@ VertexId Embedding::placeAnchor(const SurfacePoint& where) {
     }
   }
   consider({Choice::Kind::kSplitFace, {}, f, remesher_.angleIfSplit(f, at)}, split);
-  const bool there = nearest <= kCrossingEnds * reach;
+  const bool there = nearest <= kNegligible * reach;
   const VertexId v = carryOut(there ? bend : choose(snap, split, pull, bend), at, remesher_);
   bent(v, at);
   remesher_.hold(v);
@@ -240,12 +240,12 @@ std::optional<Exit> Embedding::crossing(VertexId centre, FaceId f, const Vec2& f
   const Vec2 d = to - from;
   const Vec2 e = b - a;
   const double outward = cross(d, e);  // e runs counter-clockwise about centre
-  if (outward <= kCrossingEnds * d.norm() * e.norm()) return std::nullopt;
+  if (outward <= kNegligible * d.norm() * e.norm()) return std::nullopt;
   const Vec2 r = a - from;
   const double along = cross(r, e) / outward;
   const double t = cross(r, d) / outward;
-  const bool meets = along >= -kCrossingEnds && along <= 1.0 + kCrossingEnds &&
-                     t >= -kCrossingEnds && t <= 1.0 + kCrossingEnds;
+  const bool meets = along >= -kNegligible && along <= 1.0 + kNegligible && t >= -kNegligible &&
+                     t <= 1.0 + kNegligible;
   if (!meets || along >= nearest) return std::nullopt;
   nearest = along;
   exit.along = std::clamp(t, 0.0, 1.0);
@@ -258,7 +258,7 @@ VertexId Embedding::makeVertex(const Exit& exit) {
   const VertexId nearer = exit.along < 0.5 ? a : b;
   const double part = std::min(exit.along, 1.0 - exit.along);
   const Choice bend{Choice::Kind::kBend, {nearer, kNone}, kNone, 0.0};
-  if (part <= kCrossingEnds) return nearer;
+  if (part <= kNegligible) return nearer;
   const Choice move{
       Choice::Kind::kMove, {nearer, kNone}, kNone, remesher_.angleIfMoved(nearer, exit.at)};
   const Choice split{

@@ -14,8 +14,8 @@ namespace {
 constexpr int kStressRings = 2;
 /// A vertex lies on a seam if it is within this of it [m].
 constexpr double kOnSeam = 1e-9;
-/// Parameters along a line count as the same within this.
-constexpr double kSameParameter = 1e-9;
+/// Parameters along a line, lengths and angles count as the same within this.
+constexpr double kSame = 1e-9;
 
 double angleAround(const TriangleMesh& mesh, VertexId v) {
   double sum = 0.0;
@@ -51,8 +51,8 @@ bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
       for (FaceId f : mesh.facesAround(v)) {
         const std::array<double, 3> weight = barycentric(mesh, f, p);
         const double least = *std::min_element(weight.begin(), weight.end());
-        if (least > kSameParameter) return true;
-        if (least > -kSameParameter) ++inside;
+        if (least > kSame) return true;
+        if (least > -kSame) ++inside;
       }
       if (inside > 1 && (p - mesh.material(v)).norm() > kOnSeam) return true;
     }
@@ -77,8 +77,8 @@ FaceInterval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Ve
     const Vec2 r = from - a;
     const double height = cross(e, r);
     const double rate = cross(e, d);
-    if (std::abs(rate) <= kSameParameter * e.norm() * d.norm()) {
-      if (height < -kSameParameter * e.squaredNorm()) return {1.0, 0.0, f};
+    if (std::abs(rate) <= kSame * e.norm() * d.norm()) {
+      if (height < -kSame * e.squaredNorm()) return {1.0, 0.0, f};
     } else if (rate > 0.0) {
       inside.first = std::max(inside.first, -height / rate);
     } else {
@@ -95,8 +95,7 @@ FaceInterval connected(const std::vector<FaceInterval>& intervals, double at) {
   for (bool grew = true; grew;) {
     grew = false;
     for (const FaceInterval& part : intervals) {
-      const bool meets =
-          part.first <= all.last + kSameParameter && part.last >= all.first - kSameParameter;
+      const bool meets = part.first <= all.last + kSame && part.last >= all.first - kSame;
       if (!meets || part.first > part.last) continue;
       if (firstFace == kNone || part.first < all.first) {
         grew = grew || part.first < all.first;
@@ -125,7 +124,7 @@ std::vector<FaceId> facesUnder(const TriangleMesh& mesh, const Spring& spring) {
 }
 
 bool isTip(const TriangleMesh& mesh, VertexId v) {
-  return mesh.isBoundary(v) && angleAround(mesh, v) > 1.5 * M_PI + kSameParameter;
+  return mesh.isBoundary(v) && angleAround(mesh, v) > 1.5 * M_PI + kSame;
 }
 
 VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
@@ -135,7 +134,7 @@ VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces
     for (VertexId v : mesh.face(f)) {
       if (!mesh.isBoundary(v)) continue;
       const double angle = angleAround(mesh, v);
-      if (angle > most + kSameParameter) {
+      if (angle > most + kSame) {
         most = angle;
         best = v;
       }
@@ -212,11 +211,11 @@ std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<
   };
   SurfacePath path;
   path.points.push_back({hint, pointAt(whole.first)});
-  for (double s = std::floor(whole.first) + 1.0; s < whole.last - kSameParameter; s += 1.0) {
-    if (s > whole.first + kSameParameter) path.points.push_back({hint, pointAt(s)});
+  for (double s = std::floor(whole.first) + 1.0; s < whole.last - kSame; s += 1.0) {
+    if (s > whole.first + kSame) path.points.push_back({hint, pointAt(s)});
   }
   path.points.push_back({hint, pointAt(whole.last)});
-  if ((path.points.back().material - path.points.front().material).norm() <= kSameParameter) {
+  if ((path.points.back().material - path.points.front().material).norm() <= kSame) {
     return std::nullopt;
   }
   return path;
@@ -233,7 +232,7 @@ std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v,
   const Vec2 onwards = awayFromTear(mesh, v);
   const auto isAhead = [&](const SurfacePoint& p) {
     const Vec2 d = p.material - mesh.material(v);
-    return d.norm() > kSameParameter && d.dot(onwards) > 0.0;
+    return d.norm() > kSame && d.dot(onwards) > 0.0;
   };
   std::vector<SurfacePoint>& points = path->points;
   points.erase(std::remove_if(points.begin(), points.end(),
@@ -253,7 +252,7 @@ std::optional<SurfacePath> lineThrough(const TriangleMesh& mesh, const std::vect
   constexpr double kFar = 1e6;  // [m]
   for (FaceId f : faces) parts.push_back(clip(mesh, f, middle, direction, -kFar, kFar));
   const FaceInterval whole = connected(parts, 0.0);
-  if (whole.face == kNone || whole.last - whole.first <= kSameParameter) return std::nullopt;
+  if (whole.face == kNone || whole.last - whole.first <= kSame) return std::nullopt;
   SurfacePath path;
   path.points.push_back({whole.face, middle + whole.first * direction});
   path.points.push_back({whole.face, middle + whole.last * direction});

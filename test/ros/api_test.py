@@ -292,7 +292,8 @@ class ApiTest(ServiceTest):
         self.refused('refine', header, point, 0.0, 0, 0.0, says='radius')
         self.refused('refine', header, point, 0.1, 13, 0.0, says='generations')
         self.refused('refine', header, point, 0.1, 0, -1.0, says='min_edge')
-        self.refused('refine', stroke(frame='nowhere').header, point, 0.1, 0, 0.0, says="no transform from 'nowhere' to 'world'")
+        self.refused('refine', stroke(frame='nowhere').header, point, 0.1, 0, 0.0,
+                     says="no transform from 'nowhere' to 'world'")
         # 512 faces, each halved 6 times: 32768, with about half as many particles.
         self.refused('refine', header, point, 1.0, 6, 0.0, says='max_particles = 5000')
 

@@ -118,6 +118,21 @@ TEST(PhaseScript, MeanSpeedMustStayBelowWithoutABreak) {
                                             moving(2.5, 0.05)}));
 }
 
+TEST(PhaseScript, MeanSpeedIsWantedOnlyWhereAPhaseWaitsForIt) {
+  PhaseSpec falls;
+  falls.name = "fall";
+  falls.until.elapsed = 1.0;
+  PhaseSpec rests;
+  rests.name = "rest";
+  rests.until.meanSpeedBelow = 0.1;
+  PhaseScript script({falls, rests});
+  EXPECT_FALSE(script.wantsMeanSpeed()) << "before it starts";
+  script.start(0.0);
+  EXPECT_FALSE(script.wantsMeanSpeed());
+  script.jump("rest", 0.5);
+  EXPECT_TRUE(script.wantsMeanSpeed());
+}
+
 TEST(PhaseScript, ContactCountsOnceMadeInThePhase) {
   PhaseConditions until;
   until.contact = true;

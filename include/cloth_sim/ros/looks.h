@@ -18,8 +18,8 @@ using Look = Eigen::Vector4f;
 /// structural and shear springs at it.
 void vertexLooks(const Snapshot& snapshot, std::vector<Look>& out);
 
-/// Of each face: its normal (or 0 if it has no area), and the largest strain of its edges. A third
-/// of the work of `vertexLooks`.
+/// Of each face: its normal (or 0 if it has no area), and the largest strain of its edges. Less
+/// work than `vertexLooks`.
 class FaceLooks {
  public:
   /// Faces that are looked at side by side.
