@@ -1,9 +1,10 @@
 #include "spring_correction.h"
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 
 #include "cloth_sim/solver/vector_clones.h"
+#include "lanes.h"
 
 namespace cloth_sim {
 namespace {
@@ -30,52 +31,7 @@ Points allPoints(PackedParticles& p) {
   return {p.x + slot, p.y + slot, p.z + slot, p.sx + slot, p.sy + slot, p.sz + slot, p.w + slot};
 }
 
-/// From end a to end b.
-struct Offset {
-  double x, y, z;
-};
-
-[[gnu::always_inline]] inline Offset offset(const Points& a, std::int32_t i, const Points& b,
-                                            std::int32_t j) {
-  return {b.x[j] - a.x[i], b.y[j] - a.y[i], b.z[j] - a.z[i]};
-}
-
-[[gnu::always_inline]] inline Offset startOffset(const Points& a, std::int32_t i, const Points& b,
-                                                 std::int32_t j) {
-  return {b.sx[j] - a.sx[i], b.sy[j] - a.sy[i], b.sz[j] - a.sz[i]};
-}
-
-/// The correction of a spring over its offset [kg].
-/// \param w  of both ends together.
-[[gnu::always_inline]] inline double correction(const Offset& d, double w, double rest,
-                                                double alpha) {
-  const double length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare);
-  return (length - rest) / (length * (w + alpha));
-}
-
-[[gnu::always_inline]] inline double dampedCorrection(const Offset& d, const Offset& start,
-                                                      double w, double rest, double alpha,
-                                                      double lag) {
-  const double squared = d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare;
-  const double length = std::sqrt(squared);
-  const double moved = (squared - d.x * start.x - d.y * start.y - d.z * start.z) / length;
-  return (length - rest + lag * moved) / (length * ((1.0 + lag) * w + alpha));
-}
-
-/// Moves end i of `a` and end j of `b` by the correction f over their offset.
-[[gnu::always_inline]] inline void moveEnds(const Points& a, std::int32_t i, const Points& b,
-                                            std::int32_t j, const Offset& d, double f) {
-  const double fa = f * a.w[i];
-  const double fb = f * b.w[j];
-  a.x[i] += fa * d.x;
-  a.y[i] += fa * d.y;
-  a.z[i] += fa * d.z;
-  b.x[j] -= fb * d.x;
-  b.y[j] -= fb * d.y;
-  b.z[j] -= fb * d.z;
-}
-
-/// What sweeps read of springs.
+/// What sweeps read of springs, from some spring on; ends only of those that are in no run.
 struct Springs {
   const std::int32_t* a;
   const std::int32_t* b;
@@ -84,80 +40,179 @@ struct Springs {
   const double* lag;
 };
 
-/// The laws of the springs of a span, `kStride` apart: 0 if all have the same.
-template <int kStride, bool kDamped>
+template <bool kDamped>
+[[gnu::always_inline]] inline Springs after(const Springs& s, std::int32_t ends,
+                                            std::int32_t laws) {
+  return {s.a + ends, s.b + ends, s.rest + laws, s.alpha + laws, kDamped ? s.lag + laws : nullptr};
+}
+
+struct Ends {
+  Lanes x, y, z, w;
+};
+
+/// From end a to end b.
+struct Offset {
+  Lanes x, y, z;
+};
+
+/// Four springs none of which share a particle.
+struct Four {
+  Ends a, b;
+  Offset start;  ///< at the start of the substep; like `lag` only where there are dashpots
+  Lanes rest, alpha, lag;
+};
+
+/// Moves both ends of each spring.
+template <bool kDamped>
+[[gnu::always_inline]] inline void correct(Four& s) {
+  const Offset d{s.b.x - s.a.x, s.b.y - s.a.y, s.b.z - s.a.z};
+  const Lanes w = s.a.w + s.b.w;
+  const Lanes squared = d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare;
+  const Lanes length = sqrt(squared);
+  Lanes f;  // the correction over the offset [kg]
+  if constexpr (kDamped) {
+    const Lanes moved = (squared - d.x * s.start.x - d.y * s.start.y - d.z * s.start.z) / length;
+    f = (length - s.rest + s.lag * moved) / (length * ((1.0 + s.lag) * w + s.alpha));
+  } else {
+    f = (length - s.rest) / (length * (w + s.alpha));
+  }
+  const Lanes fa = f * s.a.w;
+  const Lanes fb = f * s.b.w;
+  s.a.x += fa * d.x;
+  s.a.y += fa * d.y;
+  s.a.z += fa * d.z;
+  s.b.x -= fb * d.x;
+  s.b.y -= fb * d.y;
+  s.b.z -= fb * d.z;
+}
+
+/// The springs of a run from the k-th on, corrected but not yet written.
+/// \param a, b   from the first spring's ends on.
+template <bool kUniform, bool kDamped>
+[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b,
+                                             const Springs& springs, std::int32_t k) {
+  const std::int32_t law = kUniform ? 0 : k;
+  const auto lawsAt = [law](const double* of) __attribute__((always_inline)) {
+    return kUniform ? allLanes(*of) : lanesAt(of + law);
+  };
+  Four s;
+  s.a = {lanesAt(a.x + k), lanesAt(a.y + k), lanesAt(a.z + k), lanesAt(a.w + k)};
+  s.b = {lanesAt(b.x + k), lanesAt(b.y + k), lanesAt(b.z + k), lanesAt(b.w + k)};
+  s.rest = lawsAt(springs.rest);
+  s.alpha = lawsAt(springs.alpha);
+  if (kDamped) {
+    s.lag = lawsAt(springs.lag);
+    s.start = {lanesAt(b.sx + k) - lanesAt(a.sx + k), lanesAt(b.sy + k) - lanesAt(a.sy + k),
+               lanesAt(b.sz + k) - lanesAt(a.sz + k)};
+  }
+  correct<kDamped>(s);
+  return s;
+}
+
+[[gnu::always_inline]] inline void write(const Ends& ends, const Points& to, std::int32_t k) {
+  lanesAt(to.x + k) = ends.x;
+  lanesAt(to.y + k) = ends.y;
+  lanesAt(to.z + k) = ends.z;
+}
+
+/// Springs whose ends follow each other; of one law if `kUniform`.
+template <bool kUniform, bool kDamped>
 [[gnu::always_inline]] inline void correctRun(const Span& span, const Springs& springs,
                                               const Points& points) {
+  static_assert(SpringSchedule::kShortestRun >= kLanes);
   const Points a = from(points, span.ends.a);
   const Points b = from(points, span.ends.b);
-  const double* const rest = springs.rest + span.laws;
-  const double* const alpha = springs.alpha + span.laws;
-  const double* const lag = kDamped ? springs.lag + span.laws : nullptr;
-  const std::int32_t count = span.count;
-#pragma GCC ivdep
-  for (std::int32_t k = 0; k < count; ++k) {
-    const Offset d = offset(a, k, b, k);
-    const double w = a.w[k] + b.w[k];
-    const std::int32_t law = kStride * k;
-    const double f =
-        kDamped ? dampedCorrection(d, startOffset(a, k, b, k), w, rest[law], alpha[law], lag[law])
-                : correction(d, w, rest[law], alpha[law]);
-    moveEnds(a, k, b, k, d, f);
-  }
-}
-
-/// `kLanes` springs, none of which share a particle: gathered, corrected at once, scattered.
-template <int kLanes, bool kDamped>
-[[gnu::always_inline]] inline void correctOthers(const Springs& springs, const Points& p) {
-  Offset d[kLanes];
-  Offset start[kLanes];
-  double w[kLanes];
-  double f[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const std::int32_t a = springs.a[lane];
-    const std::int32_t b = springs.b[lane];
-    d[lane] = offset(p, a, p, b);
-    w[lane] = p.w[a] + p.w[b];
-    if (kDamped) start[lane] = startOffset(p, a, p, b);
-  }
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const double rest = springs.rest[lane];
-    const double alpha = springs.alpha[lane];
-    f[lane] = kDamped
-                  ? dampedCorrection(d[lane], start[lane], w[lane], rest, alpha, springs.lag[lane])
-                  : correction(d[lane], w[lane], rest, alpha);
-  }
-  for (int lane = 0; lane < kLanes; ++lane) {
-    moveEnds(p, springs.a[lane], p, springs.b[lane], d[lane], f[lane]);
-  }
-}
-
-/// Springs of a span whose ends are anywhere.
-template <bool kDamped>
-[[gnu::always_inline]] inline void correctAnywhere(const Span& span, const Springs& springs,
-                                                   const Points& points) {
-  constexpr int kLanes = 4;
-  const auto at = [&](std::int32_t k) -> Springs {
-    const std::int32_t other = span.others + k;
-    const std::int32_t law = span.laws + k;
-    return {springs.a + other, springs.b + other, springs.rest + law, springs.alpha + law,
-            kDamped ? springs.lag + law : nullptr};
-  };
+  const std::int32_t last = span.count - kLanes;
   std::int32_t k = 0;
-  for (; k + kLanes <= span.count; k += kLanes) correctOthers<kLanes, kDamped>(at(k), points);
-  for (; k < span.count; ++k) correctOthers<1, kDamped>(at(k), points);
+  for (; k + kLanes < last; k += kLanes) {
+    const Four s = corrected<kUniform, kDamped>(a, b, springs, k);
+    write(s.a, a, k);
+    write(s.b, b, k);
+  }
+  // The last four to eight are two fours, which may overlap: both are read before one is written.
+  const Four s = corrected<kUniform, kDamped>(a, b, springs, k);
+  const Four t = corrected<kUniform, kDamped>(a, b, springs, last);
+  write(s.a, a, k);
+  write(s.b, b, k);
+  write(t.a, a, last);
+  write(t.b, b, last);
+}
+
+[[gnu::always_inline]] inline Ends gatherEnds(const Points& p, const std::int32_t* slots) {
+  return {gather(p.x, slots), gather(p.y, slots), gather(p.z, slots), gather(p.w, slots)};
+}
+
+[[gnu::always_inline]] inline Offset gatherStart(const Points& p, const std::int32_t* a,
+                                                 const std::int32_t* b) {
+  return {gather(p.sx, b) - gather(p.sx, a), gather(p.sy, b) - gather(p.sy, a),
+          gather(p.sz, b) - gather(p.sz, a)};
+}
+
+[[gnu::always_inline]] inline void scatterEnds(const Ends& ends, const Points& p,
+                                               const std::int32_t* slots) {
+  scatter(ends.x, p.x, slots);
+  scatter(ends.y, p.y, slots);
+  scatter(ends.z, p.z, slots);
+}
+
+/// The first four springs.
+template <bool kDamped>
+[[gnu::always_inline]] inline void correctFour(const Springs& springs, const Points& p) {
+  Four s;
+  s.a = gatherEnds(p, springs.a);
+  s.b = gatherEnds(p, springs.b);
+  s.rest = lanesAt(springs.rest);
+  s.alpha = lanesAt(springs.alpha);
+  if (kDamped) {
+    s.lag = lanesAt(springs.lag);
+    s.start = gatherStart(p, springs.a, springs.b);
+  }
+  correct<kDamped>(s);
+  scatterEnds(s.a, p, springs.a);
+  scatterEnds(s.b, p, springs.b);
+}
+
+/// Fewer than four springs, and the last of them again: what is done twice to the same positions is
+/// written twice.
+template <bool kDamped>
+[[gnu::always_inline]] inline void correctRest(const Springs& springs, std::int32_t count,
+                                               const Points& p) {
+  std::int32_t a[kLanes], b[kLanes];
+  double rest[kLanes], alpha[kLanes], lag[kLanes];
+  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
+    const std::int32_t k = std::min(lane, count - 1);
+    a[lane] = springs.a[k];
+    b[lane] = springs.b[k];
+    rest[lane] = springs.rest[k];
+    alpha[lane] = springs.alpha[k];
+    if (kDamped) lag[lane] = springs.lag[k];
+  }
+  correctFour<kDamped>({a, b, rest, alpha, lag}, p);
+}
+
+/// Springs whose ends are anywhere.
+template <bool kDamped>
+[[gnu::always_inline]] inline void correctAnywhere(const Span& span, Springs springs,
+                                                   const Points& p) {
+  std::int32_t left = span.count;
+  for (; left >= kLanes; left -= kLanes) {
+    correctFour<kDamped>(springs, p);
+    springs = after<kDamped>(springs, kLanes, kLanes);
+  }
+  if (left > 0) correctRest<kDamped>(springs, left, p);
 }
 
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctSpans(const Span* span, const Span* end,
                                                 const Springs& springs, const Points& points) {
   for (; span != end; ++span) {
+    const Springs of = after<kDamped>(springs, span->others, span->laws);
     if (span->isUniform) {
-      correctRun<0, kDamped>(*span, springs, points);
+      correctRun<true, kDamped>(*span, of, points);
     } else if (span->isRun) {
-      correctRun<1, kDamped>(*span, springs, points);
+      correctRun<false, kDamped>(*span, of, points);
     } else {
-      correctAnywhere<kDamped>(*span, springs, points);
+      correctAnywhere<kDamped>(*span, of, points);
     }
   }
 }

@@ -8,8 +8,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Shorter stretches are not worth a loop of their own.
-constexpr std::int32_t kShortestRun = 8;
 /// Absorbs rounding in material coordinates when they are divided by a spacing.
 constexpr double kGridTolerance = 1e-6;
 /// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not

@@ -21,6 +21,8 @@ namespace cloth_sim {
 /// does is a function of the slots of the network alone, not of the order of edits.
 class SpringSchedule {
  public:
+  /// Springs in a run at least.
+  static constexpr std::int32_t kShortestRun = 4;
   /// Particle slots of a spring.
   struct Ends {
     std::int32_t a = kNone;
