@@ -1,11 +1,9 @@
 #include "cloth_sim/surgery/tearing.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "cloth_sim/mesh/quality.h"
 #include "cloth_sim/surgery/tear_line.h"
-#include "cloth_sim/threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
@@ -20,8 +18,6 @@ constexpr double kMemory = 1.0;
 constexpr double kLongAgo = -1e9;
 /// From this strain over the strain that tears on, a spring may fail soon.
 constexpr double kNear = 0.7;
-/// Springs for which a second thread pays.
-constexpr std::int32_t kGrain = 8192;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
   return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
@@ -58,15 +54,6 @@ double longestEdgeOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces)
   return longest;
 }
 
-/// The first of `flags` from `first` on that is 1; their number, if there is none.
-std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
-  const std::size_t left = flags.size() - first;
-  const void* found = left > 0 ? std::memchr(flags.data() + first, 1, left) : nullptr;
-  return found == nullptr
-             ? flags.size()
-             : static_cast<std::size_t>(static_cast<const char*>(found) - flags.data());
-}
-
 }  // namespace
 
 Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::move(settings)) {
@@ -87,11 +74,11 @@ bool Tearing::mayOpenSeam(const Model& model, const Spring& spring) const {
 
 void Tearing::setRatio(const TearRatios& ratio) {
   settings_.ratio = ratio;
-  watched_.clear();
+  near_.clear();
 }
 
 void Tearing::follow(const Model& model, const ModelChanges& changes) {
-  watched_.clear();
+  near_.clear();
   for (std::int32_t slot : changes.springs.added) {
     if (settings_.seam && mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
   }
@@ -107,41 +94,26 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
 }
 
 void Tearing::watch(const Model& model) {
-  if (!watched_.empty()) return;
+  if (!near_.empty()) return;
   const std::size_t candidates = settings_.seam ? onSeam_.size() : model.springs.slots().size();
-  watched_.reserve(candidates);
+  near_.reserve(candidates);
   for (std::size_t k = 0; k < candidates; ++k) {
     const Spring& spring = model.springs[candidate(k)];
     if (!spring.exists()) {
-      watched_.push_back({0, 0, 0.0});  // no longer than that
+      near_.watchNothing();
       continue;
     }
     const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
-    const double length = (1.0 + kNear * (ratio - 1.0)) * spring.restLength;
-    watched_.push_back({spring.a, spring.b, length * length});
+    near_.watch(spring, (1.0 + kNear * (ratio - 1.0)) * spring.restLength);
   }
-}
-
-/// Most springs are far from failing: that shows without a root.
-void Tearing::markNear(const Model& model, const State& state) {
-  watch(model);
-  isNear_.resize(watched_.size());
-  parallelFor(static_cast<std::int32_t>(watched_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
-                     ++k) {
-                  const Watched& it = watched_[k];
-                  isNear_[k] = (state.x[it.b] - state.x[it.a]).squaredNorm() > it.nearSquare;
-                }
-              });
 }
 
 std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const State& state) {
   std::vector<Overload> found;
   worst_ = 0.0;
-  markNear(model, state);
-  for (std::size_t k = nextSet(isNear_, 0); k < isNear_.size(); k = nextSet(isNear_, k + 1)) {
-    const std::int32_t slot = candidate(k);
+  watch(model);
+  for (const std::int32_t k : near_.find(state.x)) {
+    const std::int32_t slot = candidate(static_cast<std::size_t>(k));
     const Spring& spring = model.springs[slot];
     const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
     const double stretched = stretch(spring, state);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "cloth_sim/surgery/long_springs.h"
 #include "cloth_sim/surgery/material_path.h"
 #include "cloth_sim/surgery/operation.h"
 
@@ -98,13 +99,6 @@ class Tearing {
       archive(at, time);
     }
   };
-  /// What tells whether a candidate may fail soon, close together: most are far from it, and are
-  /// looked at in every step all the same.
-  struct Watched {
-    VertexId a = kNone;
-    VertexId b = kNone;
-    double nearSquare = 0.0;  ///< squared length from which it may fail soon [m^2]
-  };
   struct Overload {
     double excess = 0.0;  ///< stretch over limit
     std::int32_t slot = kNone;
@@ -123,7 +117,6 @@ class Tearing {
   std::int32_t candidate(std::size_t k) const {
     return settings_.seam ? onSeam_[k] : static_cast<std::int32_t>(k);
   }
-  void markNear(const Model& model, const State& state);
   void watch(const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
@@ -141,12 +134,11 @@ class Tearing {
   std::vector<std::int32_t> onSeam_;
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
-  std::set<std::int32_t> idle_;   ///< slots whose lines opened nothing, since they last changed
-  std::vector<Watched> watched_;  ///< by candidate; empty: not known for springs as they are now
-  std::vector<char> isNear_;      ///< by candidate: it is near failing; scratch
-  double worst_ = 0.0;            ///< largest strain over the strain that tears, if it is near 1
-  double plannedAt_ = 0.0;        ///< time of the state of the last plan [s]
-  std::vector<Stride> strides_;   ///< of the last plan, by path
+  std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
+  LongSprings near_;             ///< by candidate; empty: not known for springs as they are now
+  double worst_ = 0.0;           ///< largest strain over the strain that tears, if it is near 1
+  double plannedAt_ = 0.0;       ///< time of the state of the last plan [s]
+  std::vector<Stride> strides_;  ///< of the last plan, by path
 };
 
 }  // namespace cloth_sim

@@ -1,0 +1,55 @@
+#pragma once
+/// \file Which of many springs are too long, asked step after step.
+
+#include <limits>
+#include <vector>
+
+#include "cloth_sim/cloth/spring.h"
+#include "cloth_sim/mesh/vertex_data.h"
+
+namespace cloth_sim {
+
+/// Springs, each with the length from which it is long. Most are far from it: all of them are
+/// looked at only when particles have moved against each other further than the slack. Until then
+/// only those can have become long that were nearly so. (What Verlet 1967 does with neighbours in
+/// a list that reaches further than their force.)
+class LongSprings {
+ public:
+  bool empty() const { return springs_.empty(); }
+  void clear();
+  void reserve(std::size_t springs);
+  /// \param length  from which it is long [m].
+  void watch(const Spring& spring, double length);
+  /// A spring that is never long.
+  void watchNothing() { springs_.push_back({0, 0, kNever}); }
+
+  /// Those that are long, by their place in the order of calls, ascending.
+  /// \param x  positions [m].
+  const std::vector<std::int32_t>& find(const VertexData<Vec3>& x);
+
+ private:
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  struct Watched {
+    VertexId a = kNone;
+    VertexId b = kNone;
+    double length = 0.0;  ///< [m]
+  };
+
+  bool isLong(const Watched& spring, const VertexData<Vec3>& x, double within) const {
+    const double least = spring.length - within;
+    return least < 0.0 || (x[spring.b] - x[spring.a]).squaredNorm() > least * least;
+  }
+  bool haveMoved(const VertexData<Vec3>& x) const;
+  void lookAtAll(const VertexData<Vec3>& x);
+
+  std::vector<Watched> springs_;
+  double margins_ = 0.0;       ///< how much longer than at rest springs have to be, together [m]
+  std::int64_t finite_ = 0;    ///< springs that may become long
+  double slack_ = 0.0;         ///< how far a particle may move until all are looked at again [m]
+  std::vector<Vec3> before_;   ///< where particles were when all were looked at
+  std::vector<char> isClose_;  ///< by spring; scratch
+  std::vector<std::int32_t> close_;  ///< that may become long before all are looked at again
+  std::vector<std::int32_t> long_;
+};
+
+}  // namespace cloth_sim
