@@ -1,7 +1,7 @@
-// The floor: how fast a sweep over springs can be on this machine when it does nothing else. One
-// sweep over a grid whose structure is known, one over springs in any order, coloured. Both correct
-// positions of particles of equal mass by half of what a spring is too long, in single precision
-// and in the double precision that methods have.
+// The floor: how fast a sweep over springs can be on this machine when it does nothing else, beside
+// the sweep that `xpbd` has, in turns. One sweep over a grid whose structure is known, one over
+// springs in any order, coloured. Both correct positions of particles of equal mass by half of what
+// a spring is too long, in single precision and in the double precision that methods have.
 
 #include <benchmark/benchmark.h>
 
@@ -9,6 +9,8 @@
 
 #include "cloth_sim/solver/vector_clones.h"
 #include "packed.h"
+#include "solver/spring_correction.h"
+#include "turns.h"
 
 namespace cloth_sim::bench {
 namespace {
@@ -73,36 +75,28 @@ void correctRun(const Run<double>& run, Points<double>& p) { correct(run, p); }
 /// Springs between rows: those between one row and another share no particle, so a row is a run.
 /// (Springs within a row would need particles in another order to be runs: the same work.)
 template <typename Real>
-void structuredSweep(benchmark::State& run) {
-  const auto n = static_cast<std::size_t>(run.range(0));
-  Points<Real> p = slightlyWavy<Real>(static_cast<int>(n));
-  const Real rest = Real(1) / static_cast<Real>(n - 1);
-  const Real diagonal = std::sqrt(Real(2)) * rest;
-  std::size_t springs = 0;
-  for (auto _ : run) {
-    springs = 0;
-    for (std::size_t row = 0; row + 2 < n; ++row) {
-      const std::size_t first = row * n;
-      for (const Run<Real>& one : {Run<Real>{first, n, n, rest},
-                                   {first, n - 1, n + 1, diagonal},
-                                   {first + 1, n - 1, n - 1, diagonal},
-                                   {first, n, 2 * n, 2 * rest}}) {
-        correctRun(one, p);
-        springs += one.count;
-      }
+class StructuredSweep {
+ public:
+  explicit StructuredSweep(const Packed& /*packed*/, int n)
+      : n_(static_cast<std::size_t>(n)), points_(slightlyWavy<Real>(n)) {}
+
+  std::size_t springs() const { return (n_ - 2) * (4 * n_ - 2); }
+  void go() {
+    const Real rest = Real(1) / static_cast<Real>(n_ - 1);
+    const Real diagonal = std::sqrt(Real(2)) * rest;
+    for (std::size_t row = 0; row + 2 < n_; ++row) {
+      const std::size_t first = row * n_;
+      correctRun(Run<Real>{first, n_, n_, rest}, points_);
+      correctRun(Run<Real>{first, n_ - 1, n_ + 1, diagonal}, points_);
+      correctRun(Run<Real>{first + 1, n_ - 1, n_ - 1, diagonal}, points_);
+      correctRun(Run<Real>{first, n_, 2 * n_, 2 * rest}, points_);
     }
-    benchmark::ClobberMemory();
   }
-  tellPerSpring(static_cast<double>(springs), run);
-}
-BENCHMARK_TEMPLATE(structuredSweep, float)
-    ->Name("floor/structured/float")
-    ->RangeMultiplier(2)
-    ->Range(32, 1024);
-BENCHMARK_TEMPLATE(structuredSweep, double)
-    ->Name("floor/structured/double")
-    ->RangeMultiplier(2)
-    ->Range(32, 1024);
+
+ private:
+  std::size_t n_;
+  Points<Real> points_;
+};
 
 /// Coordinates of a particle side by side: one cache line has four or two of them.
 template <typename Real>
@@ -159,41 +153,102 @@ void correctColour(const Colour<double>& springs, Point<double>* points) {
 
 /// The springs of a hanging cloth by their colours, as if nothing were known of the mesh.
 template <typename Real>
-void anySweep(benchmark::State& run) {
-  const auto n = static_cast<int>(run.range(0));
-  const Packed packed(n, Order::kAny);
-  const SpringSchedule& schedule = packed.schedule;
-  const Points<Real> wavy = slightlyWavy<Real>(n);
-  std::vector<Point<Real>> points(wavy.x.size());
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    points[static_cast<std::size_t>(packed.particles.slotOf[k])] = {wavy.x[k], wavy.y[k], wavy.z[k],
-                                                                    Real(0)};
-  }
-  std::vector<std::int32_t> a, b;
-  std::vector<Real> rest;
-  schedule.forEach([&](const SpringSchedule::Element& spring) {
-    a.push_back(spring.a);
-    b.push_back(spring.b);
-    rest.push_back(static_cast<Real>(spring.law.restLength));
-  });
-  for (auto _ : run) {
-    for (const SpringSchedule::Span& span : schedule.spans()) {
-      correctColour({static_cast<std::size_t>(span.count), a.data() + span.first,
-                     b.data() + span.first, rest.data() + span.first},
-                    points.data());
+class AnySweep {
+ public:
+  AnySweep(const Packed& packed, int n) {
+    const Points<Real> wavy = slightlyWavy<Real>(n);
+    points_.resize(wavy.x.size());
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+      points_[static_cast<std::size_t>(packed.particles.slotOf[k])] = {wavy.x[k], wavy.y[k],
+                                                                       wavy.z[k], Real(0)};
     }
+    for (const SpringSchedule::Span& span : packed.schedule.spans()) {
+      colours_.push_back({span.first, span.count});
+    }
+    packed.schedule.forEach([&](const SpringSchedule::Element& spring) {
+      a_.push_back(spring.a);
+      b_.push_back(spring.b);
+      rest_.push_back(static_cast<Real>(spring.law.restLength));
+    });
+  }
+
+  std::size_t springs() const { return rest_.size(); }
+  void go() {
+    for (const auto& [first, count] : colours_) {
+      correctColour({static_cast<std::size_t>(count), a_.data() + first, b_.data() + first,
+                     rest_.data() + first},
+                    points_.data());
+    }
+  }
+
+ private:
+  std::vector<Point<Real>> points_;
+  std::vector<std::pair<std::int32_t, std::int32_t>> colours_;
+  std::vector<std::int32_t> a_, b_;
+  std::vector<Real> rest_;
+};
+
+/// What `xpbd` does.
+class OwnSweep {
+ public:
+  explicit OwnSweep(Packed& packed) : packed_(packed) {
+    setCompliances(packed.schedule.laws, 1.0 / 1200.0, compliances_);
+  }
+
+  std::size_t springs() const { return static_cast<std::size_t>(packed_.schedule.size()); }
+  void go() { correctSprings(packed_.schedule, compliances_, packed_.particles); }
+
+ private:
+  Packed& packed_;
+  Compliances compliances_;
+};
+
+/// Sweeps as often as makes a turn of a million springs.
+template <typename Sweep>
+void takeTurn(const std::string& name, Sweep& sweep, Turns& turns) {
+  const std::size_t times = 1'000'000 / sweep.springs() + 1;
+  const auto start = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < times; ++k) {
+    sweep.go();
     benchmark::ClobberMemory();
   }
-  tellPerSpring(static_cast<double>(rest.size()), run);
+  const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
+  turns.note(name, all.count() / static_cast<double>(times * sweep.springs()));
 }
-BENCHMARK_TEMPLATE(anySweep, float)
-    ->Name("floor/any_topology/float")
-    ->RangeMultiplier(2)
-    ->Range(32, 1024);
-BENCHMARK_TEMPLATE(anySweep, double)
-    ->Name("floor/any_topology/double")
-    ->RangeMultiplier(2)
-    ->Range(32, 1024);
+
+/// Times are for one spring.
+template <template <typename> class Floor>
+void sweeps(benchmark::State& run, Order order) {
+  const auto n = static_cast<int>(run.range(0));
+  Packed packed(n, order);
+  Floor<float> single(packed, n);
+  Floor<double> twice(packed, n);
+  OwnSweep own(packed);
+  Turns turns;
+  for (auto _ : run) {
+    takeTurn("own", own, turns);
+    takeTurn("double", twice, turns);
+    takeTurn("float", single, turns);
+  }
+  for (const char* name : {"own", "double", "float"}) run.counters[name] = turns.median(name);
+  run.counters["over_double"] = turns.medianOver("own", "double");
+  run.counters["over_float"] = turns.medianOver("own", "float");
+}
+
+const bool registered = [] {
+  constexpr int kTurns = 15;
+  const auto add = [](const char* name, const auto& measure) {
+    benchmark::RegisterBenchmark(name, measure)
+        ->RangeMultiplier(2)
+        ->Range(32, 1024)
+        ->ArgName("side")
+        ->Iterations(kTurns)
+        ->Unit(benchmark::kMillisecond);
+  };
+  add("floor/grid", [](benchmark::State& run) { sweeps<StructuredSweep>(run, Order::kGrid); });
+  add("floor/any", [](benchmark::State& run) { sweeps<AnySweep>(run, Order::kAny); });
+  return true;
+}();
 
 }  // namespace
 }  // namespace cloth_sim::bench

@@ -38,16 +38,22 @@ void projectContacts(benchmark::State& run) {
 }
 BENCHMARK(projectContacts)->Name("part/project_contacts")->Arg(64)->Arg(128)->Arg(256);
 
-void tearLaw(benchmark::State& run) {
+/// \param stride  how far a particle moves from look to look [m].
+void tearLaw(benchmark::State& run, double stride) {
   const Simulation simulation(hanging(static_cast<int>(run.range(0)), "xpbd"));
+  State state = simulation.state();
   TearingSettings settings;
   settings.enabled = true;
+  settings.ratio.fill(10.0);
   Tearing tearing(settings, simulation.model());
   for (auto _ : run) {
-    benchmark::DoNotOptimize(tearing.plan(simulation.model(), simulation.state(), 1.0 / 60.0));
+    stride = -stride;
+    state.x[0].z() += stride;
+    benchmark::DoNotOptimize(tearing.plan(simulation.model(), state, 1.0 / 60.0));
   }
 }
-BENCHMARK(tearLaw)->Name("part/tear_law")->Arg(64)->Arg(128)->Arg(256);
+BENCHMARK_CAPTURE(tearLaw, still, 0.0)->Name("part/tear_law/still")->Arg(64)->Arg(128)->Arg(256);
+BENCHMARK_CAPTURE(tearLaw, moving, 0.02)->Name("part/tear_law/moving")->Arg(64)->Arg(128)->Arg(256);
 
 void startUp(benchmark::State& run, const std::string& method) {
   const Scene scene = hanging(static_cast<int>(run.range(0)), method);

@@ -4,18 +4,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-#include <chrono>
 #include <thread>
-#include <vector>
 
 #include "cloth_sim/threads/thread_limit.h"
 #include "scenes.h"
+#include "turns.h"
 
 namespace cloth_sim::bench {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kWarmUp = 3;
 constexpr int kStretch = 5;  ///< steps in a turn
@@ -25,19 +21,6 @@ constexpr int kTurns = 25;
 void go(Simulation& simulation, int threads) {
   const ThreadLimit limit(threads);
   for (int k = 0; k < kStretch; ++k) simulation.step();
-}
-
-template <typename Work>
-double secondsFor(const Work& work) {
-  const Clock::time_point start = Clock::now();
-  work();
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Scene sceneOf(int n, const std::string& method) {
@@ -55,23 +38,21 @@ void threads(benchmark::State& run, const std::string& method) {
     go(first, 2);
     go(second, 1);
   }
-  std::vector<double> one, two, gain, apart;
+  Turns turns;
   for (auto _ : run) {
-    one.push_back(secondsFor([&] { go(first, 1); }));
-    two.push_back(secondsFor([&] { go(first, 2); }));
-    gain.push_back(one.back() / two.back());
-    const double both = secondsFor([&] {
+    turns.time("one", [&] { go(first, 1); });
+    turns.time("two", [&] { go(first, 2); });
+    turns.time("both", [&] {
       std::thread other([&] { go(second, 1); });
       go(first, 1);
       other.join();
     });
-    apart.push_back(2.0 * one.back() / both);
   }
   if (first.failed() || second.failed()) run.SkipWithError(first.failure().c_str());
-  run.counters["one"] = 1e3 * median(one) / kStretch;
-  run.counters["two"] = 1e3 * median(two) / kStretch;
-  run.counters["gain"] = median(gain);
-  run.counters["gain_apart"] = median(apart);
+  run.counters["one"] = 1e3 * turns.median("one") / kStretch;
+  run.counters["two"] = 1e3 * turns.median("two") / kStretch;
+  run.counters["gain"] = turns.medianOver("one", "two");
+  run.counters["gain_apart"] = 2.0 * turns.medianOver("one", "both");
 }
 
 const bool registered = [] {

@@ -1,12 +1,15 @@
-// Steps of a whole scene: held by clamps, over a ground, with tearing armed, and after cuts.
+// Steps of a whole scene in turns: hanging; held by clamps, over a ground, with tearing armed; and
+// that after cuts.
 
 #include <benchmark/benchmark.h>
 
-#include <map>
+#include <memory>
+#include <string>
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "scenes.h"
+#include "turns.h"
 
 namespace cloth_sim::bench {
 namespace {
@@ -14,9 +17,10 @@ namespace {
 constexpr int kSide = 128;
 /// Steps until the clamps have closed and what a cut set off is over.
 constexpr int kWarmUp = 40;
-/// Steps from one return to the state after the warm-up to the next: each run takes all of them, as
-/// some are divided where a spring is near failing.
+/// Steps of a turn, after which it goes back to the state after the warm-up. Some of them are
+/// divided where a spring is near failing.
 constexpr int kStretch = 20;
+constexpr int kTurns = 5;
 
 /// As `hanging`, with clamps in place of pins, a ground and a ball in reach, and tearing armed.
 /// \param method  and its parameters, as in the scene.
@@ -47,36 +51,58 @@ void cutSlits(Simulation& simulation) {
   }
 }
 
-void step(benchmark::State& run, const Scene& scene, bool isCut) {
+/// A scene that has its turns.
+struct Entry {
+  Entry(std::string called, const Scene& scene, bool isCut) : name(std::move(called)) {
+    auto begun = std::make_unique<Simulation>(scene);
+    begun->step();
+    if (isCut) cutSlits(*begun);
+    warm = std::make_unique<Warm>(std::move(begun), kWarmUp);
+  }
+  void takeTurn(Turns& turns) {
+    warm->goBack();
+    Simulation& simulation = warm->simulation();
+    simulation.step();  // what it derives from the state is there again
+    turns.time(name, [&] {
+      for (int k = 0; k < kStretch; ++k) simulation.step();
+    });
+  }
+
+  std::string name;
+  std::unique_ptr<Warm> warm;
+};
+
+void whole(benchmark::State& run, const std::string& method) {
   const ThreadLimit limit(1);
-  auto begun = std::make_unique<Simulation>(scene);
-  begun->step();
-  if (isCut) cutSlits(*begun);
-  Warm warm(std::move(begun), kWarmUp);
-  timeSteps(warm, kStretch, run);
-  const Simulation& simulation = warm.simulation();
-  const double springs = simulation.model().springs.count();
-  tellPerSpring(springs, run);
-  run.counters["particles"] = simulation.model().particleCount();
+  const std::string refined = "  surgery: {refine_cuts: {radius: 0.02, generations: 2}}\n";
+  std::vector<Entry> entries;
+  entries.emplace_back("pins", hanging(kSide, method), false);
+  entries.emplace_back("armed", armed(method, ""), false);
+  entries.emplace_back("cut", armed(method, ""), true);
+  entries.emplace_back("refined", armed(method, refined), true);
+  Turns turns;
+  for (auto _ : run) {
+    for (Entry& entry : entries) entry.takeTurn(turns);
+  }
+  for (const Entry& entry : entries) {
+    const Simulation& simulation = entry.warm->simulation();
+    if (simulation.failed()) run.SkipWithError(simulation.failure().c_str());
+    run.counters[entry.name] = 1e3 * turns.median(entry.name) / kStretch;
+    run.counters[entry.name + "_over_pins"] = turns.medianOver(entry.name, "pins");
+    run.counters[entry.name + "_over_armed"] = turns.medianOver(entry.name, "armed");
+    run.counters[entry.name + "_particles"] = simulation.model().particleCount();
+    run.counters[entry.name + "_springs"] = simulation.model().springs.count();
+  }
 }
 
 const bool registered = [] {
-  const std::string refined = "  surgery: {refine_cuts: {radius: 0.02, generations: 2}}\n";
-  const std::map<std::string, std::string> settings = {
-      {"xpbd", "xpbd"}, {"projective", "projective, substeps: 1, iterations: 1"}};
-  for (const auto& [method, setting] : settings) {
-    const auto add = [&](const std::string& name, const Scene& scene, bool isCut) {
-      benchmark::RegisterBenchmark(
-          ("whole/" + method + "/" + name).c_str(),
-          [scene, isCut](benchmark::State& run) { step(run, scene, isCut); })
-          ->Unit(benchmark::kMillisecond)
-          ->Iterations(kStretch);
-    };
-    add("pins", hanging(kSide, setting), false);
-    add("armed", armed(setting, ""), false);
-    add("armed_cut", armed(setting, ""), true);
-    add("armed_cut_refined", armed(setting, refined), true);
-  }
+  const auto add = [](const char* name, const std::string& method) {
+    benchmark::RegisterBenchmark(name, [method](benchmark::State& run) { whole(run, method); })
+        ->Iterations(kTurns)
+        ->Unit(benchmark::kMillisecond);
+  };
+  add("whole/xpbd", "xpbd");
+  add("whole/projective", "projective, substeps: 1, iterations: 1");
   return true;
 }();
 

@@ -55,11 +55,16 @@ struct Offset {
   Lanes x, y, z;
 };
 
+struct Laws {
+  Lanes rest, alpha;
+  Lanes lag;  ///< only where there are dashpots
+};
+
 /// Four springs none of which share a particle.
 struct Four {
   Ends a, b;
-  Offset start;  ///< at the start of the substep; like `lag` only where there are dashpots
-  Lanes rest, alpha, lag;
+  Laws law;
+  Offset start;  ///< at the start of the substep; only where there are dashpots
 };
 
 /// Moves both ends of each spring.
@@ -72,9 +77,10 @@ template <bool kDamped>
   Lanes f;  // the correction over the offset [kg]
   if constexpr (kDamped) {
     const Lanes moved = (squared - d.x * s.start.x - d.y * s.start.y - d.z * s.start.z) / length;
-    f = (length - s.rest + s.lag * moved) / (length * ((1.0 + s.lag) * w + s.alpha));
+    f = (length - s.law.rest + s.law.lag * moved) /
+        (length * ((1.0 + s.law.lag) * w + s.law.alpha));
   } else {
-    f = (length - s.rest) / (length * (w + s.alpha));
+    f = (length - s.law.rest) / (length * (w + s.law.alpha));
   }
   const Lanes fa = f * s.a.w;
   const Lanes fb = f * s.b.w;
@@ -86,22 +92,36 @@ template <bool kDamped>
   s.b.z -= fb * d.z;
 }
 
+/// The laws of four springs from the k-th on.
+template <bool kDamped>
+[[gnu::always_inline]] inline Laws lawsOf(const Springs& springs, std::ptrdiff_t k) {
+  Laws laws;
+  laws.rest = lanesAt(springs.rest + k);
+  laws.alpha = lanesAt(springs.alpha + k);
+  if (kDamped) laws.lag = lanesAt(springs.lag + k);
+  return laws;
+}
+
+/// The law of the first spring, four times.
+template <bool kDamped>
+[[gnu::always_inline]] inline Laws oneLaw(const Springs& springs) {
+  Laws laws;
+  laws.rest = allLanes(*springs.rest);
+  laws.alpha = allLanes(*springs.alpha);
+  if (kDamped) laws.lag = allLanes(*springs.lag);
+  return laws;
+}
+
 /// The springs of a run from the k-th on, corrected but not yet written.
 /// \param a, b   from the first spring's ends on.
-template <bool kUniform, bool kDamped>
-[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b,
-                                             const Springs& springs, std::int32_t k) {
-  const std::int32_t law = kUniform ? 0 : k;
-  const auto lawsAt = [law](const double* of) __attribute__((always_inline)) {
-    return kUniform ? allLanes(*of) : lanesAt(of + law);
-  };
+template <bool kDamped>
+[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b, const Laws& law,
+                                             std::ptrdiff_t k) {
   Four s;
   s.a = {lanesAt(a.x + k), lanesAt(a.y + k), lanesAt(a.z + k), lanesAt(a.w + k)};
   s.b = {lanesAt(b.x + k), lanesAt(b.y + k), lanesAt(b.z + k), lanesAt(b.w + k)};
-  s.rest = lawsAt(springs.rest);
-  s.alpha = lawsAt(springs.alpha);
+  s.law = law;
   if (kDamped) {
-    s.lag = lawsAt(springs.lag);
     s.start = {lanesAt(b.sx + k) - lanesAt(a.sx + k), lanesAt(b.sy + k) - lanesAt(a.sy + k),
                lanesAt(b.sz + k) - lanesAt(a.sz + k)};
   }
@@ -109,7 +129,7 @@ template <bool kUniform, bool kDamped>
   return s;
 }
 
-[[gnu::always_inline]] inline void write(const Ends& ends, const Points& to, std::int32_t k) {
+[[gnu::always_inline]] inline void write(const Ends& ends, const Points& to, std::ptrdiff_t k) {
   lanesAt(to.x + k) = ends.x;
   lanesAt(to.y + k) = ends.y;
   lanesAt(to.z + k) = ends.z;
@@ -122,16 +142,20 @@ template <bool kUniform, bool kDamped>
   static_assert(SpringSchedule::kShortestRun >= kLanes);
   const Points a = from(points, span.ends.a);
   const Points b = from(points, span.ends.b);
-  const std::int32_t last = span.count - kLanes;
-  std::int32_t k = 0;
+  const Laws law = oneLaw<kDamped>(springs);
+  const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
+    return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), k);
+  };
+  const std::ptrdiff_t last = span.count - kLanes;
+  std::ptrdiff_t k = 0;
   for (; k + kLanes < last; k += kLanes) {
-    const Four s = corrected<kUniform, kDamped>(a, b, springs, k);
+    const Four s = at(k);
     write(s.a, a, k);
     write(s.b, b, k);
   }
   // The last four to eight are two fours, which may overlap: both are read before one is written.
-  const Four s = corrected<kUniform, kDamped>(a, b, springs, k);
-  const Four t = corrected<kUniform, kDamped>(a, b, springs, last);
+  const Four s = at(k);
+  const Four t = at(last);
   write(s.a, a, k);
   write(s.b, b, k);
   write(t.a, a, last);
@@ -161,12 +185,8 @@ template <bool kDamped>
   Four s;
   s.a = gatherEnds(p, springs.a);
   s.b = gatherEnds(p, springs.b);
-  s.rest = lanesAt(springs.rest);
-  s.alpha = lanesAt(springs.alpha);
-  if (kDamped) {
-    s.lag = lanesAt(springs.lag);
-    s.start = gatherStart(p, springs.a, springs.b);
-  }
+  s.law = lawsOf<kDamped>(springs, 0);
+  if (kDamped) s.start = gatherStart(p, springs.a, springs.b);
   correct<kDamped>(s);
   scatterEnds(s.a, p, springs.a);
   scatterEnds(s.b, p, springs.b);

@@ -64,8 +64,10 @@ void LongSprings::watch(const Spring& spring, double length) {
 
 const std::vector<std::int32_t>& LongSprings::find(const VertexData<Vec3>& x) {
   long_.clear();
+  if (finite_ == 0) return long_;
   const auto keepIfLong = [&](std::int32_t k) {
-    if (isLong(springs_[static_cast<std::size_t>(k)], x, 0.0)) long_.push_back(k);
+    const Watched& it = springs_[static_cast<std::size_t>(k)];
+    if ((x[it.b] - x[it.a]).squaredNorm() > it.length * it.length) long_.push_back(k);
   };
   if (springs_.size() < x.size()) {  // as along a seam: to look at particles would cost more
     for (std::int32_t k = 0; k < static_cast<std::int32_t>(springs_.size()); ++k) keepIfLong(k);
@@ -88,11 +90,14 @@ bool LongSprings::haveMoved(const VertexData<Vec3>& x) const {
 
 void LongSprings::lookAtAll(const VertexData<Vec3>& x) {
   before_ = x.values();
-  slack_ = finite_ > 0 ? kSlack * margins_ / static_cast<double>(finite_) : kNever;
+  slack_ = kSlack * margins_ / static_cast<double>(finite_);
   isClose_.resize(springs_.size());
-  const auto look = [&](std::int32_t first, std::int32_t last) {
-    for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
-      isClose_[k] = isLong(springs_[k], x, 2.0 * slack_);
+  const auto look = [springs = springs_.data(), x = x.data(), isClose = isClose_.data(),
+                     within = 2.0 * slack_](std::int32_t first, std::int32_t last) {
+    for (std::int32_t k = first; k < last; ++k) {
+      const Watched& it = springs[k];
+      const double least = std::max(0.0, it.length - within);
+      isClose[k] = (x[it.b] - x[it.a]).squaredNorm() >= least * least;
     }
   };
   parallelFor(static_cast<std::int32_t>(springs_.size()), kGrain, look);

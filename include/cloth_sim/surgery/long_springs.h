@@ -35,10 +35,6 @@ class LongSprings {
     double length = 0.0;  ///< [m]
   };
 
-  bool isLong(const Watched& spring, const VertexData<Vec3>& x, double within) const {
-    const double least = spring.length - within;
-    return least < 0.0 || (x[spring.b] - x[spring.a]).squaredNorm() > least * least;
-  }
   bool haveMoved(const VertexData<Vec3>& x) const;
   void lookAtAll(const VertexData<Vec3>& x);
 
