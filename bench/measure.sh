@@ -5,11 +5,12 @@
 #
 # BUILD is a build folder of the package (scripts/bench.sh makes one: .ws/build). The tables go to OUT
 # (default: docs/data/performance), the page to docs/performance.md. PARTS: hang and sphere (beside a
-# peer; ten minutes each), parts (a quarter of an hour), steps (ten minutes: sizes that take
-# minutes a step are left out, `cloth_bench --benchmark_filter=^step/` has them all), threads (four
-# minutes), scale (a minute), node (two minutes; its devel space must be sourced); by default all of
-# them. Parts that are not asked for stay as OUT has them. Nothing else should run. The line in
-# OUT/machine.txt says what machine it was: write it first.
+# peer; ten minutes each), parts (eight minutes), turns (floors and whole scenes, each beside what it
+# is compared with; three minutes), steps (ten minutes: sizes that take minutes a step are left out,
+# `cloth_bench --benchmark_filter=^step/` has them all), threads (two minutes), scale (a minute),
+# node (two minutes; its devel space must be sourced); by default all of them. Parts that are not
+# asked for stay as OUT has them. Nothing else should run. The line in OUT/machine.txt says what
+# machine it was: write it first.
 set -euo pipefail
 
 case ${1:-} in
@@ -19,7 +20,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$1
 out=${2:-$root/docs/data/performance}
 parts=("${@:3}")
-[[ ${#parts[@]} -gt 0 ]] || parts=(hang sphere parts steps threads scale node)
+[[ ${#parts[@]} -gt 0 ]] || parts=(hang sphere parts turns steps threads scale node)
 mkdir -p "$out"
 [[ -s $out/machine.txt ]] ||
   { echo "error: $out/machine.txt: missing, expected a line on the machine" >&2; exit 2; }
@@ -44,13 +45,14 @@ run_bench() {
 for part in "${parts[@]}"; do
   case $part in
     hang | sphere) taskset -c 0 "$peer" --scenes "$part" --json "$out/$part.json" ;;
-    parts) run_bench "$out/parts.json" 0 '^(kernel|part|floor|whole|message|sleep)/' ;;
+    parts) run_bench "$out/parts.json" 0 '^(kernel|part|message|sleep)/' ;;
+    turns) run_bench "$out/turns.json" 0 '^(floor|whole)/' ;;
     steps) run_bench "$out/steps.json" all \
       '^step/((xpbd|projective)/threads:./side:(32|128)|(xpbd|pbd)/threads:1/side:[0-9]*|projective/threads:1/side:256|[a-z0-9_]*/threads:1/side:(32|64|128))/' ;;
     threads) run_bench "$out/threads.json" all '^threads/' ;;
     scale) run_bench "$out/scale.json" 0 '^scale/.*/xpbd/' ;;
     node) "$root/bench/node_overhead" "$out/node.json" > /dev/null ;;
-    *) echo "error: unknown part '$part' (hang, sphere, parts, steps, threads, scale, node)" >&2 && exit 2 ;;
+    *) echo "error: unknown part '$part' (hang, sphere, parts, turns, steps, threads, scale, node)" >&2 && exit 2 ;;
   esac
 done
 /usr/bin/python3 "$root/bench/report.py" "$out" > "$out/page.part"

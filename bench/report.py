@@ -85,64 +85,53 @@ def nanoseconds(seconds):
     return '%.2f' % (1e9 * seconds)
 
 
-def per_spring(found, name):
-    """Seconds; nothing if it was not measured."""
-    return found[name]['median'].get('per_spring') if name in found else None
+def told_by(document, prefix):
+    """Benchmarks whose names begin so, by what follows; without the settings of the run."""
+    return {name[len(prefix):].partition('/iterations')[0]: entry
+            for name, entry in medians(document).items() if name.startswith(prefix)}
+
+
+def with_spread(entry, figure):
+    return '%.2f%s' % (entry['median'][figure], spread(entry, figure))
 
 
 def floors(document):
-    """What a spring costs over what it costs at the floor."""
-    found = medians(document)
+    """What a spring costs over what it costs at the floor, in turns."""
     rows = []
-    for side in (32, 64, 128, 256, 512, 1024):
-        row = [str(side)]
-        for kernel, floor in (('spring_corrections', 'structured'),
-                              ('spring_corrections_any', 'any_topology')):
-            own = per_spring(found, 'kernel/%s/%d' % (kernel, side))
-            single, double = (per_spring(found, 'floor/%s/%s/%d' % (floor, real, side))
-                              for real in ('float', 'double'))
-            if not (own and single and double):
-                return 'Not measured yet.'
-            row += [nanoseconds(own), nanoseconds(double), nanoseconds(single),
-                    '%.2f' % (own / double), '%.2f' % (own / single)]
-        rows.append(row)
-    return table(['side'] + ['grid: `xpbd`', 'floor, double', 'floor, float', 'over double',
-                             'over float', 'any: `xpbd`', 'floor, double', 'floor, float',
-                             'over double', 'over float'], rows)
-
-
-def over(entry, other, figure):
-    return '%.2f' % (entry['median'][figure] / other['median'][figure])
+    for kind in ('grid', 'any'):
+        for side, entry in told_by(document, 'floor/%s/side:' % kind).items():
+            rows.append([kind, side] + [nanoseconds(entry['median'][figure])
+                                        for figure in ('own', 'double', 'float')] +
+                        ['**%s**' % with_spread(entry, 'over_double'),
+                         with_spread(entry, 'over_float')])
+    return table(['springs', 'side', '`xpbd`', 'floor, double', 'floor, float', 'over double',
+                  'over float'], rows) if rows else 'Not measured yet.'
 
 
 def whole(document):
     """Steps of whole scenes over those of the bare one, and cut ones over the same uncut."""
-    found = {name.partition('/iterations')[0]: entry for name, entry in medians(document).items()}
     scenes = {'pins': 'hanging from two pins',
               'armed': 'from two clamps, over ground and ball, tearing armed',
-              'armed_cut': 'the same after three cuts',
-              'armed_cut_refined': 'the same, refined around the cuts'}
+              'cut': 'the same after three cuts',
+              'refined': 'the same, refined around the cuts'}
     rows = []
-    for method in ('xpbd', 'projective'):
-        entries = {what: found.get('whole/%s/%s' % (method, what)) for what in scenes}
-        if not all(entries.values()):
-            return 'Not measured yet.'
-        for what, entry in entries.items():
-            row = ['`%s`' % method, scenes[what], '%d' % entry['median'].get('particles', 0),
-                   '%.2f%s' % (entry['median']['cpu_time'], spread(entry))]
-            row += [over(entry, entries['pins'], figure) for figure in ('cpu_time', 'per_spring')]
-            row += [over(entry, entries['armed'], figure) if 'cut' in what else ''
-                    for figure in ('cpu_time', 'per_spring')]
-            rows.append(row)
-    return table(['method', 'scene', 'particles', 'ms a step', 'over the first', 'the same a spring',
-                  'over the uncut one', 'the same a spring'], rows)
+    for method, entry in told_by(document, 'whole/').items():
+        median = entry['median']
+        for what, title in scenes.items():
+            is_cut = what in ('cut', 'refined')
+            springs = median[what + '_springs']
+            rows.append(['`%s`' % method, title, '%d' % median[what + '_particles'], '%d' % springs,
+                         with_spread(entry, what), with_spread(entry, what + '_over_pins'),
+                         '**%s**' % with_spread(entry, what + '_over_armed') if is_cut else '',
+                         '%.2f' % (median[what + '_over_armed'] * median['armed_springs'] / springs)
+                         if is_cut else ''])
+    return table(['method', 'scene', 'particles', 'springs', 'ms a step', 'over the first',
+                  'over the uncut one', 'the same a spring'], rows) if rows else 'Not measured yet.'
 
 
 def parts(document):
     rows = []
     for name, entry in medians(document).items():
-        if name.startswith(('floor/', 'whole/')):
-            continue
         median = entry['median']
         scale = {'ns': 1e-3, 'us': 1.0, 'ms': 1e3}[median['time_unit']]
         per = median.get('per_spring')
@@ -193,7 +182,7 @@ def threads(document):
     rows = []
     for name, entry in medians(document).items():
         _, method, side = name.split('/')[:3]
-        one, two, gain, apart = ('%.2f%s' % (entry['median'][figure], spread(entry, figure))
+        one, two, gain, apart = (with_spread(entry, figure)
                                  for figure in ('one', 'two', 'gain', 'gain_apart'))
         rows.append(['`%s`' % method, side.split(':')[1], one, two, '**%s**' % gain, apart])
     return table(['method', 'side', 'ms a step', 'with 2 threads', 'times faster',
@@ -240,15 +229,15 @@ compares. With the same `12 x 4` Bullet stretched twice as far there; its other 
 
 ## The floor
 
-Nanoseconds a spring. The floors are sweeps that do nothing but correct lengths, on a grid whose structure is
-known and over any topology by colours, in the double precision that `xpbd` has and in single precision. *Any*:
-particles along a Z curve, so that no springs are in a row. `bench/kernels/floor_bench.cpp`
+Nanoseconds a spring, in turns with the floors: sweeps that do nothing but correct lengths, on a grid whose
+structure is known and over any topology by colours, in the double precision that `xpbd` has and in single
+precision. *Any*: particles along a Z curve, so that no springs are in a row. `bench/kernels/floor_bench.cpp`
 
 %(floors)s
 
 ## Whole scenes
 
-128 x 128 particles, one thread. `bench/kernels/whole_bench.cpp`
+128 x 128 particles, one thread, in turns; `projective` with one substep and one iteration. `bench/kernels/whole_bench.cpp`
 
 %(whole)s
 
@@ -291,8 +280,8 @@ What is there before the first step, in bytes per particle; *model* has a mesh a
                 'peers': told((read(folder, 'hang.json') or []) + (read(folder, 'sphere.json') or []),
                               peers),
                 'field': told(read(folder, 'hang.json'), field),
-                'floors': told(read(folder, 'parts.json'), floors),
-                'whole': told(read(folder, 'parts.json'), whole),
+                'floors': told(read(folder, 'turns.json'), floors),
+                'whole': told(read(folder, 'turns.json'), whole),
                 'parts': told(read(folder, 'parts.json'), parts),
                 'node': told(read(folder, 'node.json'), node),
                 'threads': told(read(folder, 'threads.json'), threads),
