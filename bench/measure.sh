@@ -45,7 +45,7 @@ run_bench() {
 for part in "${parts[@]}"; do
   case $part in
     hang | sphere) taskset -c 0 "$peer" --scenes "$part" --json "$out/$part.json" ;;
-    parts) run_bench "$out/parts.json" 0 '^(kernel|part|message|sleep)/' ;;
+    parts) run_bench "$out/parts.json" 0 '^(kernel|part|surgery|message|sleep)/' ;;
     turns) run_bench "$out/turns.json" 0 '^(floor|whole)/' ;;
     steps) run_bench "$out/steps.json" all \
       '^step/((xpbd|projective)/threads:./side:(32|128)|(xpbd|pbd)/threads:1/side:[0-9]*|projective/threads:1/side:256|[a-z0-9_]*/threads:1/side:(32|64|128))/' ;;

@@ -55,6 +55,52 @@ void tearLaw(benchmark::State& run, double stride) {
 BENCHMARK_CAPTURE(tearLaw, still, 0.0)->Name("part/tear_law/still")->Arg(64)->Arg(128)->Arg(256);
 BENCHMARK_CAPTURE(tearLaw, moving, 0.02)->Name("part/tear_law/moving")->Arg(64)->Arg(128)->Arg(256);
 
+/// A clamp around the middle of the cloth.
+Clamp clampOn(const Simulation& simulation) {
+  const State& state = simulation.state();
+  ClampSpec spec;
+  spec.name = "clamp";
+  const Grid& grid = *simulation.model().cloths[0].grid;
+  spec.pose.position = state.x[grid.vertex(grid.columns / 2, grid.rows / 2)];
+  spec.pose.orientation = Eigen::AngleAxisd(M_PI / 2.0, Vec3::UnitX());
+  return Clamp(spec);
+}
+
+constexpr double kAMinute = 60.0;  // enough to close, and to go anywhere
+
+/// What a clamp that moves what it holds does in a step.
+void holdInClamp(benchmark::State& run) {
+  const Simulation simulation(hanging(static_cast<int>(run.range(0)), "xpbd"));
+  Clamp clamp = clampOn(simulation);
+  clamp.close();
+  clamp.advance(simulation.model(), simulation.state(), kAMinute);
+  clamp.guide({clamp.pose(), Vec3::UnitY(), Vec3::UnitY(), 0.0});
+  std::vector<KinematicTarget> targets;
+  const std::vector<Vec3> reactions(clamp.held().size(), Vec3::UnitZ());
+  for (auto _ : run) {
+    targets.clear();
+    clamp.clearWrench();
+    clamp.advance(simulation.model(), simulation.state(), 1.0 / 60.0);
+    clamp.appendTargets(targets);
+    clamp.addReactions(targets, reactions);
+  }
+  run.counters["held"] = static_cast<double>(clamp.held().size());
+}
+BENCHMARK(holdInClamp)->Name("part/clamp/hold")->Arg(64)->Arg(128)->Arg(256);
+
+/// The step in which the plates meet: which particles are between them?
+void graspWithClamp(benchmark::State& run) {
+  const Simulation simulation(hanging(static_cast<int>(run.range(0)), "xpbd"));
+  const Clamp open = clampOn(simulation);
+  for (auto _ : run) {
+    Clamp clamp = open;
+    clamp.close();
+    clamp.advance(simulation.model(), simulation.state(), kAMinute);
+    benchmark::DoNotOptimize(clamp.held().data());
+  }
+}
+BENCHMARK(graspWithClamp)->Name("part/clamp/grasp")->Arg(64)->Arg(128)->Arg(256);
+
 void startUp(benchmark::State& run, const std::string& method) {
   const Scene scene = hanging(static_cast<int>(run.range(0)), method);
   for (auto _ : run) {

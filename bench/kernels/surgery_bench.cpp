@@ -92,7 +92,11 @@ void fullWidthStroke(benchmark::State& run) {
   const Stroke stroke = strokeOver({{-0.1 * size, 0.43 * size}, {1.1 * size, 0.58 * size}});
   runStroke(run, n, stroke, static_cast<int>(run.range(1)));
 }
-BENCHMARK(fullWidthStroke)->ArgsProduct({{128}, {0, 1, 2, 3}})->Unit(benchmark::kMillisecond);
+BENCHMARK(fullWidthStroke)
+    ->Name("surgery/full_width_stroke")
+    ->ArgNames({"side", "generations"})
+    ->ArgsProduct({{128}, {0, 1, 2, 3}})
+    ->Unit(benchmark::kMillisecond);
 
 /// A circle of a radius of a tenth of a metre on cloths of different sizes.
 void sameStroke(benchmark::State& run) {
@@ -101,7 +105,11 @@ void sameStroke(benchmark::State& run) {
   const Stroke stroke = strokeOver(circle(Vec2(0.5 * size, 0.5 * size), 0.1, 64));
   runStroke(run, n, stroke, static_cast<int>(run.range(1)));
 }
-BENCHMARK(sameStroke)->ArgsProduct({{64, 128, 256}, {0, 2}})->Unit(benchmark::kMillisecond);
+BENCHMARK(sameStroke)
+    ->Name("surgery/same_stroke")
+    ->ArgNames({"side", "generations"})
+    ->ArgsProduct({{64, 128, 256}, {0, 2}})
+    ->Unit(benchmark::kMillisecond);
 
 void findingPaths(benchmark::State& run) {
   const auto n = static_cast<int>(run.range(0));
@@ -112,7 +120,12 @@ void findingPaths(benchmark::State& run) {
     benchmark::DoNotOptimize(findPaths(stroke, cloth.model.mesh, cloth.state.x));
   }
 }
-BENCHMARK(findingPaths)->Arg(64)->Arg(128)->Arg(256)->Unit(benchmark::kMillisecond);
+BENCHMARK(findingPaths)
+    ->Name("surgery/find_paths")
+    ->Arg(64)
+    ->Arg(128)
+    ->Arg(256)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace cloth_sim

@@ -218,6 +218,7 @@ void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& 
   isAppended_.clear();
   append(model, slotOf, colour(model, all));
   original_ = extent();
+  orderWave();
 }
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
@@ -361,6 +362,37 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
     if (batch.springs > 0) batches_.push_back(batch);
     first = end;
   }
+}
+
+/// By the particles that a strand has to wait for, as if each shared all from its first to its last
+/// one.
+void SpringSchedule::orderWave() {
+  struct Reach {
+    std::int32_t first = std::numeric_limits<std::int32_t>::max();
+    std::int32_t last = -1;
+    std::int32_t wait = -1;  ///< the last particle of those that it comes after
+  };
+  std::vector<Reach> reach(strands_.size());
+  for (const Batch& batch : batches_) {
+    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
+      Reach& own = reach[s];
+      for (std::int32_t k = strands_[s].firstSpan; k < strands_[s].endSpan; ++k) {
+        visit(spans_[k], [&](const Element& spring) {
+          own.first = std::min({own.first, spring.a, spring.b});
+          own.last = std::max({own.last, spring.a, spring.b});
+        });
+      }
+      own.wait = own.last;
+      for (std::int32_t t = 0; t < batch.firstStrand; ++t) {
+        const bool shares = reach[t].first <= own.last && own.first <= reach[t].last;
+        if (shares) own.wait = std::max(own.wait, reach[t].wait);
+      }
+    }
+  }
+  wave_.resize(strands_.size());
+  std::iota(wave_.begin(), wave_.end(), 0);
+  std::stable_sort(wave_.begin(), wave_.end(),
+                   [&](std::int32_t s, std::int32_t t) { return reach[s].wait < reach[t].wait; });
 }
 
 void SpringSchedule::appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -225,6 +226,39 @@ TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
   }
 }
 
+/// Positions in the order in which one thread sweeps them.
+std::vector<std::int32_t> sweptAlone(const SpringSchedule& schedule) {
+  std::vector<std::int32_t> positions;
+  schedule.sweep(
+      [&](const SpringSchedule::Element& spring) { positions.push_back(spring.position); });
+  return positions;
+}
+
+/// Every particle is moved by the springs of earlier batches, and earlier colours, first.
+void expectSweepsEachParticleInOrder(const SpringSchedule& schedule) {
+  const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
+  const std::vector<std::int32_t> swept = sweptAlone(schedule);
+  ASSERT_EQ(swept.size(), elements.size());
+  std::map<std::int32_t, std::int32_t> last;  // position, by particle slot
+  for (const std::int32_t position : swept) {
+    for (const std::int32_t end : {elements[position].a, elements[position].b}) {
+      const auto [at, isFirst] = last.emplace(end, position);
+      ASSERT_TRUE(isFirst || at->second < position) << "particle slot " << end;
+      at->second = position;
+    }
+  }
+}
+
+TEST(SpringSchedule, OneThreadGoesOverAGridAsAWave) {
+  const Scheduled grid(clothOf(150, 200, 0.01));
+  expectSweepsEachParticleInOrder(grid.schedule);
+  const std::vector<std::int32_t> swept = sweptAlone(grid.schedule);
+  const SpringSchedule::Batch& first = grid.schedule.batches().front();
+  const auto isLater = [&](std::int32_t position) { return position >= first.springs; };
+  const auto later = std::find_if(swept.begin(), swept.end(), isLater);
+  EXPECT_LT(later - swept.begin(), first.springs / 2) << "the second batch waits for the first one";
+}
+
 TEST(SpringSchedule, HoldsAParticleWithMoreSpringsThanOneWordHasColours) {
   const int petals = 150;  // a fan around one particle
   std::vector<Vec2> material{{0.0, 0.0}};
@@ -247,6 +281,7 @@ TEST(SpringSchedule, StaysCompleteAndConflictFreeOverCutsAndRefinements) {
       cloth.follow(cloth.edit(random));
       expectHoldsEverySpringOnce(cloth.model, cloth.schedule, cloth.particles.slotOf);
       expectBatchesAreConflictFree(cloth.schedule);
+      expectSweepsEachParticleInOrder(cloth.schedule);
     }
   }
 }

@@ -4,6 +4,7 @@
 #include "cloth_sim/cloth/model.h"
 #include "cloth_sim/solver/spring_laws.h"
 #include "cloth_sim/threads/parallel_for.h"
+#include "cloth_sim/threads/team.h"
 
 namespace cloth_sim {
 
@@ -11,7 +12,8 @@ namespace cloth_sim {
 /// into a batch as long as the batch falls apart into many strands that share no particle. Within a
 /// strand the springs are visited colour by colour; strands may run in any order, or at once, with
 /// the same result. On a grid a strand is some rows, which stay in the cache while all the
-/// colours pass over them.
+/// colours pass over them. One thread alone goes over the cloth once, as a wave: a strand has its
+/// turn as soon as those of earlier batches that it shares particles with have had theirs.
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
 /// consecutive particles they form a run, which is swept without gathers and without a list of
@@ -120,6 +122,11 @@ class SpringSchedule {
     const Ends ends = endsOf(span, k);
     return {span.first + k, ends.a, ends.b, lawOf(span, k)};
   }
+  /// Whether other threads help this one.
+  static bool isShared() {
+    const Team* const team = Team::ofThisThread();
+    return team != nullptr && team->size() > 1;
+  }
   Extent extent() const;
   void truncate(const Extent& extent);
 
@@ -133,6 +140,7 @@ class SpringSchedule {
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
+  void orderWave();
   void appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,
                     const Coloured& colours);
   void appendColour(const SpringNetwork& springs, const std::vector<Ends>& ends,
@@ -144,6 +152,7 @@ class SpringSchedule {
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
+  std::vector<std::int32_t> wave_;  ///< the strands of the undamaged mesh, for one thread
   std::vector<std::int32_t> home_;  ///< by spring slot of the undamaged mesh: its position
   std::vector<bool> isAppended_;    ///< by spring slot, since the first edit
   Extent original_;
@@ -153,13 +162,21 @@ template <typename SpansVisitor>
 void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
   /// Fewer springs are not worth a second thread.
   constexpr std::int32_t kGrainSprings = 2048;
-  for (const Batch& batch : batches_) {
+  const auto visitStrands = [&](std::int32_t begin, std::int32_t end) {
+    visitor(spans_.data() + strands_[begin].firstSpan, spans_.data() + strands_[end - 1].endSpan);
+  };
+  std::size_t next = 0;
+  if (!isShared()) {
+    for (const std::int32_t strand : wave_) visitStrands(strand, strand + 1);
+    next = original_.batches;
+  }
+  for (; next < batches_.size(); ++next) {
+    const Batch& batch = batches_[next];
     const std::int32_t strands = batch.endStrand - batch.firstStrand;
     const std::int32_t grain =
         static_cast<std::int32_t>(std::int64_t{kGrainSprings} * strands / batch.springs) + 1;
     parallelFor(strands, grain, [&](std::int32_t begin, std::int32_t end) {
-      visitor(spans_.data() + strands_[batch.firstStrand + begin].firstSpan,
-              spans_.data() + strands_[batch.firstStrand + end - 1].endSpan);
+      visitStrands(batch.firstStrand + begin, batch.firstStrand + end);
     });
   }
 }

@@ -140,8 +140,8 @@ TEST(Markers, FacesWithoutAreaAndClothFarAwayLookLikeSomething) {
   Snapshot snapshot = flatCloth(80);
   for (Vec3& position : snapshot.positions) position = Vec3(1e6, 1e6, 1e6);
   MarkerBuilder builder{MarkerStyle()};
-  for (const std_msgs::ColorRGBA& colour :
-       find(sent(builder, snapshot, ros::Time(1.0)), "cloth")->colors) {
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
+  for (const std_msgs::ColorRGBA& colour : find(array, "cloth")->colors) {
     EXPECT_GE(colour.g, 0.0f);  // not NaN
   }
 }
