@@ -146,20 +146,16 @@ template <bool kUniform, bool kDamped>
   const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
     return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), k);
   };
+  // The last four may overlap the four before them: they are read before, and written after them.
   const std::ptrdiff_t last = span.count - kLanes;
-  std::ptrdiff_t k = 0;
-  for (; k + kLanes < last; k += kLanes) {
+  const Four rest = at(last);
+  for (std::ptrdiff_t k = 0; k < last; k += kLanes) {
     const Four s = at(k);
     write(s.a, a, k);
     write(s.b, b, k);
   }
-  // The last four to eight are two fours, which may overlap: both are read before one is written.
-  const Four s = at(k);
-  const Four t = at(last);
-  write(s.a, a, k);
-  write(s.b, b, k);
-  write(t.a, a, last);
-  write(t.b, b, last);
+  write(rest.a, a, last);
+  write(rest.b, b, last);
 }
 
 [[gnu::always_inline]] inline Ends gatherEnds(const Points& p, const std::int32_t* slots) {

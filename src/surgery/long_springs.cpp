@@ -26,7 +26,7 @@ std::int64_t countNear(std::size_t count, const double* now, const double* befor
     const double dx = std::abs(now[3 * k] - before[3 * k] - shift[0]);
     const double dy = std::abs(now[3 * k + 1] - before[3 * k + 1] - shift[1]);
     const double dz = std::abs(now[3 * k + 2] - before[3 * k + 2] - shift[2]);
-    near += std::max(dx, std::max(dy, dz)) <= far ? 1 : 0;
+    near += (dx <= far) & (dy <= far) & (dz <= far);
   }
   return near;
 }
