@@ -207,13 +207,13 @@ class OwnSweep {
 template <typename Sweep>
 void takeTurn(const std::string& name, Sweep& sweep, Turns& turns) {
   const std::size_t times = 1'000'000 / sweep.springs() + 1;
-  const auto start = std::chrono::steady_clock::now();
-  for (std::size_t k = 0; k < times; ++k) {
-    sweep.go();
-    benchmark::ClobberMemory();
-  }
-  const std::chrono::duration<double> all = std::chrono::steady_clock::now() - start;
-  turns.note(name, all.count() / static_cast<double>(times * sweep.springs()));
+  const auto go = [&] {
+    for (std::size_t k = 0; k < times; ++k) {
+      sweep.go();
+      benchmark::ClobberMemory();
+    }
+  };
+  turns.time(name, go, static_cast<double>(times * sweep.springs()));
 }
 
 /// Times are for one spring.

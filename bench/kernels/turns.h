@@ -12,14 +12,15 @@ namespace cloth_sim::bench {
 class Turns {
  public:
   /// Does some work and notes the time.
-  /// \param what  does the same as the last time with this name.
+  /// \param what   does the same as the last time with this name.
+  /// \param parts  of the same kind that it has: the time of one is noted.
   template <typename Work>
-  void time(const std::string& name, const Work& what) {
+  void time(const std::string& name, const Work& what, double parts = 1.0) {
     const Clock::time_point start = Clock::now();
     what();
-    note(name, std::chrono::duration<double>(Clock::now() - start).count());
+    const std::chrono::duration<double> all = Clock::now() - start;
+    seconds_[name].push_back(all.count() / parts);
   }
-  void note(const std::string& name, double seconds) { seconds_[name].push_back(seconds); }
 
   /// Over all turns [s].
   double median(const std::string& name) const;

@@ -377,10 +377,13 @@ void SpringSchedule::orderWave() {
     for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
       Reach& own = reach[s];
       for (std::int32_t k = strands_[s].firstSpan; k < strands_[s].endSpan; ++k) {
-        visit(spans_[k], [&](const Element& spring) {
-          own.first = std::min({own.first, spring.a, spring.b});
-          own.last = std::max({own.last, spring.a, spring.b});
-        });
+        const Span& span = spans_[k];
+        const std::int32_t stride = span.isRun ? span.count - 1 : 1;  // of a run the first and last
+        for (std::int32_t at = 0; at < span.count; at += stride) {
+          const Ends ends = endsOf(span, at);
+          own.first = std::min({own.first, ends.a, ends.b});
+          own.last = std::max({own.last, ends.a, ends.b});
+        }
       }
       own.wait = own.last;
       for (std::int32_t t = 0; t < batch.firstStrand; ++t) {
