@@ -67,12 +67,13 @@ Simulation::Simulation(Scene scene)
 void Simulation::step() {
   if (failed()) return;
   runScript();
-  if (isAsleep() && !failed()) return sleepOn();
+  if (failed()) return;
+  if (isAsleep()) return sleepOn();
   const Team::Shift shift(team_);
   const int brokenBefore = broken_.total;
-  const int parts = tearing_.isNear() ? solver_->substeps() : 1;
-  for (Clamp& clamp : clamps_) clamp.clearWrench();
-  for (int k = 0; k < parts && !failed(); ++k) advance({scene_.solver.dt / parts, 1.0 / parts});
+  moveClamps(scene_.solver.dt);
+  guides_.steer(time(), scene_.solver.dt, colliders_);
+  for (double done = 0.0; done < 1.0 && !failed(); done = report_.share) advance(done);
   if (failed()) return;
   watchGrips();
   ++stepCount_;
@@ -106,13 +107,16 @@ bool Simulation::isStill() const {
                      [](const Clamp& clamp) { return clamp.isStill(); });
 }
 
-void Simulation::advance(const StepLength& length) {
-  moveClamps(length.dt);
-  guides_.steer(time(), length.dt, colliders_);
-  solve(length);
+/// Until the step ends, or a spring fails.
+/// \param done  share of the step that has passed.
+void Simulation::advance(double done) {
+  const double dt = scene_.solver.dt;
+  gatherControls();
+  solve({dt, 1.0, done});
   if (failed()) return;
-  readClamps(length.dt / scene_.solver.dt);
-  tear(length.dt);
+  const double share = report_.share - done;
+  readClamps(share);
+  tear(report_.passedLimit ? report_.substep : share * dt);
 }
 
 void Simulation::runScript() {
@@ -192,13 +196,15 @@ void Simulation::act(const ClampAction& action, Clamp& clamp) {
 }
 
 void Simulation::moveClamps(double dt) {
-  for (Clamp& clamp : clamps_) clamp.advance(model_, state_, dt);
+  for (Clamp& clamp : clamps_) {
+    clamp.clearWrench();
+    clamp.advance(model_, state_, dt);
+  }
   drag_.advance(state_, dt);
-  gatherControls();
 }
 
-/// What pins and clamps do in the next part of the step. Pins come first, then clamps in order,
-/// then what is dragged: the first to hold a particle keeps it.
+/// What pins and clamps do in the rest of the step, and where it ends early. Pins come first, then
+/// clamps in order, then what is dragged: the first to hold a particle keeps it.
 void Simulation::gatherControls() {
   holders_ = pins_;
   controls_.forces.clear();
@@ -220,6 +226,7 @@ void Simulation::gatherControls() {
       targets.push_back(holders_[k]);
     }
   }
+  tearing_.listLimits(model_, state_, controls_.limits);
 }
 
 void Simulation::detectContacts(double dt) {
@@ -245,10 +252,10 @@ void Simulation::takeBack() {
 
 void Simulation::solve(const StepLength& length) {
   if (mayTakeBack()) copyState(state_, start_);
-  watch_.begin(model_, state_, controls_, colliders_, length.dt);
+  watch_.begin(model_, state_, controls_, colliders_, length.left());
   for (int times = 1; times <= watch_.mostTimes(); times *= 2) {
     if (times > 1) watch_.noteRedone(time(), times);
-    if (attempt({length.dt, times * length.substepFactor})) return watch_.accept();
+    if (attempt({length.dt, times * length.substepFactor, length.done})) return watch_.accept();
     takeBack();
   }
   fail(scene_.solver.method + " diverged in the step from t = " + std::to_string(time()) +
@@ -259,7 +266,7 @@ void Simulation::solve(const StepLength& length) {
 /// that clamp slipping: each time one clamp more at least, so it ends.
 bool Simulation::attempt(const StepLength& length) {
   while (true) {
-    detectContacts(length.dt);
+    detectContacts(length.left());
     report_ = solver_->step(model_, state_, controls_, contacts_, length);
     if (!watch_.isSound(model_, state_, report_.status)) return false;
     if (!letSlip()) return true;

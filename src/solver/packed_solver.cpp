@@ -53,37 +53,75 @@ void PackedSolver::load(StateReader& archive, const Model& model) {
 
 const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,
                                      Contacts& contacts, const StepLength& length) {
-  const double dt = length.dt;
-  const int substeps = wholeSteps(substeps_ * length.substepFactor);
-  const double h = dt / substeps;
+  const Rest rest = restOf(length, state.t);
   particles_.load(state);
-  loadKinematics(model, controls);
-  keepOutOf(contacts, controls, length, state.t + dt);
-  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
-    particles_.v.set(static_cast<std::size_t>(kinematicSlots_[k]),
-                     (kinematicTo_.at(k) - kinematicFrom_.at(k)) / dt);
+  begin(model, contacts, controls, rest);
+  int done = 0;
+  while (done < rest.substeps && !report_.passedLimit) {
+    const double before = static_cast<double>(done) / rest.substeps;
+    const double fraction = static_cast<double>(++done) / rest.substeps;
+    substep({model, controls, contacts, rest.h, state.t + fraction * rest.dt, before, fraction});
+    report_.passedLimit = passesLimit();
   }
-  report_.iterations = 0;
-  report_.residual = 0.0;
-  if (bendingChanged_ && !model.bending.empty()) loadBending(model);
-  bendingChanged_ = false;
-  prepare(controls, h);
-  for (int k = 1; k <= substeps; ++k) {
-    const double fraction = static_cast<double>(k) / substeps;
-    const double before = static_cast<double>(k - 1) / substeps;
-    substep({model, controls, contacts, h, state.t + fraction * dt, before, fraction});
-  }
+  findVelocities(rest.h);
   layoutChanged_ = false;
-  report_.substeps = substeps;
   report_.status = particles_.areSlowerThan(kFastest) ? StepStatus::kOk : StepStatus::kDiverged;
   if (report_.status == StepStatus::kDiverged) return report_;
   particles_.store(state);
   for (const KinematicTarget& target : controls.kinematic) {
     state.v[target.vertex] = target.velocity;
   }
+  const bool isWhole = done == rest.substeps;
+  const double dt = isWhole ? rest.dt : done * rest.h;
+  report_.substeps = static_cast<int>(std::lround(length.dt / rest.h));
+  report_.share = isWhole ? 1.0 : length.done + dt / length.dt;
   state.t += dt;
   finishReactions(model, controls, dt);
   return report_;
+}
+
+PackedSolver::Rest PackedSolver::restOf(const StepLength& length, double time) const {
+  constexpr double kRounding = 1e-9;
+  const double share = 1.0 - length.done;
+  const int substeps = wholeSteps(share * substeps_ * length.substepFactor);
+  // As long as those before to the bit, where they are as long: matrices are made for a length.
+  const double all = std::round(substeps / share);
+  const bool goesOn = std::abs(all * share - substeps) < kRounding;
+  const double h = goesOn ? length.dt / all : length.left() / substeps;
+  return {length.left(), time + length.left(), substeps, h};
+}
+
+void PackedSolver::begin(const Model& model, const Contacts& contacts, const Controls& controls,
+                         const Rest& rest) {
+  loadKinematics(model, controls);
+  keepOutOf(contacts, controls, rest);
+  for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
+    particles_.v.set(static_cast<std::size_t>(kinematicSlots_[k]),
+                     (kinematicTo_.at(k) - kinematicFrom_.at(k)) / rest.dt);
+  }
+  loadLimits(controls);
+  report_.passedLimit = false;
+  report_.substep = rest.h;
+  report_.iterations = 0;
+  report_.residual = 0.0;
+  if (bendingChanged_ && !model.bending.empty()) loadBending(model);
+  bendingChanged_ = false;
+  prepare(controls, rest.h);
+}
+
+void PackedSolver::loadLimits(const Controls& controls) {
+  limits_.clear();
+  for (const LengthLimit& limit : controls.limits) {
+    limits_.push_back({static_cast<std::size_t>(particles_.slotOf[limit.a]),
+                       static_cast<std::size_t>(particles_.slotOf[limit.b]),
+                       limit.length * limit.length});
+  }
+}
+
+bool PackedSolver::passesLimit() const {
+  return std::any_of(limits_.begin(), limits_.end(), [this](const Limit& limit) {
+    return (particles_.x.at(limit.b) - particles_.x.at(limit.a)).squaredNorm() > limit.square;
+  });
 }
 
 void PackedSolver::loadKinematics(const Model& model, const Controls& controls) {
@@ -112,8 +150,7 @@ void PackedSolver::loadKinematics(const Model& model, const Controls& controls) 
 }
 
 /// Nobody can hold a particle inside an obstacle: the target is then where it leaves it again.
-void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls,
-                             const StepLength& length, double time) {
+void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls, const Rest& rest) {
   ParticleView view;
   view.x = kinematicTo_.x.data();
   view.y = kinematicTo_.y.data();
@@ -131,7 +168,7 @@ void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls,
       if (listed) touching_.push_back(static_cast<VertexId>(k));
     }
     Vec3 none = Vec3::Zero();
-    near.collider->project(touching_, view, time, length.dt, none, near.cloth);
+    near.collider->project(touching_, view, rest.end, rest.dt, none, near.cloth);
   }
 }
 

@@ -57,6 +57,7 @@ class Xpbd final : public PackedSolver {
   void loadBending(const Model& model) override;
   void prepare(const Controls& controls, double h) override;
   void substep(const Substep& now) override;
+  void findVelocities(double h) override;
 
   void listAttachments();
   void predict(const Substep& now);
@@ -107,9 +108,11 @@ void Xpbd::substep(const Substep& now) {
   solveAttachments(now.h);
   if (!bending_.empty()) solveBending(now.h);
   now.contacts.project(particles_.view(), now.time, now.h);
-  if (now.fraction == 1.0 || now.controls.hasLoads()) {
-    setDifference(particles_.x, particles_.start, 1.0 / now.h, particles_.v);
-  }
+  if (now.controls.hasLoads()) findVelocities(now.h);
+}
+
+void Xpbd::findVelocities(double h) {
+  setDifference(particles_.x, particles_.start, 1.0 / h, particles_.v);
 }
 
 void Xpbd::predict(const Substep& now) {

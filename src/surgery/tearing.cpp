@@ -16,8 +16,9 @@ constexpr double kShade = 12.0;
 constexpr double kMemory = 1.0;
 /// When cuts ended whose tips have not run yet [s].
 constexpr double kLongAgo = -1e9;
-/// From this strain over the strain that tears on, a spring may fail soon.
-constexpr double kNear = 0.7;
+/// From this strain over the strain that tears on, a spring may fail within a step. Ahead of a
+/// tip, the fifth edge bears as much (the stress there goes by the root of the distance).
+constexpr double kNear = 0.5;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
   return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
@@ -103,8 +104,7 @@ void Tearing::watch(const Model& model) {
       near_.watchNothing();
       continue;
     }
-    const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
-    near_.watch(spring, (1.0 + kNear * (ratio - 1.0)) * spring.restLength);
+    near_.watch(spring, (1.0 + kNear * (ratioOf(spring) - 1.0)) * spring.restLength);
   }
 }
 
@@ -115,7 +115,7 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const 
   for (const std::int32_t k : near_.find(state.x)) {
     const std::int32_t slot = candidate(static_cast<std::size_t>(k));
     const Spring& spring = model.springs[slot];
-    const double ratio = settings_.ratio[static_cast<std::size_t>(spring.kind)];
+    const double ratio = ratioOf(spring);
     const double stretched = stretch(spring, state);
     const double load = (stretched - 1.0) / (ratio - 1.0);
     if (load > worst_ && idle_.count(slot) == 0) worst_ = load;
@@ -127,7 +127,17 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const 
   return found;
 }
 
-bool Tearing::isNear() const { return settings_.enabled && worst_ > kNear; }
+void Tearing::listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits) {
+  limits.clear();
+  if (!settings_.enabled) return;
+  watch(model);
+  for (const std::int32_t k : near_.find(state.x)) {
+    const std::int32_t slot = candidate(static_cast<std::size_t>(k));
+    if (idle_.count(slot) != 0) continue;
+    const Spring& spring = model.springs[slot];
+    limits.push_back({spring.a, spring.b, ratioOf(spring) * spring.restLength});
+  }
+}
 
 CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
   CutPlan plan;

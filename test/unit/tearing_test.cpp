@@ -101,6 +101,23 @@ TEST(TearingPlan, IsEmptyWhileDisabled) {
   EXPECT_FALSE(tearing.plan(model, pulled(model, 2.0), kStep).paths.empty());
 }
 
+TEST(TearingLimits, AreThoseOfSpringsBeyondHalfOfTheStrain) {
+  const Model model = clothModel(6, 6);
+  Tearing tearing(tearingAt(1.3), model);
+  std::vector<LengthLimit> limits(1);
+  tearing.listLimits(model, pulled(model, 1.14), limits);
+  EXPECT_TRUE(limits.empty());
+  tearing.listLimits(model, pulled(model, 1.16), limits);
+  EXPECT_EQ(limits.size(), 30U);  // what runs along u
+  for (const LengthLimit& limit : limits) {
+    EXPECT_EQ(model.mesh.material(limit.a).y(), model.mesh.material(limit.b).y());
+    EXPECT_NEAR(limit.length, 0.13, 1e-12);
+  }
+  tearing.setEnabled(false);
+  tearing.listLimits(model, pulled(model, 1.16), limits);
+  EXPECT_TRUE(limits.empty());
+}
+
 TEST(TearingPlan, TakesEachKindByItsOwnLimit) {
   // Pulled by 1.2 along u: warp springs stretch by 1.2, diagonals by sqrt((1.44 + 1) / 2) = 1.1045.
   const Model model = clothModel(6, 6);

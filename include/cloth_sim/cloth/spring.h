@@ -53,6 +53,13 @@ struct Spring {
   }
 };
 
+/// A spring that must not be longer.
+struct LengthLimit {
+  VertexId a = kNone;
+  VertexId b = kNone;
+  double length = 0.0;  ///< [m]
+};
+
 /// Springs in slots. What many of them have in common, as on a grid, is there once: a slot takes 20
 /// bytes, and 32 more for every kind of spring that no other one is of.
 class SpringSlots {

@@ -83,7 +83,7 @@ class Simulation {
 
  private:
   void runScript();
-  void advance(const StepLength& length);
+  void advance(double done);
   void moveClamps(double dt);
   void gatherControls();
   bool letSlip();

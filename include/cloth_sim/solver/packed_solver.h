@@ -35,6 +35,8 @@ class PackedSolver : public Solver {
   /// Called once before the substeps of a step; masses and kinematic slots are set.
   virtual void prepare(const Controls& /*controls*/, double /*h*/) {}
   virtual void substep(const Substep& now) = 0;
+  /// Called after the last substep, of length h: for methods whose substeps leave no velocities.
+  virtual void findVelocities(double /*h*/) {}
   /// Called before `prepare` if the model has a bending energy and that of the last step, if any,
   /// was another one.
   virtual void loadBending(const Model& model) = 0;
@@ -84,19 +86,38 @@ class PackedSolver : public Solver {
   bool layoutChanged_ = true;
 
  private:
+  /// What is left of a step.
+  struct Rest {
+    double dt = 0.0;   ///< [s]
+    double end = 0.0;  ///< time [s]
+    int substeps = 0;
+    double h = 0.0;  ///< length of one [s]
+  };
+  /// `LengthLimit` by slots.
+  struct Limit {
+    std::size_t a = 0;
+    std::size_t b = 0;
+    double square = 0.0;  ///< of the length [m^2]
+  };
+
+  Rest restOf(const StepLength& length, double time) const;
+  void begin(const Model& model, const Contacts& contacts, const Controls& controls,
+             const Rest& rest);
+  void loadLimits(const Controls& controls);
+  bool passesLimit() const;
   void followModel(const Model& model, const SpringChanges& changes);
   template <typename Visit>
   void forFreeCandidates(const Contacts& contacts, const Visit& visit) const;
   void addWind(const Model& model, const Wind& wind);
   void loadKinematics(const Model& model, const Controls& controls);
-  void keepOutOf(const Contacts& contacts, const Controls& controls, const StepLength& length,
-                 double time);
+  void keepOutOf(const Contacts& contacts, const Controls& controls, const Rest& rest);
   void finishReactions(const Model& model, const Controls& controls, double dt);
 
   bool bendingChanged_ = true;
   int configured_;  ///< substeps that the scene asked for
   int substeps_;
   StepReport report_;
+  std::vector<Limit> limits_;
   PackedVectors before_;  ///< positions before contacts are enforced [m]
   PackedVectors kinematicFrom_;
   PackedVectors kinematicTo_;

@@ -62,6 +62,7 @@ struct Controls {
   std::optional<Wind> wind;                ///< absent: no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
   std::vector<PointForce> forces;          ///< in any order; none: not looked at
+  std::vector<LengthLimit> limits;         ///< where one is passed, the step ends early
 
   /// Whether anything presses or pulls on particles, besides gravity and drag.
   bool hasLoads() const { return wind.has_value() || !forces.empty(); }
@@ -74,8 +75,11 @@ struct Controls {
 
 /// How far a solver goes, and how finely.
 struct StepLength {
-  double dt = 0.0;             ///< [s], > 0
+  double dt = 0.0;             ///< of the whole step [s], > 0
   double substepFactor = 1.0;  ///< times the substeps that the method was configured with, > 0
+  double done = 0.0;           ///< share of the step that has passed already, in [0, 1)
+
+  double left() const { return (1.0 - done) * dt; }  ///< [s]
 };
 
 enum class StepStatus {
@@ -85,11 +89,15 @@ enum class StepStatus {
 
 struct StepReport {
   StepStatus status = StepStatus::kOk;
-  int substeps = 0;
-  int iterations = 0;     ///< over all substeps
-  double residual = 0.0;  ///< of the last substep, in the method's own measure (0 if it has none)
-  /// Mean force over the step that the cloth's springs, damping, weight, wind and inertia put on
-  /// each kinematic target, in the order of Controls::kinematic [N]: what its holder must bear.
+  double share = 1.0;        ///< of the whole step that has passed, below 1 if it ended early
+  bool passedLimit = false;  ///< in the last substep
+  double substep = 0.0;      ///< length [s]
+  int substeps = 0;          ///< that a whole step has
+  int iterations = 0;        ///< over all substeps
+  double residual = 0.0;     ///< of the last substep, in the method's own measure (0: it has none)
+  /// Mean force over what has been stepped that the cloth's springs, damping, weight, wind and
+  /// inertia put on each kinematic target, in the order of Controls::kinematic [N]: what its holder
+  /// must bear.
   std::vector<Vec3> reactions;
 };
 
@@ -99,7 +107,8 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Advances `state`; if the step diverges, says so in the status and leaves the state as it was.
+  /// Advances `state` to the end of the step, or of the first substep in which a limit was passed;
+  /// if it diverges, says so in the status and leaves the state as it was.
   /// Allocates nothing once warm.
   virtual const StepReport& step(const Model& model, State& state, const Controls& controls,
                                  Contacts& contacts, const StepLength& length) = 0;

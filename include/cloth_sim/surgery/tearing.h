@@ -41,8 +41,8 @@ struct TearingSettings {
 /// mesh runs, across the faces around the tip.
 ///
 /// A tip runs at `tipSpeed` at most, and keeps account of what is left over of a step. How far it
-/// gets depends on the step where the stress is older than the time that it needs for an edge:
-/// while `isNear`, divide steps.
+/// gets depends on the step where the stress is older than the time that it needs for an edge: end
+/// steps where one of the limits is passed.
 class Tearing {
  public:
   Tearing(TearingSettings settings, const Model& model);
@@ -51,9 +51,9 @@ class Tearing {
   void setEnabled(bool enabled) { settings_.enabled = enabled; }
   void setRatio(const TearRatios& ratio);
 
-  /// Whether a spring is near failing, as the last plan saw it: from 0.7 of the strain that tears
-  /// it on. The stress that `plan` goes by should then be no older than a substep.
-  bool isNear() const;
+  /// The lengths at which those springs fail that are near it now: from half of the strain that
+  /// tears on. Once one is passed, `plan` should be asked.
+  void listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits);
 
   /// Whether a spring is beyond its limit, as the last plan saw it, and has yet to fail: it waits
   /// for a tip, or for a tear that runs beside it.
@@ -62,7 +62,7 @@ class Tearing {
   /// What tears now, most overloaded first (by stretch over limit; ties by slot); at most one line
   /// through each face. Visits only springs that the gate allows. To be asked again after the cut
   /// and `opened`, until it has no paths: a fast tip takes several strides in a step.
-  /// \param dt  length of the step that led to `state` [s].
+  /// \param dt  how long it may have been overloaded [s].
   CutPlan plan(const Model& model, const State& state, double dt);
 
   /// Tells that the last plan was carried out.
@@ -116,6 +116,10 @@ class Tearing {
   /// Slot of the k-th spring that may fail; without a seam all may.
   std::int32_t candidate(std::size_t k) const {
     return settings_.seam ? onSeam_[k] : static_cast<std::int32_t>(k);
+  }
+  /// Length over rest length at which it fails.
+  double ratioOf(const Spring& spring) const {
+    return settings_.ratio[static_cast<std::size_t>(spring.kind)];
   }
   void watch(const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);
