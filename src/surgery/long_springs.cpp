@@ -45,6 +45,9 @@ std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
 void LongSprings::clear() {
   springs_.clear();
   before_.clear();
+  isClose_.clear();
+  close_.clear();
+  put_.clear();
   margins_ = 0.0;
   finite_ = 0;
 }
@@ -62,6 +65,20 @@ void LongSprings::watch(const Spring& spring, double length) {
   ++finite_;
 }
 
+void LongSprings::replace(std::int32_t k, const Spring& spring, double length) {
+  springs_[static_cast<std::size_t>(k)] = {spring.a, spring.b, length};
+  lookAt(k);
+}
+
+void LongSprings::lookAt(std::int32_t k) {
+  const auto place = static_cast<std::size_t>(k);
+  if (place >= isClose_.size()) isClose_.resize(place + 1, 0);
+  if (isClose_[place] != 0) return;
+  isClose_[place] = 1;
+  isSorted_ = isSorted_ && (close_.empty() || close_.back() < k);
+  close_.push_back(k);
+}
+
 const std::vector<std::int32_t>& LongSprings::find(const VertexData<Vec3>& x) {
   long_.clear();
   if (finite_ == 0) return long_;
@@ -73,9 +90,22 @@ const std::vector<std::int32_t>& LongSprings::find(const VertexData<Vec3>& x) {
     for (std::int32_t k = 0; k < static_cast<std::int32_t>(springs_.size()); ++k) keepIfLong(k);
     return long_;
   }
+  settle(x);
   if (haveMoved(x)) lookAtAll(x);
   for (const std::int32_t k : close_) keepIfLong(k);
   return long_;
+}
+
+/// Takes up what was put, and watched anew.
+void LongSprings::settle(const VertexData<Vec3>& x) {
+  if (before_.empty()) return;  // all will be looked at
+  for (auto k = isClose_.size(); k < springs_.size(); ++k) lookAt(static_cast<std::int32_t>(k));
+  if (!isSorted_) std::sort(close_.begin(), close_.end());
+  isSorted_ = true;
+  if (before_.size() < x.size()) before_.resize(x.size());
+  const Vec3 shift = x[0] - before_[0];
+  for (const VertexId v : put_) before_[static_cast<std::size_t>(v)] = x[v] - shift;
+  put_.clear();
 }
 
 /// Where all moved alike, no spring is longer.
@@ -90,6 +120,7 @@ bool LongSprings::haveMoved(const VertexData<Vec3>& x) const {
 
 void LongSprings::lookAtAll(const VertexData<Vec3>& x) {
   before_ = x.values();
+  put_.clear();
   slack_ = kSlack * margins_ / static_cast<double>(finite_);
   isClose_.resize(springs_.size());
   const auto look = [springs = springs_.data(), x = x.data(), isClose = isClose_.data(),
@@ -102,6 +133,7 @@ void LongSprings::lookAtAll(const VertexData<Vec3>& x) {
   };
   parallelFor(static_cast<std::int32_t>(springs_.size()), kGrain, look);
   close_.clear();
+  isSorted_ = true;
   for (std::size_t k = nextSet(isClose_, 0); k < isClose_.size(); k = nextSet(isClose_, k + 1)) {
     close_.push_back(static_cast<std::int32_t>(k));
   }

@@ -19,6 +19,8 @@ constexpr double kLongAgo = -1e9;
 /// From this strain over the strain that tears on, a spring may fail within a step. Ahead of a
 /// tip, the fifth edge bears as much (the stress there goes by the root of the distance).
 constexpr double kNear = 0.5;
+/// Edits of more than this share of the springs are not worth following one by one.
+constexpr std::size_t kLocal = 8;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
   return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
@@ -79,7 +81,7 @@ void Tearing::setRatio(const TearRatios& ratio) {
 }
 
 void Tearing::follow(const Model& model, const ModelChanges& changes) {
-  near_.clear();
+  followNear(model, changes);
   for (std::int32_t slot : changes.springs.added) {
     if (settings_.seam && mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
   }
@@ -94,18 +96,47 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
   }
 }
 
+/// Where all springs may fail, what the edit left alone stays as it is.
+void Tearing::followNear(const Model& model, const ModelChanges& changes) {
+  const SpringChanges& springs = changes.springs;
+  const auto removes = [](const VertexEdit& edit) {
+    return edit.kind == VertexEdit::Kind::kRemove;
+  };
+  const std::vector<VertexEdit>& edits = changes.mesh.vertices;
+  const bool isLocal = springs.modified.size() + springs.added.size() < near_.size() / kLocal &&
+                       std::none_of(edits.begin(), edits.end(), removes);
+  if (settings_.seam || !isLocal) return near_.clear();
+  watchFrom(near_.size(), model);
+  for (const std::int32_t slot : springs.removed) near_.remove(slot);
+  for (const std::int32_t slot : springs.modified) {
+    near_.replace(slot, model.springs[slot], nearLength(model.springs[slot]));
+  }
+  std::vector<VertexId> around;
+  for (const VertexEdit& edit : edits) {
+    near_.put(edit.id);
+    const std::vector<VertexId> ring = model.mesh.neighbours(edit.id);
+    around.push_back(edit.id);
+    around.insert(around.end(), ring.begin(), ring.end());
+  }
+  for (const std::int32_t slot : model.springs.standingOnAny(around)) near_.lookAt(slot);
+}
+
 void Tearing::watch(const Model& model) {
-  if (!near_.empty()) return;
+  if (near_.empty()) watchFrom(0, model);
+}
+
+void Tearing::watchFrom(std::size_t first, const Model& model) {
   const std::size_t candidates = settings_.seam ? onSeam_.size() : model.springs.slots().size();
   near_.reserve(candidates);
-  for (std::size_t k = 0; k < candidates; ++k) {
+  for (std::size_t k = first; k < candidates; ++k) {
     const Spring& spring = model.springs[candidate(k)];
-    if (!spring.exists()) {
-      near_.watchNothing();
-      continue;
-    }
-    near_.watch(spring, (1.0 + kNear * (ratioOf(spring) - 1.0)) * spring.restLength);
+    spring.exists() ? near_.watch(spring, nearLength(spring)) : near_.watchNothing();
   }
+}
+
+/// From which on it may fail within a step [m].
+double Tearing::nearLength(const Spring& spring) const {
+  return (1.0 + kNear * (ratioOf(spring) - 1.0)) * spring.restLength;
 }
 
 std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const State& state) {

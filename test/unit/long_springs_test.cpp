@@ -59,6 +59,94 @@ TEST(LongSprings, AreFoundWhileParticlesDriftLittleAndMuchAndAllTogether) {
   EXPECT_GT(found, 10000U);
 }
 
+/// Springs that others take the place of, between particles that come to be and are put elsewhere.
+struct EditedSprings {
+  struct Watched {
+    Spring spring;
+    double limit = 0.0;
+  };
+
+  EditedSprings() : model(buildModel(clothOf(9, 7, 0.01))), state(flatState(model)) {
+    for (const Spring& spring : model.springs.slots()) add(spring, 1.3 * spring.restLength);
+  }
+
+  Watched anySpring(Generator& random) const {
+    const int last = static_cast<int>(state.x.size()) - 1;
+    Spring spring;
+    spring.a = whole(random, 0, last);
+    spring.b = (spring.a + whole(random, 1, last)) % (last + 1);
+    spring.restLength = 0.01;
+    return {spring, uniform(random, 0.9, 1.5) * (state.x[spring.b] - state.x[spring.a]).norm()};
+  }
+  void add(const Spring& spring, double limit) {
+    all.push_back({spring, limit});
+    springs.watch(spring, limit);
+  }
+  void replaceSome(Generator& random) {
+    const auto k = whole(random, 0, static_cast<int>(all.size()) - 1);
+    all[static_cast<std::size_t>(k)] = anySpring(random);
+    springs.replace(k, all[static_cast<std::size_t>(k)].spring,
+                    all[static_cast<std::size_t>(k)].limit);
+    const auto gone = whole(random, 0, static_cast<int>(all.size()) - 1);
+    all[static_cast<std::size_t>(gone)].limit = kInfinity;
+    springs.remove(gone);
+  }
+  void addParticle(Generator& random) {
+    VertexEdit edit;
+    edit.id = static_cast<VertexId>(state.x.size());
+    edit.from[0] = whole(random, 0, edit.id - 1);
+    state.x.apply(edit);
+    springs.put(edit.id);
+    for (int k = 0; k < 3; ++k) {
+      Watched some = anySpring(random);
+      some.spring.b = edit.id;
+      add(some.spring, some.limit);
+    }
+  }
+  void moveParticle(Generator& random) {
+    const VertexId v = whole(random, 0, static_cast<int>(state.x.size()) - 1);
+    state.x[v] += randomVector(random, 0.01);
+    springs.put(v);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const bool ends = all[k].spring.a == v || all[k].spring.b == v;
+      if (ends) springs.lookAt(static_cast<std::int32_t>(k));
+    }
+  }
+  std::vector<std::int32_t> allLong() const {
+    std::vector<std::int32_t> found;
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const auto& [spring, limit] = all[k];
+      const double length = (state.x[spring.b] - state.x[spring.a]).norm();
+      if (length > limit) found.push_back(static_cast<std::int32_t>(k));
+    }
+    return found;
+  }
+
+  Model model;
+  State state;
+  std::vector<Watched> all;
+  LongSprings springs;
+};
+
+TEST(LongSprings, AreFoundWhileSpringsAndParticlesChange) {
+  Generator random(4);
+  for (const double stride : {1e-5, 1e-4, 1e-3}) {
+    EditedSprings cloth;
+    std::size_t found = 0;
+    for (int step = 0; step < 300; ++step) {
+      for (Vec3& x : cloth.state.x) x += randomVector(random, stride);
+      if (step % 3 == 0) cloth.replaceSome(random);
+      if (step % 20 == 0) cloth.addParticle(random);
+      if (step % 5 == 0) cloth.moveParticle(random);
+      const std::vector<std::int32_t> expected = cloth.allLong();
+      ASSERT_EQ(cloth.springs.find(cloth.state.x), expected)
+          << "stride " << stride << ", step " << step;
+      found += expected.size();
+    }
+    EXPECT_GT(found, 1000U);
+  }
+}
+
 TEST(LongSprings, AreNoneWhereNothingIsWatchedOrNoneIsEverLong) {
   const Model model = buildModel(clothOf(4, 4, 0.01));
   State state = flatState(model);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <set>
+#include <tuple>
 
 #include "cloth_sim/surgery/tear_line.h"
 #include "unit/core_support.h"
@@ -325,6 +326,44 @@ TEST(TearingFollow, SpringsThatAnEditMadeMayFailToo) {
   EXPECT_GE(*overloaded.rbegin(), before);
   EXPECT_GT(findPieces(model.mesh).count, 1);
   EXPECT_EQ(describeDefect(model.mesh), "");
+}
+
+TEST(TearingFollow, SeesAfterEditsWhatANewOneWould) {
+  const auto limitsOf = [](Tearing& tearing, const Model& model, const State& state) {
+    std::vector<LengthLimit> limits;
+    tearing.listLimits(model, state, limits);
+    std::vector<std::tuple<VertexId, VertexId, double>> found;
+    for (const LengthLimit& limit : limits) found.emplace_back(limit.a, limit.b, limit.length);
+    return found;
+  };
+  TearingSettings settings = tearingAt(1.3);
+  settings.ratio = {1.3, 1.35, 1.4};
+  Generator random(5);
+  std::size_t most = 0;
+  for (const int generations : {0, 1}) {
+    Model model = clothModel(30, 30);
+    State state = pulled(model, 1.14);
+    Tearing tearing(settings, model);
+    for (int step = 0; step < 40; ++step) {
+      for (Vec3& x : state.x) x += randomVector(random, 1e-4);
+      if (step % 4 == 0) {
+        CutPlan plan;
+        const auto place = [&] {
+          return Vec3(uniform(random, 0.1, 3.0), uniform(random, 0.1, 2.8), 0.0);
+        };
+        plan.paths =
+            findPaths(strokeAlong({place(), place()}, Vec3::UnitZ(), 1.0), model.mesh, state.x);
+        if (generations > 0) plan.refine = Refinement{0.1, generations, 0.0};
+        const SurgeryResult result = cut(plan, {}, {}, model, state);
+        tearing.follow(model, result.changes);
+      }
+      Tearing fresh(settings, model);
+      const auto limits = limitsOf(tearing, model, state);
+      ASSERT_EQ(limits, limitsOf(fresh, model, state)) << "step " << step;
+      most = std::max(most, limits.size());
+    }
+  }
+  EXPECT_GT(most, 20U);
 }
 
 TEST(TearLine, TensionPointsAlongThePull) {

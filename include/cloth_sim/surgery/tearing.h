@@ -121,7 +121,10 @@ class Tearing {
   double ratioOf(const Spring& spring) const {
     return settings_.ratio[static_cast<std::size_t>(spring.kind)];
   }
+  double nearLength(const Spring& spring) const;
+  void followNear(const Model& model, const ModelChanges& changes);
   void watch(const Model& model);
+  void watchFrom(std::size_t first, const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
   /// \param faces  that the spring stands on; of `lineFor` too.
