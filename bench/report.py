@@ -23,8 +23,8 @@ def table(header, rows):
     return '\n'.join(lines + ['| ' + ' | '.join(row) + ' |' for row in rows])
 
 
-def told(document, tell):
-    return tell(document) if document else 'Not measured yet.'
+def told(measured, tell):
+    return tell(measured) if measured else 'Not measured yet.'
 
 
 def peers(comparisons):
@@ -104,8 +104,9 @@ def floors(document):
                                         for figure in ('own', 'double', 'float')] +
                         ['**%s**' % with_spread(entry, 'over_double'),
                          with_spread(entry, 'over_float')])
-    return table(['springs', 'side', '`xpbd`', 'floor, double', 'floor, float', 'over double',
-                  'over float'], rows) if rows else 'Not measured yet.'
+    return told(rows, lambda rows: table(
+        ['springs', 'side', '`xpbd`', 'floor, double', 'floor, float', 'over double', 'over float'],
+        rows))
 
 
 def whole(document):
@@ -125,8 +126,9 @@ def whole(document):
                          '**%s**' % with_spread(entry, what + '_over_armed') if is_cut else '',
                          '%.2f' % (median[what + '_over_armed'] * median['armed_springs'] / springs)
                          if is_cut else ''])
-    return table(['method', 'scene', 'particles', 'springs', 'ms a step', 'over the first',
-                  'over the uncut one', 'the same a spring'], rows) if rows else 'Not measured yet.'
+    return told(rows, lambda rows: table(
+        ['method', 'scene', 'particles', 'springs', 'ms a step', 'over the first',
+         'over the uncut one', 'the same a spring'], rows))
 
 
 def parts(document):

@@ -44,6 +44,11 @@ Warm::Warm(std::unique_ptr<Simulation> simulation, int steps) : simulation_(std:
   bytes_ = simulation_->save();
 }
 
+void Warm::goBack() {
+  simulation_->load(bytes_);
+  simulation_->step();
+}
+
 void timeSteps(Warm& warm, int stretch, benchmark::State& run) {
   Simulation& simulation = warm.simulation();
   int since = 0;
@@ -51,7 +56,6 @@ void timeSteps(Warm& warm, int stretch, benchmark::State& run) {
     if (since++ == stretch) {
       run.PauseTiming();
       warm.goBack();
-      simulation.step();  // what it derives from the state is there again
       since = 1;
       run.ResumeTiming();
     }

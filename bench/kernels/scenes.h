@@ -25,7 +25,8 @@ class Warm {
   /// \param simulation  that has gone on already.
   Warm(std::unique_ptr<Simulation> simulation, int steps);
   Simulation& simulation() { return *simulation_; }
-  void goBack() { simulation_->load(bytes_); }
+  /// To where it was then, and a step on: what it derives from its state is there again.
+  void goBack();
 
  private:
   std::unique_ptr<Simulation> simulation_;

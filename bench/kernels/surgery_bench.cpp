@@ -3,20 +3,30 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <memory>
 #include <optional>
 
 #include "cloth_sim/mesh/grid.h"
 #include "cloth_sim/solver/registry.h"
 #include "cloth_sim/surgery/operation.h"
+#include "cloth_sim/surgery/tearing.h"
 
 namespace cloth_sim {
 namespace {
 
 /// Spacing of the particles [m]: that of 128 x 128 on one metre.
 constexpr double kSpacing = 1.0 / 127.0;
+constexpr double kStep = 1.0 / 60.0;  ///< [s]
 
-/// A hanging cloth of n x n particles, slightly wavy, with a solver that follows what is done to
-/// it.
+TearingSettings armed() {
+  TearingSettings settings;
+  settings.enabled = true;
+  settings.ratio = {10.0, 10.0, 10.0};
+  return settings;
+}
+
+/// A hanging cloth of n x n particles, slightly wavy, with a solver and a tear law that follow what
+/// is done to it.
 struct Cloth {
   explicit Cloth(int n) {
     const double size = kSpacing * (n - 1);
@@ -34,11 +44,17 @@ struct Cloth {
       state.x[v] = Vec3(m.x(), 0.01 * std::sin(20.0 * m.x()) * std::cos(15.0 * m.y()), m.y());
     }
     limits.shape.minEdge = 0.05 * kSpacing;
+    const SolverInfo& info = findSolver("xpbd");
+    solver = info.create(model, completeParameters(info, {}));
+    tearing.emplace(armed(), model);
+    tearing->plan(model, state, kStep);
   }
 
   Model model;
   State state;
   SurgeryLimits limits;
+  std::unique_ptr<Solver> solver;
+  std::optional<Tearing> tearing;
 };
 
 /// A stroke along a polyline in the plane of the cloth.
@@ -57,30 +73,30 @@ std::vector<Vec2> circle(const Vec2& centre, double radius, int corners) {
   return points;
 }
 
-/// Everything from the stroke to a solver that is ready for the next step. How many springs failed.
-std::size_t cutAlong(const Stroke& stroke, int generations, Cloth& cloth, Solver& solver) {
+/// Everything from the stroke to a solver and a tear law that are ready for the next step. How many
+/// springs failed.
+std::size_t cutAlong(const Stroke& stroke, int generations, Cloth& cloth) {
   CutPlan plan;
   plan.paths = findPaths(stroke, cloth.model.mesh, cloth.state.x);
   if (generations > 0) plan.refine = Refinement{kSpacing, generations, 0.0};
   const SurgeryResult result = cut(plan, cloth.limits, {}, cloth.model, cloth.state);
-  solver.onModelChanged(cloth.model, result.changes);
+  cloth.solver->onModelChanged(cloth.model, result.changes);
+  cloth.tearing->follow(cloth.model, result.changes);
+  benchmark::DoNotOptimize(cloth.tearing->plan(cloth.model, cloth.state, kStep).paths.size());
   benchmark::DoNotOptimize(findPieces(cloth.model.mesh).count);
   return result.events.size();
 }
 
 void runStroke(benchmark::State& run, int n, const Stroke& stroke, int generations) {
-  const SolverInfo& info = findSolver("xpbd");
   std::optional<Cloth> cloth;  // outside of the loop: what it frees is not timed
-  std::unique_ptr<Solver> solver;
   std::size_t severed = 0;
   for (auto _ : run) {
     run.PauseTiming();
     cloth.emplace(n);  // a copy would have no room to grow, unlike one in a run
-    solver = info.create(cloth->model, completeParameters(info, {}));
     // A small one first: after it, arrays have room to grow, as in a run.
-    cutAlong(strokeOver({{-kSpacing, kSpacing}, {kSpacing, -kSpacing}}), 0, *cloth, *solver);
+    cutAlong(strokeOver({{-kSpacing, kSpacing}, {kSpacing, -kSpacing}}), 0, *cloth);
     run.ResumeTiming();
-    severed = cutAlong(stroke, generations, *cloth, *solver);
+    severed = cutAlong(stroke, generations, *cloth);
   }
   run.counters["severed"] = static_cast<double>(severed);
 }

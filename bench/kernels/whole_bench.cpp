@@ -62,7 +62,6 @@ struct Entry {
   void takeTurn(Turns& turns) {
     warm->goBack();
     Simulation& simulation = warm->simulation();
-    simulation.step();  // what it derives from the state is there again
     turns.time(name, [&] {
       for (int k = 0; k < kStretch; ++k) simulation.step();
     });

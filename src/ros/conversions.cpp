@@ -176,11 +176,12 @@ void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFr
   message.revision = snapshot.topology->revision;
   message.step = snapshot.step;
   message.time = snapshot.time;
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
   message.positions.resize(3 * snapshot.positions.size());
-  float* out = message.positions.data();
-  for (const Vec3& position : snapshot.positions) {
-    for (int axis = 0; axis < 3; ++axis) *out++ = static_cast<float>(position[axis]);
-  }
+  if (snapshot.positions.empty()) return;
+  const auto count = static_cast<Eigen::Index>(message.positions.size());
+  Eigen::Map<Eigen::VectorXf>(message.positions.data(), count) =
+      Eigen::Map<const Eigen::VectorXd>(snapshot.positions.front().data(), count).cast<float>();
 }
 
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header) {

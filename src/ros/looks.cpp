@@ -42,18 +42,6 @@ Lanes3 gather(const Face* faces, std::size_t k, const std::vector<Vector4f>& pla
   return out;
 }
 
-void scatter(const Lanes3& normal, const Lanes& strain, Look* out) {
-  for (int lane = 0; lane < kLanes; lane += 4) {
-    Eigen::Matrix4f four;
-    four.col(0) = normal.x.segment<4>(lane);
-    four.col(1) = normal.y.segment<4>(lane);
-    four.col(2) = normal.z.segment<4>(lane);
-    four.col(3) = strain.segment<4>(lane);
-    four.transposeInPlace();
-    for (int j = 0; j < 4; ++j) out[lane + j] = four.col(j);
-  }
-}
-
 Vector4f padded(const Vec3& value) {
   return {static_cast<float>(value.x()), static_cast<float>(value.y()),
           static_cast<float>(value.z()), 0.0f};
@@ -118,9 +106,9 @@ void FaceLooks::prepare(const Snapshot& snapshot) {
 
 /// Edges over their rest lengths: their squares and that of the normal are near 1, not so small
 /// that rounding errors of a flat cloth would be subnormal numbers, which are slow.
-void FaceLooks::look(std::size_t block, std::array<Look, kLanes>& out) const {
-  const Face* faces = &faces_[block * kLanes];
-  const std::array<Lanes, 3>& inverseRest = inverseRest_[block];
+void FaceLooks::look(Block& block) const {
+  const Face* faces = &faces_[block.first];
+  const std::array<Lanes, 3>& inverseRest = inverseRest_[block.first / kLanes];
   const Lanes3 a = gather(faces, 0, places_);
   const Lanes3 b = gather(faces, 1, places_);
   const Lanes3 c = gather(faces, 2, places_);
@@ -129,8 +117,11 @@ void FaceLooks::look(std::size_t block, std::array<Look, kLanes>& out) const {
   const Lanes3 ca = (a - c) * inverseRest[2];
   const Lanes3 normal = ab.cross(bc);
   const Lanes stretch = ab.squaredNorm().max(bc.squaredNorm()).max(ca.squaredNorm());
-  scatter(normal * normal.squaredNorm().max(kLeastNormal).rsqrt(), stretch.max(1.0f).sqrt() - 1.0f,
-          out.data());
+  const Lanes scale = normal.squaredNorm().max(kLeastNormal).rsqrt();
+  block.x = normal.x * scale;
+  block.y = normal.y * scale;
+  block.z = normal.z * scale;
+  block.strain = stretch.max(1.0f).sqrt() - 1.0f;
 }
 
 }  // namespace cloth_sim

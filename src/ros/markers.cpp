@@ -43,6 +43,17 @@ void setScale(Marker& marker, double x, double y, double z) {
   marker.scale.z = z;
 }
 
+/// \param side  1 for the front, -1 for the back.
+void paintFaces(const FaceLooks::Block& faces, const StrainColours& colours, float side,
+                std::vector<Colour>& out) {
+  const FaceLooks::Lanes light =
+      brightness<FaceLooks::Lanes>(side * faces.x, side * faces.y, side * faces.z);
+  for (std::size_t k = 0; k < faces.count; ++k) {
+    const auto lane = static_cast<Eigen::Index>(k);
+    out[faces.first + k] = shaded(colours(faces.strain[lane]), light[lane]);
+  }
+}
+
 /// Without points there is nothing to draw, and some versions of rviz crash on it.
 void deleteIfEmpty(Marker& marker) {
   if (marker.points.empty()) marker.action = Marker::DELETE;
@@ -133,7 +144,10 @@ void MarkerBuilder::addCloth(const Snapshot& snapshot) {
     if (faces == 0) marker.action = Marker::DELETE;
   }
   if (byFace) {
-    faceLooks_.visit(snapshot, [this](std::size_t f, const Look& look) { paint(f, look); });
+    faceLooks_.visit(snapshot, [this](const FaceLooks::Block& block) {
+      paintFaces(block, frontColours_, 1.0f, markers_.sides[0].colours);
+      if (style_.twoSided) paintFaces(block, backColours_, -1.0f, markers_.sides[1].colours);
+    });
   } else {
     for (std::size_t v = 0; v < looks_.size(); ++v) paint(v, looks_[v]);
   }

@@ -1,5 +1,6 @@
 #include "cloth_sim/ros/node.h"
 
+#include <ros/callback_queue.h>
 #include <ros/init.h>
 #include <ros/names.h>
 #include <ros/spinner.h>
@@ -55,14 +56,37 @@ void checkFollowers(const NodeParameters& parameters, const Scene& scene) {
   }
 }
 
+/// What tf says, received by a thread of its own: callbacks wait for transforms. It sleeps until
+/// one comes; that of tf2_ros would look a hundred times a second.
+class TransformReceiver {
+ public:
+  TransformReceiver() : node_(withQueue(queue_)), listener_(buffer_, node_, false) {
+    spinner_.start();
+  }
+
+  const tf2_ros::Buffer& buffer() const { return buffer_; }
+
+ private:
+  static ros::NodeHandle withQueue(ros::CallbackQueue& queue) {
+    ros::NodeHandle node;
+    node.setCallbackQueue(&queue);
+    return node;
+  }
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  tf2_ros::Buffer buffer_;
+  tf2_ros::TransformListener listener_;
+  ros::AsyncSpinner spinner_{1, &queue_};
+};
+
 /// Everything that lives as long as the node does; members are taken down in reverse order.
 class Node {
  public:
   Node(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
        const Scene& scene)
-      : listener_(buffer_),
-        parameters_(parameters),
-        world_(buffer_, parameters.worldFrame),
+      : parameters_(parameters),
+        world_(transforms_.buffer(), parameters.worldFrame),
         checker_(scene,
                  [this](const Pose& pose, const std_msgs::Header& header) {
                    return world_.toWorld(pose, header);
@@ -96,8 +120,7 @@ class Node {
     return settings;
   }
 
-  tf2_ros::Buffer buffer_;
-  tf2_ros::TransformListener listener_;
+  TransformReceiver transforms_;
   NodeParameters parameters_;
   WorldFrame world_;
   RequestChecker checker_;

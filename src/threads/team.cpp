@@ -190,7 +190,9 @@ Team::~Team() = default;
 Team::Team(Team&&) noexcept = default;
 Team& Team::operator=(Team&&) noexcept = default;
 
-Team* Team::ofThisThread() { return teamOfThisThread; }
+Team* Team::ofThisThread() {
+  return teamOfThisThread != nullptr && teamOfThisThread->size() > 1 ? teamOfThisThread : nullptr;
+}
 
 std::int32_t Team::size() const { return impl_->size; }
 

@@ -23,26 +23,34 @@ void vertexLooks(const Snapshot& snapshot, std::vector<Look>& out);
 class FaceLooks {
  public:
   /// Faces that are looked at side by side.
-  static constexpr int kLanes = 16;
+  static constexpr int kLanes = 8;
   using Lanes = Eigen::Array<float, kLanes, 1>;
+  /// The looks of some of them.
+  struct Block {
+    Lanes x, y, z;  ///< of the normals
+    Lanes strain;
+    std::size_t first = 0;  ///< face
+    std::size_t count = 0;  ///< faces; lanes from there on say nothing
+  };
 
-  /// Tells `take(std::size_t face, const Look& look)` of every face, in order.
+  /// Tells `take(const Block& block)` of all faces, in order.
   template <typename Take>
   void visit(const Snapshot& snapshot, Take take) {
     prepare(snapshot);
-    std::array<Look, kLanes> looks;
+    Block block;
     const std::size_t count = topology_->faces.size();
     for (std::size_t first = 0; first < count; first += kLanes) {
-      look(first / kLanes, looks);
-      const std::size_t lanes = std::min<std::size_t>(kLanes, count - first);
-      for (std::size_t lane = 0; lane < lanes; ++lane) take(first + lane, looks[lane]);
+      block.first = first;
+      block.count = std::min<std::size_t>(kLanes, count - first);
+      look(block);
+      take(block);
     }
   }
 
  private:
   void prepare(const Snapshot& snapshot);
   void setTopology(const std::shared_ptr<const Topology>& topology);
-  void look(std::size_t block, std::array<Look, kLanes>& out) const;
+  void look(Block& block) const;
 
   std::shared_ptr<const Topology> topology_;
   std::vector<Face> faces_;                        ///< the last one again, until blocks are full

@@ -44,12 +44,15 @@ class StrainColours {
 
 /// Light from above and a little from the side, soft all around the surface (half Lambert): rviz
 /// does not light vertices with colours of their own.
-/// \param normal  unit, towards the viewer's side of the surface.
-/// \return factor of a colour, 0.3 ... 1.05.
-inline float brightness(const Eigen::Vector3f& normal) {
-  const Eigen::Vector3f light(0.450586f, -0.350456f, 0.821068f);  // unit
-  const float half = 0.5f + 0.5f * normal.dot(light);
+/// \param x, y, z  of a unit normal towards the viewer's side of the surface, or of many.
+/// \return factor of a colour, 0.3 ... 1.05, or many.
+template <typename Number>
+Number brightness(const Number& x, const Number& y, const Number& z) {
+  const Number half = 0.5f + 0.5f * (0.450586f * x - 0.350456f * y + 0.821068f * z);
   return 0.30f + 0.75f * half * half;
+}
+inline float brightness(const Eigen::Vector3f& normal) {
+  return brightness(normal.x(), normal.y(), normal.z());
 }
 
 /// Opaque, no brighter than white.

@@ -122,11 +122,6 @@ class SpringSchedule {
     const Ends ends = endsOf(span, k);
     return {span.first + k, ends.a, ends.b, lawOf(span, k)};
   }
-  /// Whether other threads help this one.
-  static bool isShared() {
-    const Team* const team = Team::ofThisThread();
-    return team != nullptr && team->size() > 1;
-  }
   Extent extent() const;
   void truncate(const Extent& extent);
 
@@ -166,7 +161,7 @@ void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
     visitor(spans_.data() + strands_[begin].firstSpan, spans_.data() + strands_[end - 1].endSpan);
   };
   std::size_t next = 0;
-  if (!isShared()) {
+  if (Team::ofThisThread() == nullptr) {
     for (const std::int32_t strand : wave_) visitStrands(strand, strand + 1);
     next = original_.batches;
   }

@@ -18,7 +18,7 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
   /// So that who comes late, or has the slower core, finds some left to take.
   constexpr std::int32_t kPartsPerMember = 4;
   Team* const team = count < 2 * grain ? nullptr : Team::ofThisThread();
-  if (team == nullptr || team->size() == 1) {
+  if (team == nullptr) {
     if (count > 0) body(0, count);
     return;
   }

@@ -33,7 +33,7 @@ class Team {
     Team* team_;
   };
 
-  /// That which helps this thread, or null.
+  /// That which helps this thread, or null: also where there are no helpers.
   static Team* ofThisThread();
 
   /// Helpers that the shift may have, and the thread itself.
