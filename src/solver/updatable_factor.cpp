@@ -151,9 +151,11 @@ bool UpdatableFactor::apply(const Change& change) {
     support_.push_back(std::max(change.a, change.b));
   }
   double weight = change.weight;
+  bool mayFill = true;
   while (j != kNone) {
     const auto at = static_cast<std::size_t>(j);
-    takeIn(j);
+    // Whatever has a place in a column has one in all columns further up the tree.
+    mayFill = mayFill && takeIn(j);
     const double first = u_[at];
     u_[at] = 0.0;
     const double d = factor_.diagonal[at] + weight * first * first;
@@ -174,28 +176,28 @@ bool UpdatableFactor::apply(const Change& change) {
 }
 
 /// Column j gets the entries that u_ will fill; then they are what u_ reaches further down.
-void UpdatableFactor::takeIn(std::int32_t j) {
+/// \return whether some are new.
+bool UpdatableFactor::takeIn(std::int32_t j) {
   SparseFactor::Column& column = factor_.columns[static_cast<std::size_t>(j)];
   const auto begin = factor_.row.begin() + static_cast<std::ptrdiff_t>(column.begin);
   const auto end = begin + column.count;
   const auto first = std::upper_bound(support_.begin(), support_.end(), j);
-  if (!std::includes(begin, end, first, support_.end())) {
-    merged_.clear();
-    std::set_union(begin, end, first, support_.end(), std::back_inserter(merged_));
-    while (column.capacity < static_cast<std::int32_t>(merged_.size())) widen(j);
-    // From the back, so that no entry is written over before it has moved.
-    std::size_t from = column.begin + static_cast<std::size_t>(column.count);
-    std::size_t to = column.begin + merged_.size();
-    for (std::size_t k = merged_.size(); k-- > 0;) {
-      const bool had = from > column.begin && factor_.row[from - 1] == merged_[k];
-      --to;
-      factor_.value[to] = had ? factor_.value[--from] : 0.0;
-      factor_.row[to] = merged_[k];
-    }
-    column.count = static_cast<std::int32_t>(merged_.size());
+  if (std::includes(begin, end, first, support_.end())) return false;
+  merged_.clear();
+  std::set_union(begin, end, first, support_.end(), std::back_inserter(merged_));
+  while (column.capacity < static_cast<std::int32_t>(merged_.size())) widen(j);
+  // From the back, so that no entry is written over before it has moved.
+  std::size_t from = column.begin + static_cast<std::size_t>(column.count);
+  std::size_t to = column.begin + merged_.size();
+  for (std::size_t k = merged_.size(); k-- > 0;) {
+    const bool had = from > column.begin && factor_.row[from - 1] == merged_[k];
+    --to;
+    factor_.value[to] = had ? factor_.value[--from] : 0.0;
+    factor_.row[to] = merged_[k];
   }
-  const auto now = factor_.row.begin() + static_cast<std::ptrdiff_t>(column.begin);
-  support_.assign(now, now + column.count);
+  column.count = static_cast<std::int32_t>(merged_.size());
+  support_ = merged_;
+  return true;
 }
 
 /// Moves a column to where it has room for more.

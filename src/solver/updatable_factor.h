@@ -59,7 +59,7 @@ class UpdatableFactor {
   void append(double diagonal);
   bool isCheap(const std::vector<Change>& changes) const;
   bool apply(const Change& change);
-  void takeIn(std::int32_t j);
+  bool takeIn(std::int32_t j);
   void widen(std::int32_t j);
   void listEntries(std::vector<std::int32_t>& row, std::vector<std::int32_t>& column,
                    std::vector<double>& value) const;
