@@ -127,6 +127,35 @@ BENCHMARK(sameStroke)
     ->ArgsProduct({{64, 128, 256}, {0, 2}})
     ->Unit(benchmark::kMillisecond);
 
+/// The step after a slit of a centimetre: `projective` brings its factorisation along.
+void stepAfterSlit(benchmark::State& run) {
+  const auto n = static_cast<int>(run.range(0));
+  const double middle = 0.5 * kSpacing * (n - 1);
+  const Stroke stroke = strokeOver({{middle, middle}, {middle + 0.012, middle + 0.003}});
+  const SolverInfo& info = findSolver("projective");
+  const Controls controls;
+  Contacts none;
+  std::optional<Cloth> cloth;
+  for (auto _ : run) {
+    run.PauseTiming();
+    cloth.emplace(n);
+    cloth->solver =
+        info.create(cloth->model, completeParameters(info, {{"substeps", 1}, {"iterations", 1}}));
+    cloth->solver->step(cloth->model, cloth->state, controls, none, {kStep});
+    cutAlong(stroke, 0, *cloth);
+    run.ResumeTiming();
+    cloth->solver->step(cloth->model, cloth->state, controls, none, {kStep});
+  }
+}
+BENCHMARK(stepAfterSlit)
+    ->Name("surgery/projective_after_slit")
+    ->ArgName("side")
+    ->Arg(64)
+    ->Arg(128)
+    ->Arg(256)
+    ->Iterations(3)
+    ->Unit(benchmark::kMillisecond);
+
 void findingPaths(benchmark::State& run) {
   const auto n = static_cast<int>(run.range(0));
   const double size = kSpacing * (n - 1);

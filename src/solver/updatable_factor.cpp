@@ -3,6 +3,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "cloth_sim/solver/vector_clones.h"
 
 namespace cloth_sim {
 namespace {
@@ -17,6 +20,32 @@ constexpr double kCostOfEntry = 3.0;
 constexpr std::int64_t kMostChanges = 100000;
 /// How many times as many entries as at first L may have.
 constexpr std::size_t kMostGrowth = 2;
+
+/// A change that passes a column.
+struct Pass {
+  double first = 0.0;   ///< its entry in the row of the column
+  double step = 0.0;    ///< of the column's entries, by its own
+  double* u = nullptr;  ///< its entries, by row
+};
+
+/// In most columns rows follow each other in long runs.
+CLOTH_SIM_VECTOR_CLONES
+void passColumn(const Pass* begin, const Pass* end, const std::int32_t* row, double* value,
+                std::int32_t count) {
+  for (std::int32_t k = 0; k < count;) {
+    std::int32_t last = k + 1;
+    while (last < count && row[last] == row[last - 1] + 1) ++last;
+    for (const Pass* pass = begin; pass != end; ++pass) {
+      double* const u = pass->u + row[k];
+      double* const v = value + k;
+      for (std::int32_t i = 0; i < last - k; ++i) {
+        u[i] -= pass->first * v[i];
+        v[i] += pass->step * u[i];
+      }
+    }
+    k = last;
+  }
+}
 
 }  // namespace
 
@@ -45,7 +74,8 @@ bool UpdatableFactor::compute(const Matrix& matrix) {
   factor_.diagonal.assign(d.data(), d.data() + n);
   const auto& order = factor.permutationP().indices();
   position_.assign(order.data(), order.data() + n);
-  u_.assign(n, 0.0);
+  u_.fill(std::vector<double>(n, 0.0));
+  isOnPath_.assign(n, 0);
   entriesAtFirst_ = factor_.row.size();
   changes_ = 0;
   return true;
@@ -75,8 +105,13 @@ bool UpdatableFactor::follow(const Matrix& matrix) {
   if (!isCheap(changes)) return false;
   std::stable_partition(changes.begin(), changes.end(),
                         [](const Change& change) { return change.weight > 0.0; });
-  return std::all_of(changes.begin(), changes.end(),
-                     [this](const Change& change) { return apply(change); });
+  const Change* const end = changes.data() + changes.size();
+  for (const Change* change = changes.data(); change != end;) {
+    const Change* const last = change + std::min<std::ptrdiff_t>(kTogether, end - change);
+    if (!apply(change, last)) return false;
+    change = last;
+  }
+  return true;
 }
 
 /// The terms of two entries; in `rest`, what is then left of the change on the diagonal.
@@ -122,7 +157,8 @@ std::vector<UpdatableFactor::Change> UpdatableFactor::changesTo(const Matrix& ma
 void UpdatableFactor::append(double diagonal) {
   factor_.columns.push_back({factor_.row.size(), 0, 0});
   factor_.diagonal.push_back(diagonal);
-  u_.push_back(0.0);
+  for (std::vector<double>& u : u_) u.push_back(0.0);
+  isOnPath_.push_back(0);
 }
 
 bool UpdatableFactor::isCheap(const std::vector<Change>& changes) const {
@@ -132,50 +168,70 @@ bool UpdatableFactor::isCheap(const std::vector<Change>& changes) const {
     anew += static_cast<double>(column.count) * column.count;
   double cost = 0.0;
   for (const Change& change : changes) {
-    std::int32_t j = change.b == kNone ? change.a : std::min(change.a, change.b);
-    for (; j != kNone; j = factor_.parent(j))
+    for (std::int32_t j = firstOf(change); j != kNone; j = factor_.parent(j))
       cost += factor_.columns[static_cast<std::size_t>(j)].count;
     if (kCostOfEntry * cost > anew) return false;
   }
   return true;
 }
 
-bool UpdatableFactor::apply(const Change& change) {
-  ++changes_;
-  u_[static_cast<std::size_t>(change.a)] = 1.0;
-  support_.clear();
-  std::int32_t j = change.a;
-  if (change.b != kNone) {
-    u_[static_cast<std::size_t>(change.b)] = -1.0;
-    j = std::min(change.a, change.b);
-    support_.push_back(std::max(change.a, change.b));
+/// Some changes, one after the other in every column: so that L is read once for all of them.
+bool UpdatableFactor::apply(const Change* begin, const Change* end) {
+  std::array<double, kTogether> weight{};
+  path_.clear();
+  for (const Change* change = begin; change != end; ++change) {
+    const auto c = static_cast<std::size_t>(change - begin);
+    weight[c] = change->weight;
+    u_[c][static_cast<std::size_t>(change->a)] = 1.0;
+    if (change->b != kNone) u_[c][static_cast<std::size_t>(change->b)] = -1.0;
+    fillIn(*change);
   }
-  double weight = change.weight;
-  bool mayFill = true;
-  while (j != kNone) {
-    const auto at = static_cast<std::size_t>(j);
-    // Whatever has a place in a column has one in all columns further up the tree.
-    mayFill = mayFill && takeIn(j);
-    const double first = u_[at];
-    u_[at] = 0.0;
-    const double d = factor_.diagonal[at] + weight * first * first;
+  for (const Change* change = begin; change != end; ++change) listPath(firstOf(*change));
+  std::sort(path_.begin(), path_.end());
+  for (const std::int32_t j : path_) isOnPath_[static_cast<std::size_t>(j)] = 0;
+  changes_ += end - begin;
+  return std::all_of(path_.begin(), path_.end(),
+                     [&](std::int32_t j) { return applyTo(j, weight); });
+}
+
+/// The columns of the path from j to the root that are not in the list.
+void UpdatableFactor::listPath(std::int32_t j) {
+  for (; j != kNone && isOnPath_[static_cast<std::size_t>(j)] == 0; j = factor_.parent(j)) {
+    isOnPath_[static_cast<std::size_t>(j)] = 1;
+    path_.push_back(j);
+  }
+}
+
+bool UpdatableFactor::applyTo(std::int32_t j, Weights& weight) {
+  const auto at = static_cast<std::size_t>(j);
+  std::array<Pass, kTogether> passes;
+  int count = 0;
+  double& d = factor_.diagonal[at];
+  for (std::size_t c = 0; c < kTogether; ++c) {
+    const double first = std::exchange(u_[c][at], 0.0);
+    if (first == 0.0) continue;  // has not come to it, or does not
+    const double before = d;
+    d += weight[c] * first * first;
     if (!(d > 0.0)) return false;
-    const double step = weight * first / d;
-    weight *= factor_.diagonal[at] / d;
-    factor_.diagonal[at] = d;
-    const SparseFactor::Column& column = factor_.columns[at];
-    for (std::int32_t k = 0; k < column.count; ++k) {
-      const std::size_t entry = column.begin + static_cast<std::size_t>(k);
-      double& u = u_[static_cast<std::size_t>(factor_.row[entry])];
-      u -= first * factor_.value[entry];
-      factor_.value[entry] += step * u;
-    }
-    j = factor_.parent(j);
+    passes[static_cast<std::size_t>(count++)] = {first, weight[c] * first / d, u_[c].data()};
+    weight[c] *= before / d;
   }
+  const SparseFactor::Column& column = factor_.columns[at];
+  passColumn(passes.data(), passes.data() + count, factor_.row.data() + column.begin,
+             factor_.value.data() + column.begin, column.count);
   return true;
 }
 
-/// Column j gets the entries that u_ will fill; then they are what u_ reaches further down.
+/// Makes room for all that a change reaches.
+void UpdatableFactor::fillIn(const Change& change) {
+  support_.clear();
+  if (change.b != kNone) support_.push_back(std::max(change.a, change.b));
+  // Whatever has a place in a column has one in all columns further up the tree.
+  for (std::int32_t j = firstOf(change); j != kNone && takeIn(j); j = factor_.parent(j)) {
+  }
+}
+
+/// Column j gets the entries of the support; then they are the support further up the tree.
 /// \return whether some are new.
 bool UpdatableFactor::takeIn(std::int32_t j) {
   SparseFactor::Column& column = factor_.columns[static_cast<std::size_t>(j)];
@@ -242,7 +298,8 @@ void UpdatableFactor::readEntries(const std::vector<std::int32_t>& row,
   const auto n = static_cast<Eigen::Index>(rows());
   matrix_.resize(n, n);
   matrix_.setFromTriplets(entries.begin(), entries.end());
-  u_.assign(rows(), 0.0);
+  u_.fill(std::vector<double>(rows(), 0.0));
+  isOnPath_.assign(rows(), 0);
   panelsFollow_ = false;
 }
 

@@ -2,6 +2,8 @@
 /// \file A sparse factorisation that follows small changes of its matrix.
 
 #include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
 
 #include "panel_solver.h"
 
@@ -55,10 +57,20 @@ class UpdatableFactor {
     double weight = 0.0;
   };
 
+  /// Changes that go through L together, and a value of each.
+  static constexpr std::size_t kTogether = 8;
+  using Weights = std::array<double, kTogether>;
+
   std::vector<Change> changesTo(const Matrix& matrix, std::vector<double>& rest) const;
   void append(double diagonal);
   bool isCheap(const std::vector<Change>& changes) const;
-  bool apply(const Change& change);
+  static std::int32_t firstOf(const Change& change) {
+    return change.b == kNone ? change.a : std::min(change.a, change.b);
+  }
+  bool apply(const Change* begin, const Change* end);
+  void fillIn(const Change& change);
+  void listPath(std::int32_t j);
+  bool applyTo(std::int32_t j, Weights& weight);
   bool takeIn(std::int32_t j);
   void widen(std::int32_t j);
   void listEntries(std::vector<std::int32_t>& row, std::vector<std::int32_t>& column,
@@ -71,11 +83,14 @@ class UpdatableFactor {
   std::vector<std::int32_t> position_;  ///< column of L by row of the matrix
   std::size_t entriesAtFirst_ = 0;      ///< of L, when it was computed
   std::int64_t changes_ = 0;            ///< since then
-  std::vector<double> u_;               ///< by column of L; zeros between changes
-  std::vector<std::int32_t> support_;   ///< rows below the current one that u_ reaches
-  std::vector<std::int32_t> merged_;    ///< for takeIn
-  PanelSolver panels_;                  ///< of factor_ ...
-  bool panelsFollow_ = false;           ///< ... as it is now
+  /// Of each change, by column of L; zeros between changes.
+  std::array<std::vector<double>, kTogether> u_;
+  std::vector<std::int32_t> path_;     ///< columns that changes pass
+  std::vector<char> isOnPath_;         ///< by column of L; zeros between changes
+  std::vector<std::int32_t> support_;  ///< rows below the current one that a change reaches
+  std::vector<std::int32_t> merged_;   ///< for takeIn
+  PanelSolver panels_;                 ///< of factor_ ...
+  bool panelsFollow_ = false;          ///< ... as it is now
 };
 
 }  // namespace cloth_sim
