@@ -19,7 +19,7 @@ constexpr double kLongAgo = -1e9;
 /// From this strain over the strain that tears on, a spring may fail within a step. Ahead of a
 /// tip, the fifth edge bears as much (the stress there goes by the root of the distance).
 constexpr double kNear = 0.5;
-/// Edits of more than this share of the springs are not worth following one by one.
+/// Edits of more than one in so many springs are not followed one by one.
 constexpr std::size_t kLocal = 8;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
