@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "cloth_sim/solver/cache_aligned.h"
 #include "cloth_sim/solver/vector_clones.h"
 #include "packed.h"
 #include "solver/spring_correction.h"
@@ -17,7 +18,7 @@ namespace {
 
 template <typename Real>
 struct Points {
-  std::vector<Real> x, y, z;
+  std::vector<Real, CacheAligned<Real>> x, y, z;
 };
 
 template <typename Real>

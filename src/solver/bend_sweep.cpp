@@ -86,7 +86,7 @@ void BendSweep::build(const BendNetwork& bending, const PackedParticles& particl
   }
 }
 
-void BendSweep::setStep(double h, double retardation, const std::vector<double>& inverseMass) {
+void BendSweep::setStep(double h, double retardation, const PackedScalars& inverseMass) {
   lag_ = retardation / h;
   held_.clear();
   for (std::size_t e = 0; e < elements_.size(); ++e) {

@@ -17,7 +17,7 @@ class BendSweep {
 
   /// Gains for substeps of length h, as the XPBD update of Macklin et al. 2016, eq. 26, has them.
   /// \param retardation  dashpot over stiffness [s].
-  void setStep(double h, double retardation, const std::vector<double>& inverseMass);
+  void setStep(double h, double retardation, const PackedScalars& inverseMass);
 
   /// Projects every element once. `onHeld(slot, impulse * h)` is called, in order, for particles of
   /// no inverse mass.

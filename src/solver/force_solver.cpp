@@ -72,8 +72,8 @@ void ForceSolver::kick(const Substep& now) {
 void ForceSolver::evaluateAccelerations(const Controls& controls, PackedVectors& out) const {
   const auto n = static_cast<std::size_t>(particles_.slots);
   out.resize(n);
-  const auto axis = [&](double g, const std::vector<double>& f, const std::vector<double>& v,
-                        std::vector<double>& a) {
+  const auto axis = [&](double g, const PackedScalars& f, const PackedScalars& v,
+                        PackedScalars& a) {
     const double* const w = particles_.inverseMass.data();
     if (controls.drag != 0.0) {
       draggedAccelerationAxis(n, g, controls.drag, f.data(), v.data(), w, a.data());

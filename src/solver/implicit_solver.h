@@ -42,7 +42,7 @@ class ImplicitSolver : public PackedSolver {
   int iterations_;    ///< of Newton's method, at most
   double tolerance_;  ///< of the residual [m/s^2]
   SpringMatrix matrix_;
-  std::vector<double> diagonal_;
+  PackedScalars diagonal_;
   PackedVectors wind_, residual_, change_, before_;
 };
 

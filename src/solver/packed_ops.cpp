@@ -38,7 +38,7 @@ double dotAxis(std::size_t n, const double* a, const double* b) {
 void setZero(std::size_t n, PackedVectors& a) {
   a.resize(n);
   forParts(n, [&](std::size_t first, std::size_t count) {
-    forAxes([&](std::vector<double>& axis) { std::fill_n(axis.data() + first, count, 0.0); }, a);
+    forAxes([&](PackedScalars& axis) { std::fill_n(axis.data() + first, count, 0.0); }, a);
   });
 }
 

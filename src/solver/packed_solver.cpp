@@ -184,9 +184,15 @@ void PackedSolver::finishReactions(const Model& model, const Controls& controls,
 void PackedSolver::markStart() { copy(particles_.x, particles_.start); }
 
 void PackedSolver::placeKinematic(double fraction) {
+  placeKinematic(fraction, 0, particles_.mass.size());
+}
+
+void PackedSolver::placeKinematic(double fraction, std::size_t first, std::size_t last) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
-    particles_.x.set(kinematicSlots_[k],
-                     kinematicFrom_.at(k) + fraction * (kinematicTo_.at(k) - kinematicFrom_.at(k)));
+    const auto slot = static_cast<std::size_t>(kinematicSlots_[k]);
+    if (slot < first || slot >= last) continue;
+    const Vec3 from = kinematicFrom_.at(k);
+    particles_.x.set(slot, from + fraction * (kinematicTo_.at(k) - from));
   }
 }
 

@@ -168,7 +168,7 @@ class Projective final : public PackedSolver {
   /// solution, which is in single precision: so linear momentum is right to round-off.
   void moveBySolution() {
     const bool isFree = kinematicSlots_.empty();
-    const std::vector<double>& mass = particles_.mass;
+    const PackedScalars& mass = particles_.mass;
     const double inertia = freeMass_ * (1.0 + step_ * drag_);
     std::array<double, 3> mean{};
     int axis = 0;

@@ -261,14 +261,16 @@ void setCompliances(const SpringLaws& laws, double h, Compliances& compliances) 
 }
 
 void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
-                    PackedParticles& particles) {
+                    PackedParticles& particles, const Prepare& prepare) {
   const Springs springs{schedule.endA.data(), schedule.endB.data(),
                         schedule.laws.restLength().data(), compliances.alpha.data(),
                         compliances.lag.data()};
   const Points points = allPoints(particles);
   const auto sweep = schedule.laws.damped() ? sweepDamped : sweepElastic;
-  schedule.sweepSpans(
-      [&](const Span* first, const Span* end) { sweep(first, end, springs, points); });
+  const auto visit = [&](const Span* first, const Span* end) {
+    sweep(first, end, springs, points);
+  };
+  prepare ? schedule.sweepSpans(particles.slots, prepare, visit) : schedule.sweepSpans(visit);
 }
 
 }  // namespace cloth_sim

@@ -1,6 +1,8 @@
 #pragma once
 /// \file One pass of corrections along springs, one after the other.
 
+#include <functional>
+
 #include "cloth_sim/solver/packed_particles.h"
 #include "cloth_sim/solver/spring_schedule.h"
 
@@ -25,8 +27,14 @@ Compliance complianceOf(const SpringLaw& law, double h);
 
 void setCompliances(const SpringLaws& laws, double h, Compliances& compliances);
 
+/// What is to be done with particles before their springs: `prepare(first, last)` for slots.
+using Prepare = std::function<void(std::size_t first, std::size_t last)>;
+
 /// Moves the ends of every spring, in the order of the schedule.
+/// \param prepare  if any, is called for all slots, part by part, each as late as may be: what it
+/// has
+///                 written is then still in the cache.
 void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
-                    PackedParticles& particles);
+                    PackedParticles& particles, const Prepare& prepare = {});
 
 }  // namespace cloth_sim

@@ -57,7 +57,7 @@ void maskAxis(std::size_t n, const double* diagonal, double* q) {
 }  // namespace
 
 void SpringMatrix::linearise(const Elements& elements, const PackedVectors& x, double elastic,
-                             double viscous, const std::vector<double>& diagonal) {
+                             double viscous, const PackedScalars& diagonal) {
   const SpringSchedule& schedule = elements.springs;
   bendScale_ = elastic + viscous * elements.bending.retardation();
   const auto count = static_cast<std::size_t>(schedule.size());

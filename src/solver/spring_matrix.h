@@ -25,7 +25,7 @@ class SpringMatrix {
   /// The bending energy is there as (elastic + viscous retardation) K.
   /// \param diagonal  M, one value for the three coordinates of each particle; 0: prescribed.
   void linearise(const Elements& elements, const PackedVectors& x, double elastic, double viscous,
-                 const std::vector<double>& diagonal);
+                 const PackedScalars& diagonal);
 
   /// q = A p.
   void multiply(const Elements& elements, const PackedVectors& p, PackedVectors& q) const;
@@ -44,7 +44,7 @@ class SpringMatrix {
   std::vector<double> along_;       ///< a - t
   std::vector<double> across_;      ///< t
   double bendScale_ = 0.0;          ///< times the matrix of the bending energy
-  std::vector<double> diagonal_;    ///< by particle
+  PackedScalars diagonal_;          ///< by particle
   PackedVectors blockDiagonal_;     ///< of the inverses of the blocks: xx, yy, zz
   PackedVectors blockOffDiagonal_;  ///< xy, yz, xz
   PackedVectors residual_, preconditioned_, search_, product_;

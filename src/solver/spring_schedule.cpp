@@ -21,13 +21,16 @@ constexpr std::size_t kLaterStrand = 512;
 /// this part of all particles makes them wait for each other's caches: what one thread has moved in
 /// this batch, another one moves in the next.
 constexpr std::int32_t kFewestSets = 16;
+/// Who waits for more others might as well wait for all.
+constexpr std::size_t kMostWaits = 16;
 
-/// How many strands a batch has: if more than one an even number, so that two threads share every
-/// batch of a cloth at about the same row.
+/// How many strands a batch has: if more than one four or a multiple of it, so that two threads
+/// share every batch of a cloth at about the same row, and have something to do while the strands
+/// at that row wait for each other.
 std::size_t strandsFor(std::size_t springs) {
-  if (springs <= kStrandSprings) return 1;
-  const std::size_t pairs = (springs + 2 * kStrandSprings - 1) / (2 * kStrandSprings);
-  return std::min(2 * pairs, kMostStrands);
+  if (springs <= kStrandSprings / 4) return 1;
+  const std::size_t fours = (springs + 4 * kStrandSprings - 1) / (4 * kStrandSprings);
+  return std::min(4 * fours, kMostStrands);
 }
 
 /// On a grid two colours suffice for parallel springs of one kind. Colours that are to be joined
@@ -185,13 +188,17 @@ Strands divide(Colours begin, Colours end, const RootOf& rootOf) {
   strands.byRoot.resize(number.size());
   const std::size_t count = strandsFor(all);
   std::size_t taken = 0;
+  std::size_t before = 0;  // in earlier strands
   for (std::size_t root = 0; root < number.size(); ++root) {
-    strands.byRoot[root] = strands.count;
-    taken += number[root];
-    if (number[root] > 0 && (taken == all || taken * count >= all * (strands.count + 1))) {
+    const bool isTooMany = (taken + number[root]) * count > all * (strands.count + 1);
+    if (isTooMany && taken > before) {
+      before = taken;
       ++strands.count;
     }
+    strands.byRoot[root] = strands.count;
+    taken += number[root];
   }
+  ++strands.count;
   return strands;
 }
 
@@ -218,7 +225,10 @@ void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& 
   isAppended_.clear();
   append(model, slotOf, colour(model, all));
   original_ = extent();
-  orderWave();
+  std::vector<Reach> reach = reaches();
+  divideSlots(*std::max_element(slotOf.begin(), slotOf.end()) + 1, reach);
+  orderWave(reach);
+  orderRounds(reach);
 }
 
 void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
@@ -364,38 +374,86 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
   }
 }
 
-/// By the particles that a strand has to wait for, as if each shared all from its first to its last
-/// one.
-void SpringSchedule::orderWave() {
-  struct Reach {
-    std::int32_t first = std::numeric_limits<std::int32_t>::max();
-    std::int32_t last = -1;
-    std::int32_t wait = -1;  ///< the last particle of those that it comes after
-  };
-  std::vector<Reach> reach(strands_.size());
+std::vector<SpringSchedule::Reach> SpringSchedule::reaches() const {
+  std::vector<Reach> reaches;
+  for (const Strand& strand : strands_) {
+    Reach reach{std::numeric_limits<std::int32_t>::max(), -1};
+    for (std::int32_t k = strand.firstSpan; k < strand.endSpan; ++k) {
+      const Span& span = spans_[k];
+      const std::int32_t stride = span.isRun ? span.count - 1 : 1;  // of a run the first and last
+      for (std::int32_t at = 0; at < span.count; at += stride) {
+        const Ends ends = endsOf(span, at);
+        reach.first = std::min({reach.first, ends.a, ends.b});
+        reach.last = std::max({reach.last, ends.a, ends.b});
+      }
+    }
+    reaches.push_back(reach);
+  }
+  return reaches;
+}
+
+/// Among the strands of the first batch, which then reach as far as their slots.
+void SpringSchedule::divideSlots(std::int32_t slots, std::vector<Reach>& reaches) {
+  bounds_.clear();
+  if (batches_.empty()) return;
+  const auto begin = reaches.begin();
+  const auto end = begin + batches_.front().endStrand;
+  const auto overlaps = [](const Reach& a, const Reach& b) { return a.last >= b.first; };
+  if (std::adjacent_find(begin, end, overlaps) != end) return;
+  for (auto reach = begin; reach != end; ++reach) {
+    bounds_.push_back(reach == begin ? 0 : reach->first);
+  }
+  bounds_.push_back(slots);
+  for (std::size_t k = 0; k + 1 < bounds_.size(); ++k) {
+    reaches[k] = {bounds_[k], bounds_[k + 1] - 1};
+  }
+}
+
+/// By the last particle of those that a strand comes after, as if each shared all in its reach.
+void SpringSchedule::orderWave(const std::vector<Reach>& reaches) {
+  std::vector<std::int32_t> last(strands_.size());
   for (const Batch& batch : batches_) {
     for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
-      Reach& own = reach[s];
-      for (std::int32_t k = strands_[s].firstSpan; k < strands_[s].endSpan; ++k) {
-        const Span& span = spans_[k];
-        const std::int32_t stride = span.isRun ? span.count - 1 : 1;  // of a run the first and last
-        for (std::int32_t at = 0; at < span.count; at += stride) {
-          const Ends ends = endsOf(span, at);
-          own.first = std::min({own.first, ends.a, ends.b});
-          own.last = std::max({own.last, ends.a, ends.b});
-        }
-      }
-      own.wait = own.last;
+      last[s] = reaches[s].last;
       for (std::int32_t t = 0; t < batch.firstStrand; ++t) {
-        const bool shares = reach[t].first <= own.last && own.first <= reach[t].last;
-        if (shares) own.wait = std::max(own.wait, reach[t].wait);
+        if (reaches[s].meets(reaches[t])) last[s] = std::max(last[s], last[t]);
       }
     }
   }
   wave_.resize(strands_.size());
   std::iota(wave_.begin(), wave_.end(), 0);
   std::stable_sort(wave_.begin(), wave_.end(),
-                   [&](std::int32_t s, std::int32_t t) { return reach[s].wait < reach[t].wait; });
+                   [&](std::int32_t s, std::int32_t t) { return last[s] < last[t]; });
+}
+
+/// A batch begins a round where strands of its own would wait for too many of the round before.
+void SpringSchedule::orderRounds(const std::vector<Reach>& reaches) {
+  rounds_.clear();
+  for (const Batch& batch : batches_) {
+    const std::int32_t first = rounds_.empty() ? 0 : rounds_.back().firstStrand;
+    std::vector<std::int32_t> waits, ends;
+    std::size_t most = 0;
+    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
+      const std::size_t before = waits.size();
+      for (std::int32_t t = first; t < batch.firstStrand; ++t) {
+        if (reaches[s].meets(reaches[t])) waits.push_back(t - first);
+      }
+      most = std::max(most, waits.size() - before);
+      ends.push_back(static_cast<std::int32_t>(waits.size()));
+    }
+    if (rounds_.empty() || most > kMostWaits) {
+      waits.clear();
+      std::fill(ends.begin(), ends.end(), 0);
+      rounds_.push_back({batch.firstStrand, batch.firstStrand, 0, {}});
+    }
+    Round& round = rounds_.back();
+    round.endStrand = batch.endStrand;
+    round.springs += batch.springs;
+    const auto waitsBefore = static_cast<std::int32_t>(round.order.waits.size());
+    round.order.groupEnds.push_back(batch.endStrand - round.firstStrand);
+    for (const std::int32_t end : ends) round.order.waitEnds.push_back(waitsBefore + end);
+    round.order.waits.insert(round.order.waits.end(), waits.begin(), waits.end());
+  }
 }
 
 void SpringSchedule::appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,

@@ -54,7 +54,7 @@ void WarmContacts::list(std::int32_t slot) {
   index = kListed;
 }
 
-void WarmContacts::addForces(const std::vector<double>& mass, PackedVectors& force) const {
+void WarmContacts::addForces(const PackedScalars& mass, PackedVectors& force) const {
   for (std::size_t k = 0; k < now_.slots.size(); ++k) {
     const auto slot = static_cast<std::size_t>(now_.slots[k]);
     force.set(slot, force.at(slot) + mass[slot] * now_.acceleration[k]);

@@ -24,7 +24,7 @@ class WarmContacts {
   void begin(const Contacts& contacts, const PackedParticles& particles, double time, double h);
 
   /// Adds the forces of the last substep [N].
-  void addForces(const std::vector<double>& mass, PackedVectors& force) const;
+  void addForces(const PackedScalars& mass, PackedVectors& force) const;
 
   /// Enforces the contacts of a substep that was solved with these forces. Particles near obstacles
   /// get the velocities that lead from `start` to where they are now.

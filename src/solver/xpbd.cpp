@@ -60,9 +60,9 @@ class Xpbd final : public PackedSolver {
   void findVelocities(double h) override;
 
   void listAttachments();
-  void predict(const Substep& now);
-  void applyLoads(const Substep& now);
-  void sweep(double fraction);
+  void sweep(const Prepare& prepare);
+  void predict(const Substep& now, std::size_t first, std::size_t last);
+  void predictWithLoads(const Substep& now);
   void solveAttachments(double h);
   void solveBending(double h);
 
@@ -103,45 +103,58 @@ void Xpbd::listAttachments() {
 }
 
 void Xpbd::substep(const Substep& now) {
-  predict(now);
-  sweep(now.fraction);
+  if (now.controls.hasLoads()) {
+    predictWithLoads(now);
+    sweep({});
+  } else {
+    sweep([&](std::size_t first, std::size_t last) { predict(now, first, last); });
+  }
+  placeKinematic(now.fraction);
   solveAttachments(now.h);
   if (!bending_.empty()) solveBending(now.h);
   now.contacts.project(particles_.view(), now.time, now.h);
   if (now.controls.hasLoads()) findVelocities(now.h);
 }
 
+/// Springs between a free and a prescribed particle have their turn later: in the sweep the
+/// prescribed one counts as weightless and takes the whole correction, until it is put back.
+void Xpbd::sweep(const Prepare& prepare) {
+  constexpr double kWeightless = 1e200;  // [1/kg]
+  for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = kWeightless;
+  correctSprings(schedule_, compliances_, particles_, prepare);
+  for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = 0.0;
+}
+
 void Xpbd::findVelocities(double h) {
   setDifference(particles_.x, particles_.start, 1.0 / h, particles_.v);
 }
 
-void Xpbd::predict(const Substep& now) {
+void Xpbd::predict(const Substep& now, std::size_t first, std::size_t last) {
   const double decay = std::exp(-now.controls.drag * now.h);
   const Vec3 fall = now.h * now.h * now.controls.gravity;
-  if (now.controls.hasLoads()) {
-    setZero(particles_.mass.size(), force_);
-    addLoads(now.model, now.controls);
-  }
-  forParts(particles_.mass.size(), [&](std::size_t first, std::size_t count) {
-    const double* const w = particles_.inverseMass.data() + first;
-    int axis = 0;
-    forAxes(
-        [&](auto& x, auto& start) {
-          double* const to = x.data() + first;
-          double* const from = start.data() + first;
-          const double g = fall[axis++];
-          if (decay != 1.0) {
-            predictDraggedAxis(count, decay, g, w, to, from);
-          } else {
-            predictAxis(count, g, w, to, from);
-          }
-        },
-        particles_.x, particles_.start);
-  });
-  if (now.controls.hasLoads()) applyLoads(now);
+  const double* const w = particles_.inverseMass.data() + first;
+  int axis = 0;
+  forAxes(
+      [&](auto& x, auto& start) {
+        double* const to = x.data() + first;
+        double* const from = start.data() + first;
+        const double g = fall[axis++];
+        if (decay != 1.0) {
+          predictDraggedAxis(last - first, decay, g, w, to, from);
+        } else {
+          predictAxis(last - first, g, w, to, from);
+        }
+      },
+      particles_.x, particles_.start);
+  placeKinematic(now.fraction, first, last);
 }
 
-void Xpbd::applyLoads(const Substep& now) {
+/// Loads act on where particles were.
+void Xpbd::predictWithLoads(const Substep& now) {
+  setZero(particles_.mass.size(), force_);
+  addLoads(now.model, now.controls);
+  forParts(particles_.mass.size(),
+           [&](std::size_t first, std::size_t count) { predict(now, first, first + count); });
   for (std::size_t k = 0; k < particles_.inverseMass.size(); ++k) {
     const double scale = now.h * now.h * particles_.inverseMass[k];
     particles_.x.set(k, particles_.x.at(k) + scale * force_.at(k));
@@ -149,17 +162,6 @@ void Xpbd::applyLoads(const Substep& now) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     addReaction(k, now.h * force_.at(static_cast<std::size_t>(kinematicSlots_[k])));
   }
-}
-
-/// Springs between a free and a prescribed particle have their turn later: here the prescribed one
-/// counts as weightless and takes the whole correction, until it is put back.
-void Xpbd::sweep(double fraction) {
-  constexpr double kWeightless = 1e200;  // [1/kg]
-  placeKinematic(fraction);
-  for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = kWeightless;
-  correctSprings(schedule_, compliances_, particles_);
-  for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = 0.0;
-  placeKinematic(fraction);
 }
 
 void Xpbd::solveAttachments(double h) {

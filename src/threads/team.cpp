@@ -1,7 +1,6 @@
 #include "cloth_sim/threads/team.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
@@ -39,43 +38,69 @@ class Wait {
 }  // namespace
 
 struct Team::Impl {
-  /// Parts [next, end) of a member, in one word, so that they are taken one at a time.
-  class alignas(64) Share {
+  struct Loop {
+    const std::int32_t* groupEnds = nullptr;
+    std::int32_t groups = 0;
+    const PartOrder* order = nullptr;  ///< null: no part waits
+    Body body = nullptr;
+    const void* context = nullptr;
+  };
+
+  /// Whether someone does a part of a loop, or has done it: by the number of the loop, so that
+  /// nobody has to clear it. Alone in its cache line.
+  class alignas(64) Mark {
    public:
-    void set(std::int32_t next, std::int32_t end) {
-      word_.store(wordOf(next, end), std::memory_order_release);
+    bool isTaken(std::uint64_t loop) const {
+      return word_.load(std::memory_order_relaxed) >= 2 * loop;
     }
-    /// \return a part, or -1. Whoever gets a part sees the loop that it belongs to, because that
-    /// was written before, and is not overwritten as long as a part of it is not done.
-    std::int32_t takeFirst() {
-      return take([](std::int32_t next, std::int32_t end) { return wordOf(next + 1, end); },
-                  [](std::int32_t next, std::int32_t /*end*/) { return next; });
+    bool isDone(std::uint64_t loop) const {
+      return word_.load(std::memory_order_acquire) > 2 * loop;
     }
-    std::int32_t takeLast() {
-      return take([](std::int32_t next, std::int32_t end) { return wordOf(next, end - 1); },
-                  [](std::int32_t /*next*/, std::int32_t end) { return end - 1; });
+    /// \return false if someone else has.
+    bool take(std::uint64_t loop) {
+      std::uint64_t before = word_.load(std::memory_order_relaxed);
+      return before < 2 * loop &&
+             word_.compare_exchange_strong(before, 2 * loop, std::memory_order_relaxed);
     }
+    void setDone(std::uint64_t loop) { word_.store(2 * loop + 1, std::memory_order_release); }
+
+   private:
+    std::atomic<std::uint64_t> word_{0};
+  };
+
+  /// Lets helpers in while there is a loop, and counts them, in one word: its number above
+  /// whether it is open above how many are inside. While one is, the loop stays.
+  class alignas(64) Gate {
+   public:
+    void open() { word_.fetch_add(kLoop + kOpen, std::memory_order_release); }
+    /// Waits for those who are inside.
+    void close() {
+      word_.fetch_sub(kOpen, std::memory_order_relaxed);
+      Wait wait;
+      while (word_.load(std::memory_order_acquire) % kOpen > 0) wait.once();
+    }
+    /// \return the number of the loop, or 0 if there is none, or only the one that has been seen.
+    std::uint64_t enter(std::uint64_t seen) {
+      const Word before = word_.load(std::memory_order_relaxed);
+      if (!isOpen(before) || before / kLoop == seen) return 0;
+      const Word entered = word_.fetch_add(1, std::memory_order_acquire);
+      if (isOpen(entered)) return entered / kLoop;
+      leave();
+      return 0;
+    }
+    void leave() { word_.fetch_sub(1, std::memory_order_release); }
+    std::int32_t inside() const {
+      return static_cast<std::int32_t>(word_.load(std::memory_order_relaxed) % kOpen);
+    }
+    /// Of the loop there is, for who has opened the gate.
+    std::uint64_t number() const { return word_.load(std::memory_order_relaxed) / kLoop; }
 
    private:
     using Word = std::uint64_t;
+    static constexpr Word kOpen = Word{1} << 15;
+    static constexpr Word kLoop = Word{1} << 16;
 
-    static Word wordOf(std::int32_t next, std::int32_t end) {
-      return Word{static_cast<std::uint32_t>(next)} << 32 | static_cast<std::uint32_t>(end);
-    }
-
-    template <typename Rest, typename Taken>
-    std::int32_t take(const Rest& rest, const Taken& taken) {
-      Word word = word_.load(std::memory_order_relaxed);
-      while (true) {
-        const auto next = static_cast<std::int32_t>(word >> 32);
-        const auto end = static_cast<std::int32_t>(word & 0xffffffffU);
-        if (next >= end) return -1;
-        if (word_.compare_exchange_weak(word, rest(next, end), std::memory_order_acq_rel,
-                                        std::memory_order_relaxed)) {
-          return taken(next, end);
-        }
-      }
-    }
+    static bool isOpen(Word word) { return word / kOpen % 2 == 1; }
 
     std::atomic<Word> word_{0};
   };
@@ -87,13 +112,16 @@ struct Team::Impl {
   void callHelpers();
   void live(std::int32_t member);
   void help(std::int32_t member);
-  bool work(std::int32_t member);
+  void run(const Loop& what, std::int32_t parts);
+  void work(std::int32_t member, std::uint64_t number);
+  void workOff(std::int32_t owner, bool isOwn, std::uint64_t number);
+  void finish(std::int32_t part, std::uint64_t number);
 
   std::int32_t size = 1;
-  std::array<Share, kMostMembers> shares;  ///< by member
-  Body body = nullptr;
-  const void* context = nullptr;
-  alignas(64) std::atomic<std::int32_t> pending{0};  ///< parts of the loop that are not done
+  Loop loop;
+  std::vector<Mark> marks;  ///< by part
+  Gate gate;
+  alignas(64) std::atomic<std::int32_t> through{0};  ///< members, with parts of their own
   alignas(64) std::atomic<bool> isOver{false};       ///< the shift
   std::atomic<std::int32_t> present{0};              ///< helpers
   bool areCalled = false;
@@ -163,26 +191,82 @@ void Team::Impl::live(std::int32_t member) {
 
 void Team::Impl::help(std::int32_t member) {
   Wait wait;
+  std::uint64_t seen = 0;
   while (!isOver.load(std::memory_order_acquire)) {
-    work(member) ? wait.beginAgain() : wait.once();
+    const std::uint64_t number = gate.enter(seen);
+    if (number == 0) {
+      wait.once();
+      continue;
+    }
+    work(member, number);
+    gate.leave();
+    seen = number;
+    wait.beginAgain();
   }
 }
 
-/// Parts of its own, and then those of others: who does not begin with its own would have in its
-/// cache what another one needs.
-/// \return whether it had any.
-bool Team::Impl::work(std::int32_t member) {
-  Share& own = shares[static_cast<std::size_t>(member)];
-  std::int32_t part = own.takeFirst();
-  if (part < 0) return false;
-  std::int32_t done = 0;  // told at the end: `pending` goes from core to core each time
-  for (; part >= 0; part = own.takeFirst(), ++done) body(context, part);
-  for (std::int32_t k = 1; k < size; ++k) {
-    Share& other = shares[static_cast<std::size_t>((member + k) % size)];
-    for (; (part = other.takeLast()) >= 0; ++done) body(context, part);
+void Team::Impl::run(const Loop& what, std::int32_t parts) {
+  if (!areCalled) callHelpers();
+  if (marks.size() < static_cast<std::size_t>(parts)) {
+    marks = std::vector<Mark>(static_cast<std::size_t>(parts));
   }
-  pending.fetch_sub(done, std::memory_order_release);
-  return true;
+  loop = what;
+  through.store(0, std::memory_order_relaxed);
+  gate.open();
+  work(0, gate.number());
+  gate.close();
+}
+
+/// Parts of its own, and then those of others: who does not begin with its own would have in its
+/// cache what another one needs. Where parts wait for each other, so that nobody is far ahead, it
+/// is cheaper to give those who are here the time to do theirs.
+void Team::Impl::work(std::int32_t member, std::uint64_t number) {
+  workOff(member, true, number);
+  through.fetch_add(1, std::memory_order_relaxed);
+  const auto areThrough = [&](std::int32_t members) {
+    return through.load(std::memory_order_relaxed) >= members;
+  };
+  const int patience = loop.order == nullptr ? 0 : kPatience;
+  for (int looks = 0; looks < patience && !areThrough(1 + gate.inside()); ++looks) rest();
+  if (areThrough(size)) return;
+  for (std::int32_t k = 1; k < size; ++k) workOff((member + k) % size, false, number);
+}
+
+/// The parts of a member: of each group those at its ends first; who helps begins with the last.
+void Team::Impl::workOff(std::int32_t owner, bool isOwn, std::uint64_t number) {
+  std::int32_t first = 0;
+  for (std::int32_t group = 0; group < loop.groups; ++group) {
+    const std::int32_t parts = loop.groupEnds[group] - first;
+    const auto boundary = [&](std::int32_t member) {
+      return first + (parts * member + size - 1) / size;
+    };
+    const std::int32_t begin = boundary(owner);
+    const std::int32_t count = boundary(owner + 1) - begin;
+    for (std::int32_t k = 0; k < count; ++k) {
+      const std::int32_t at = isOwn ? k : count - 1 - k;
+      const std::int32_t fromEnds = at == 1 ? count - 1 : std::max(0, at - 1);
+      finish(begin + fromEnds, number);
+    }
+    first = loop.groupEnds[group];
+  }
+}
+
+/// Does a part and those that it waits for, if nobody else does.
+void Team::Impl::finish(std::int32_t part, std::uint64_t number) {
+  Mark& mark = marks[static_cast<std::size_t>(part)];
+  if (mark.isTaken(number)) return;
+  if (loop.order != nullptr) {
+    const PartOrder& order = *loop.order;
+    for (std::int32_t k = part == 0 ? 0 : order.waitEnds[part - 1]; k < order.waitEnds[part]; ++k) {
+      const std::int32_t before = order.waits[k];
+      finish(before, number);
+      Wait wait;
+      while (!marks[static_cast<std::size_t>(before)].isDone(number)) wait.once();
+    }
+  }
+  if (!mark.take(number)) return;
+  loop.body(loop.context, part);
+  mark.setDone(number);
 }
 
 Team::Team() : impl_(std::make_unique<Impl>()) {}
@@ -197,20 +281,17 @@ Team* Team::ofThisThread() {
 std::int32_t Team::size() const { return impl_->size; }
 
 void Team::run(std::int32_t parts, Body body, const void* context) {
-  Impl& team = *impl_;
-  if (!team.areCalled) team.callHelpers();
-  team.body = body;
-  team.context = context;
-  team.pending.store(parts, std::memory_order_relaxed);
-  for (std::int32_t member = 0; member < team.size; ++member) {
-    team.shares[static_cast<std::size_t>(member)].set(parts * member / team.size,
-                                                      parts * (member + 1) / team.size);
-  }
   teamOfThisThread = nullptr;
-  team.work(0);
+  impl_->run({&parts, 1, nullptr, body, context}, parts);
   teamOfThisThread = this;
-  Wait wait;
-  while (team.pending.load(std::memory_order_acquire) > 0) wait.once();
+}
+
+void Team::run(const PartOrder& order, Body body, const void* context) {
+  teamOfThisThread = nullptr;
+  impl_->run({order.groupEnds.data(), static_cast<std::int32_t>(order.groupEnds.size()), &order,
+              body, context},
+             order.groupEnds.back());
+  teamOfThisThread = this;
 }
 
 Team::Shift::Shift(Team& team) : team_(teamOfThisThread == nullptr ? &team : nullptr) {

@@ -107,6 +107,51 @@ TEST(Team, ManyShortLoopsLoseNoPart) {
   }
 }
 
+/// Groups of parts, each of which waits for some of earlier groups.
+PartOrder someOrder() {
+  PartOrder order;
+  std::uint32_t random = 1;
+  std::int32_t part = 0;
+  for (const std::int32_t parts : {5, 1, 8, 2, 2, 16}) {
+    const std::int32_t first = part;
+    for (; part < first + parts; ++part) {
+      for (std::int32_t earlier = 0; earlier < first; ++earlier) {
+        random = 1664525U * random + 1013904223U;
+        if (random >> 30 == 0) order.waits.push_back(earlier);
+      }
+      order.waitEnds.push_back(static_cast<std::int32_t>(order.waits.size()));
+    }
+    order.groupEnds.push_back(part);
+  }
+  return order;
+}
+
+TEST(Team, DoesEveryPartOnceAndAfterThoseItWaitsFor) {
+  const PartOrder order = someOrder();
+  const auto parts = static_cast<std::size_t>(order.groupEnds.back());
+  for (const int threads : {1, 2, 3}) {
+    const ThreadLimit limit(threads);
+    Team team;
+    for (int shift = 0; shift < 200; ++shift) {
+      const Team::Shift now(team);
+      for (std::int64_t loop = 1; loop <= 20; ++loop) {
+        std::vector<std::int64_t> done(parts,
+                                       0);  // plain: a part that does not wait is a data race
+        std::atomic<int> early{0};
+        parallelInOrder(team, order, [&](std::int32_t part) {
+          const std::int32_t begin = part == 0 ? 0 : order.waitEnds[part - 1];
+          for (std::int32_t k = begin; k < order.waitEnds[part]; ++k) {
+            if (done[order.waits[k]] != 1) ++early;
+          }
+          ++done[part];
+        });
+        ASSERT_EQ(early.load(), 0);
+        ASSERT_EQ(std::count(done.begin(), done.end(), 1), static_cast<std::int64_t>(parts));
+      }
+    }
+  }
+}
+
 TEST(ThreadLimit, HoldsForItsThreadWhileItLives) {
   const int before = ThreadLimit::ofThisThread();
   EXPECT_EQ(before, processors());

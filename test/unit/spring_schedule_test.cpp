@@ -4,12 +4,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <map>
+#include <numeric>
+#include <random>
 #include <set>
 #include <tuple>
 
 #include "cloth_sim/solver/packed_particles.h"
 #include "cloth_sim/surgery/operation.h"
+#include "cloth_sim/threads/thread_limit.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {
@@ -247,6 +252,75 @@ void expectSweepsEachParticleInOrder(const SpringSchedule& schedule) {
       at->second = position;
     }
   }
+}
+
+/// Every slot is prepared once, before any of its springs, and moved by springs in the order of
+/// their positions: with so many threads.
+void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule,
+                                    const PackedParticles& particles, int threads) {
+  const auto slots = static_cast<std::size_t>(particles.slots);
+  std::vector<int> prepared(slots, 0);
+  std::vector<std::int32_t> last(slots, -1);
+  std::atomic<int> faults{0};
+  const auto meet = [&](std::int32_t slot, std::int32_t position) {
+    if (prepared[slot] != 1 || last[slot] >= position) ++faults;
+    last[slot] = position;
+  };
+  const ThreadLimit limit(threads);
+  Team team;
+  const Team::Shift shift(team);
+  schedule.sweepSpans(
+      particles.slots,
+      [&](std::size_t first, std::size_t end) {
+        for (std::size_t slot = first; slot < end; ++slot) ++prepared[slot];
+      },
+      [&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
+        for (; span != end; ++span) {
+          schedule.visit(*span, [&](const SpringSchedule::Element& spring) {
+            meet(spring.a, spring.position);
+            meet(spring.b, spring.position);
+          });
+        }
+      });
+  EXPECT_EQ(faults.load(), 0);
+  EXPECT_EQ(std::count(prepared.begin(), prepared.end(), 1), static_cast<std::int64_t>(slots));
+}
+
+TEST(SpringSchedule, PreparesEveryParticleBeforeItsSpringsOnAnyNumberOfThreads) {
+  Generator random(7);
+  for (const auto& [columns, rows] : {std::pair(3, 4), std::pair(64, 90), std::pair(150, 200)}) {
+    Scheduled cloth(clothOf(columns, rows, 0.01));
+    for (int edits = 0; edits < 4; ++edits) {
+      for (int again = 0; again < 20; ++again) {
+        for (const int threads : {1, 2, 3}) {
+          expectPreparesAndSweepsInOrder(cloth.schedule, cloth.particles, threads);
+        }
+      }
+      cloth.follow(cloth.edit(random));
+    }
+  }
+}
+
+TEST(SpringSchedule, PreparesParticlesInAnyOrderBeforeTheirSprings) {
+  Model model = buildModel(clothOf(80, 80, 0.01));
+  std::vector<std::int32_t> at(static_cast<std::size_t>(model.particleCount()));  // by vertex
+  std::iota(at.begin(), at.end(), 0);
+  std::shuffle(at.begin(), at.end(), Generator(3));
+  std::vector<Vec2> material(at.size());
+  for (std::size_t v = 0; v < at.size(); ++v) {
+    material[at[v]] = model.mesh.material(static_cast<VertexId>(v));
+  }
+  std::vector<Face> faces = model.mesh.faces();
+  for (Face& face : faces) face = {at[face[0]], at[face[1]], at[face[2]]};
+  model = Model();
+  model.mesh = TriangleMesh(material, faces);
+  model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
+  PackedParticles particles;
+  particles.layOut(model);
+  SpringSchedule schedule;
+  schedule.build(model, particles.slotOf);
+  expectBatchesAreConflictFree(schedule);
+  for (const int threads : {1, 2, 3}) expectPreparesAndSweepsInOrder(schedule, particles, threads);
 }
 
 TEST(SpringSchedule, OneThreadGoesOverAGridAsAWave) {

@@ -4,13 +4,17 @@
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
+#include "cloth_sim/solver/cache_aligned.h"
 #include "cloth_sim/solver/solver.h"
 
 namespace cloth_sim {
 
+/// One number per particle.
+using PackedScalars = std::vector<double, CacheAligned<double>>;
+
 /// Three coordinates per particle.
 struct PackedVectors {
-  std::vector<double> x, y, z;
+  PackedScalars x, y, z;
 
   void resize(std::size_t n) {
     x.resize(n);
@@ -33,8 +37,8 @@ struct PackedParticles {
   PackedVectors x;                   ///< [m]
   PackedVectors start;               ///< positions at the start of the substep [m]
   PackedVectors v;                   ///< [m/s]
-  std::vector<double> mass;          ///< [kg]; 0: prescribed motion
-  std::vector<double> inverseMass;   ///< [1/kg]; 0: prescribed motion
+  PackedScalars mass;                ///< [kg]; 0: prescribed motion
+  PackedScalars inverseMass;         ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
 
   std::int32_t slots = 0;  ///< some may be empty, with mass 0

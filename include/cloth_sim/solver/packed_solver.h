@@ -52,6 +52,8 @@ class PackedSolver : public Solver {
   void markStart();
   /// Puts the kinematic particles where they are when `fraction` of the step has passed.
   void placeKinematic(double fraction);
+  /// The same for those in the slots [first, last).
+  void placeKinematic(double fraction, std::size_t first, std::size_t last);
   /// Sums up how a substep was solved, for methods that iterate.
   void noteIterations(int iterations, double residual) {
     report_.iterations += iterations;

@@ -12,8 +12,9 @@ namespace cloth_sim {
 /// into a batch as long as the batch falls apart into many strands that share no particle. Within a
 /// strand the springs are visited colour by colour; strands may run in any order, or at once, with
 /// the same result. On a grid a strand is some rows, which stay in the cache while all the
-/// colours pass over them. One thread alone goes over the cloth once, as a wave: a strand has its
-/// turn as soon as those of earlier batches that it shares particles with have had theirs.
+/// colours pass over them. A strand may have its turn as soon as those of earlier batches that it
+/// shares particles with have had theirs: one thread alone goes over the cloth once, as a wave, and
+/// several need not wait for each other between batches.
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
 /// consecutive particles they form a run, which is swept without gathers and without a list of
@@ -74,7 +75,14 @@ class SpringSchedule {
   /// Calls `visitor(span, end)` for consecutive spans, in the order of the sweep, on several
   /// threads where that pays.
   template <typename SpansVisitor>
-  void sweepSpans(const SpansVisitor& visitor) const;
+  void sweepSpans(const SpansVisitor& visitor) const {
+    sweepSpans(
+        0, [](std::int32_t, std::int32_t) {}, visitor);
+  }
+  /// ... and `prepare(first, last)` for consecutive particle slots, which together are [0, slots),
+  /// before any spring of theirs.
+  template <typename Prepare, typename SpansVisitor>
+  void sweepSpans(std::int32_t slots, const Prepare& prepare, const SpansVisitor& visitor) const;
   /// The same with `visitRun(span)` for runs and `visitor(element)` for all other springs.
   template <typename RunVisitor, typename Visitor>
   void sweep(const RunVisitor& visitRun, const Visitor& visitor) const {
@@ -102,12 +110,30 @@ class SpringSchedule {
   std::vector<std::int32_t> endA, endB;  ///< particle slots, of springs that are in no run
 
  private:
+  /// Fewer springs, or particles, are not worth a second thread ...
+  static constexpr std::int32_t kGrain = 4096;
+  /// ... and fewer springs whose strands wait for each other.
+  static constexpr std::int32_t kGrainOfWaiting = 16384;
+
   struct Extent {
     std::size_t others = 0;
     std::size_t laws = 0;
     std::size_t spans = 0;
     std::size_t strands = 0;
     std::size_t batches = 0;
+  };
+  /// What a strand shares with others at most: particles from the first to the last of its own.
+  struct Reach {
+    std::int32_t first = 0;
+    std::int32_t last = 0;
+    bool meets(const Reach& other) const { return other.first <= last && first <= other.last; }
+  };
+  /// Consecutive batches through which threads go without waiting for each other between them.
+  struct Round {
+    std::int32_t firstStrand = 0;
+    std::int32_t endStrand = 0;
+    std::int32_t springs = 0;
+    PartOrder order;  ///< of strands, from `firstStrand` on
   };
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
@@ -122,6 +148,10 @@ class SpringSchedule {
     const Ends ends = endsOf(span, k);
     return {span.first + k, ends.a, ends.b, lawOf(span, k)};
   }
+  template <typename StrandVisitor>
+  void sweepOriginals(const StrandVisitor& visit) const;
+  template <typename StrandsVisitor>
+  void sweepLater(const StrandsVisitor& visit) const;
   Extent extent() const;
   void truncate(const Extent& extent);
 
@@ -135,7 +165,10 @@ class SpringSchedule {
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
-  void orderWave();
+  std::vector<Reach> reaches() const;
+  void divideSlots(std::int32_t slots, std::vector<Reach>& reaches);
+  void orderWave(const std::vector<Reach>& reaches);
+  void orderRounds(const std::vector<Reach>& reaches);
   void appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,
                     const Coloured& colours);
   void appendColour(const SpringNetwork& springs, const std::vector<Ends>& ends,
@@ -147,31 +180,62 @@ class SpringSchedule {
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
-  std::vector<std::int32_t> wave_;  ///< the strands of the undamaged mesh, for one thread
-  std::vector<std::int32_t> home_;  ///< by spring slot of the undamaged mesh: its position
-  std::vector<bool> isAppended_;    ///< by spring slot, since the first edit
+  // Strands of the undamaged mesh:
+  std::vector<std::int32_t> wave_;    ///< for one thread
+  std::vector<Round> rounds_;         ///< for several
+  std::vector<std::int32_t> bounds_;  ///< before, between and after the slots of the first batch's,
+                                      ///< if they have no others between theirs
+  std::vector<std::int32_t> home_;    ///< by spring slot of the undamaged mesh: its position
+  std::vector<bool> isAppended_;      ///< by spring slot, since the first edit
   Extent original_;
 };
 
-template <typename SpansVisitor>
-void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
-  /// Fewer springs are not worth a second thread.
-  constexpr std::int32_t kGrainSprings = 2048;
+template <typename Prepare, typename SpansVisitor>
+void SpringSchedule::sweepSpans(std::int32_t slots, const Prepare& prepare,
+                                const SpansVisitor& visitor) const {
+  const std::int32_t divided = bounds_.empty() ? 0 : bounds_.back();
+  parallelFor(slots - divided, kGrain, [&](std::int32_t first, std::int32_t last) {
+    prepare(divided + first, divided + last);
+  });
   const auto visitStrands = [&](std::int32_t begin, std::int32_t end) {
     visitor(spans_.data() + strands_[begin].firstSpan, spans_.data() + strands_[end - 1].endSpan);
   };
-  std::size_t next = 0;
-  if (Team::ofThisThread() == nullptr) {
-    for (const std::int32_t strand : wave_) visitStrands(strand, strand + 1);
-    next = original_.batches;
+  sweepOriginals([&](std::int32_t strand) {
+    const bool isFirstOfItsSlots = strand + 1 < static_cast<std::int32_t>(bounds_.size());
+    if (isFirstOfItsSlots && slots > 0) prepare(bounds_[strand], bounds_[strand + 1]);
+    visitStrands(strand, strand + 1);
+  });
+  sweepLater(visitStrands);
+}
+
+template <typename StrandVisitor>
+void SpringSchedule::sweepOriginals(const StrandVisitor& visit) const {
+  Team* const team = Team::ofThisThread();
+  if (team == nullptr) {
+    for (const std::int32_t strand : wave_) visit(strand);
+    return;
   }
-  for (; next < batches_.size(); ++next) {
+  for (const Round& round : rounds_) {
+    if (round.springs < (round.order.waits.empty() ? kGrain : kGrainOfWaiting)) {
+      for (std::int32_t strand = round.firstStrand; strand < round.endStrand; ++strand) {
+        visit(strand);
+      }
+    } else {
+      parallelInOrder(*team, round.order,
+                      [&](std::int32_t part) { visit(round.firstStrand + part); });
+    }
+  }
+}
+
+template <typename StrandsVisitor>
+void SpringSchedule::sweepLater(const StrandsVisitor& visit) const {
+  for (std::size_t next = original_.batches; next < batches_.size(); ++next) {
     const Batch& batch = batches_[next];
     const std::int32_t strands = batch.endStrand - batch.firstStrand;
     const std::int32_t grain =
-        static_cast<std::int32_t>(std::int64_t{kGrainSprings} * strands / batch.springs) + 1;
+        static_cast<std::int32_t>(std::int64_t{kGrain / 2} * strands / batch.springs) + 1;
     parallelFor(strands, grain, [&](std::int32_t begin, std::int32_t end) {
-      visitStrands(batch.firstStrand + begin, batch.firstStrand + end);
+      visit(batch.firstStrand + begin, batch.firstStrand + end);
     });
   }
 }

@@ -41,6 +41,15 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
       &loop);
 }
 
+/// Calls `body(part)` for each part of `order`, shared with `team`: Team::run.
+template <typename Body>
+void parallelInOrder(Team& team, const PartOrder& order, const Body& body) {
+  team.run(
+      order,
+      [](const void* context, std::int32_t part) { (*static_cast<const Body*>(context))(part); },
+      &body);
+}
+
 /// Calls `body(k)` for each k in [0, count), each of which is worth a thread of its own.
 template <typename Body>
 void parallelForEach(std::size_t count, const Body& body) {

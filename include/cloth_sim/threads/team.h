@@ -3,8 +3,18 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace cloth_sim {
+
+/// Which parts of a loop wait for which others.
+struct PartOrder {
+  /// By group of consecutive parts, none of which waits for one of its own group: the end of it.
+  std::vector<std::int32_t> groupEnds;
+  /// By part: the end of its list in `waits`, which begins where that of the part before it ends.
+  std::vector<std::int32_t> waitEnds;
+  std::vector<std::int32_t> waits;  ///< parts of earlier groups
+};
 
 /// During its shifts, parallel loops of the thread that began the shift are shared with helpers, at
 /// most as many as ThreadLimit allows. A step is a few dozen loops of tens of microseconds each,
@@ -47,6 +57,10 @@ class Team {
   /// its own, which are the same in every loop of as many parts, and then takes what is left of
   /// others'.
   void run(std::int32_t parts, Body body, const void* context);
+  /// The same where a part is called after those that it waits for, and may read and write what
+  /// they write. Members do not wait for each other between groups: of its parts of a group each
+  /// does those first that others may wait for, the ones at the ends.
+  void run(const PartOrder& order, Body body, const void* context);
 
  private:
   struct Impl;
