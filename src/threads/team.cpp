@@ -115,6 +115,8 @@ struct Team::Impl {
   void run(const Loop& what, std::int32_t parts);
   void work(std::int32_t member, std::uint64_t number);
   void workOff(std::int32_t owner, bool isOwn, std::uint64_t number);
+  template <typename Condition>
+  void giveTime(const Condition& isDone) const;
   void finish(std::int32_t part, std::uint64_t number);
 
   std::int32_t size = 1;
@@ -217,19 +219,21 @@ void Team::Impl::run(const Loop& what, std::int32_t parts) {
   gate.close();
 }
 
-/// Parts of its own, and then those of others: who does not begin with its own would have in its
-/// cache what another one needs. Where parts wait for each other, so that nobody is far ahead, it
-/// is cheaper to give those who are here the time to do theirs.
+/// Parts of its own, and then those of others.
 void Team::Impl::work(std::int32_t member, std::uint64_t number) {
   workOff(member, true, number);
   through.fetch_add(1, std::memory_order_relaxed);
-  const auto areThrough = [&](std::int32_t members) {
-    return through.load(std::memory_order_relaxed) >= members;
-  };
-  const int patience = loop.order == nullptr ? 0 : kPatience;
-  for (int looks = 0; looks < patience && !areThrough(1 + gate.inside()); ++looks) rest();
-  if (areThrough(size)) return;
+  const auto areThrough = [&] { return through.load(std::memory_order_relaxed) == size; };
+  if (loop.order != nullptr) giveTime(areThrough);
+  if (areThrough()) return;
   for (std::int32_t k = 1; k < size; ++k) workOff((member + k) % size, false, number);
+}
+
+/// Waits for a while until `isDone()`, if everyone is here: what somebody else will begin soon is
+/// left to him. To fetch its particles from his cache costs more.
+template <typename Condition>
+void Team::Impl::giveTime(const Condition& isDone) const {
+  for (int looks = 0; looks < kPatience && !isDone() && gate.inside() == size - 1; ++looks) rest();
 }
 
 /// The parts of a member: of each group those at its ends first; who helps begins with the last.
@@ -258,10 +262,11 @@ void Team::Impl::finish(std::int32_t part, std::uint64_t number) {
   if (loop.order != nullptr) {
     const PartOrder& order = *loop.order;
     for (std::int32_t k = part == 0 ? 0 : order.waitEnds[part - 1]; k < order.waitEnds[part]; ++k) {
-      const std::int32_t before = order.waits[k];
-      finish(before, number);
+      const Mark& before = marks[static_cast<std::size_t>(order.waits[k])];
+      giveTime([&] { return before.isTaken(number); });
+      finish(order.waits[k], number);
       Wait wait;
-      while (!marks[static_cast<std::size_t>(before)].isDone(number)) wait.once();
+      while (!before.isDone(number)) wait.once();
     }
   }
   if (!mark.take(number)) return;
