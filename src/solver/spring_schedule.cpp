@@ -24,13 +24,14 @@ constexpr std::int32_t kFewestSets = 16;
 /// Who waits for more others might as well wait for all.
 constexpr std::size_t kMostWaits = 16;
 
-/// How many strands a batch has: if more than one four or a multiple of it, so that two threads
-/// share every batch of a cloth at about the same row, and have something to do while the strands
-/// at that row wait for each other.
-std::size_t strandsFor(std::size_t springs) {
+/// How many strands a batch has. Of a cloth that threads share, if more than one four or a multiple
+/// of it, so that two of them share every batch at about the same row, and have something to do
+/// while the strands at that row wait for each other.
+std::size_t strandsFor(std::size_t springs, bool isShared) {
+  const std::size_t strands = (springs + kStrandSprings - 1) / kStrandSprings;
+  if (!isShared) return strands;
   if (springs <= kStrandSprings / 4) return 1;
-  const std::size_t fours = (springs + 4 * kStrandSprings - 1) / (4 * kStrandSprings);
-  return std::min(4 * fours, kMostStrands);
+  return std::min((strands + 3) / 4 * 4, kMostStrands);
 }
 
 /// On a grid two colours suffice for parallel springs of one kind. Colours that are to be joined
@@ -173,7 +174,7 @@ struct Strands {
 
 /// Divides springs into strands of about the same size, whole sets in the order of their roots.
 template <typename Colours, typename RootOf>
-Strands divide(Colours begin, Colours end, const RootOf& rootOf) {
+Strands divide(Colours begin, Colours end, bool isShared, const RootOf& rootOf) {
   std::vector<std::size_t> number;  // of springs, by root
   std::size_t all = 0;
   for (auto colour = begin; colour != end; ++colour) {
@@ -186,7 +187,7 @@ Strands divide(Colours begin, Colours end, const RootOf& rootOf) {
   }
   Strands strands;
   strands.byRoot.resize(number.size());
-  const std::size_t count = strandsFor(all);
+  const std::size_t count = strandsFor(all, isShared);
   std::size_t taken = 0;
   std::size_t before = 0;  // in earlier strands
   for (std::size_t root = 0; root < number.size(); ++root) {
@@ -344,6 +345,9 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
   const auto joinAll = [&](Sets& sets, const std::vector<std::int32_t>& slots) {
     for (std::int32_t slot : slots) sets.join(ends[slot].a, ends[slot].b);
   };
+  std::size_t springs = 0;
+  for (const std::vector<std::int32_t>& colour : colours) springs += colour.size();
+  const bool isShared = springs >= kGrainOfWaiting;
   for (std::size_t first = 0; first < colours.size();) {
     Sets sets(particles);
     joinAll(sets, colours[first]);
@@ -359,7 +363,8 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
     const std::int32_t before = size();
     batch.firstStrand = static_cast<std::int32_t>(strands_.size());
     const auto rootOf = [&](std::int32_t slot) { return sets.rootOf(ends[slot].a); };
-    const Strands strandOf = divide(colours.begin() + first, colours.begin() + end, rootOf);
+    const Strands strandOf =
+        divide(colours.begin() + first, colours.begin() + end, isShared, rootOf);
     std::vector<Coloured> strands(strandOf.count, Coloured(end - first));
     for (std::size_t c = first; c < end; ++c) {
       for (std::int32_t slot : colours[c]) {
