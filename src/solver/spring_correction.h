@@ -31,9 +31,8 @@ void setCompliances(const SpringLaws& laws, double h, Compliances& compliances);
 using Prepare = std::function<void(std::size_t first, std::size_t last)>;
 
 /// Moves the ends of every spring, in the order of the schedule.
-/// \param prepare  if any, is called for all slots, part by part, each as late as may be: what it
-/// has
-///                 written is then still in the cache.
+/// \param prepare  if any: called for all slots, part by part, each as late as may be, so that what
+///                 it has written is still in the cache.
 void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
                     PackedParticles& particles, const Prepare& prepare = {});
 

@@ -1,15 +1,14 @@
 #include "cloth_sim/solver/spring_schedule.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "spring_colours.h"
 
 namespace cloth_sim {
 namespace {
 
-/// Absorbs rounding in material coordinates when they are divided by a spacing.
-constexpr double kGridTolerance = 1e-6;
 /// Springs in a strand, if there are as many. A strand shall stay in the first-level cache, but not
 /// be so short that a colour loads what the colour before it has hardly stored.
 constexpr std::size_t kStrandSprings = 4096;
@@ -33,74 +32,6 @@ std::size_t strandsFor(std::size_t springs, bool isShared) {
   if (springs <= kStrandSprings / 4) return 1;
   return std::min((strands + 3) / 4 * 4, kMostStrands);
 }
-
-/// On a grid two colours suffice for parallel springs of one kind. Colours that are to be joined
-/// into a batch are numbered one after the other: first those within rows, then those between rows
-/// 2k and 2k + 1, then those between rows 2k + 1 and 2k + 2, then those over two rows.
-int colourOf(const Model& model, const Spring& spring, int parity) {
-  const bool bend = spring.kind == SpringKind::kBend;
-  const Vec2 d = model.mesh.material(spring.b) - model.mesh.material(spring.a);
-  switch (spring.direction) {
-    case ThreadDirection::kWarp:
-      return (bend ? 2 : 0) + parity;
-    case ThreadDirection::kWeft:
-      return bend ? 10 + parity : 4 + 3 * parity;
-    case ThreadDirection::kBias:
-      return (d.x() * d.y() > 0.0 ? 5 : 6) + 3 * parity;
-  }
-  return 0;
-}
-
-/// The colour that a spring would have on a grid, from its place in material coordinates.
-int gridColour(const Model& model, const Spring& spring) {
-  const Vec2& p = model.mesh.material(spring.a);
-  const Vec2& q = model.mesh.material(spring.b);
-  const int axis = spring.direction == ThreadDirection::kWarp ? 0 : 1;
-  const double origin = axis == 0 ? model.cloths[model.clothOf(spring.a)].materialOffset : 0.0;
-  const double low = std::min(p[axis], q[axis]) - origin;
-  const double extent = std::abs(q[axis] - p[axis]);
-  const auto cell = static_cast<long>(std::floor(low / extent + kGridTolerance));
-  return colourOf(model, spring, static_cast<int>(cell & 1));
-}
-
-/// Greedy colouring that prefers a given colour where it is free.
-class Colouring {
- public:
-  explicit Colouring(std::int32_t particles) : used_(static_cast<std::size_t>(particles), 0) {}
-
-  int pick(const Spring& spring, int preferred) {
-    if (take(spring, preferred)) return preferred;
-    for (int colour = 0;; ++colour) {
-      if (colour == kBits * static_cast<int>(words_)) widen();
-      if (take(spring, colour)) return colour;
-    }
-  }
-
- private:
-  using Word = std::uint64_t;
-  static constexpr int kBits = 64;
-
-  bool take(const Spring& spring, int colour) {
-    Word& a = used_[words_ * static_cast<std::size_t>(spring.a) + colour / kBits];
-    Word& b = used_[words_ * static_cast<std::size_t>(spring.b) + colour / kBits];
-    const Word bit = Word{1} << colour % kBits;
-    if (((a | b) & bit) != 0) return false;
-    a |= bit;
-    b |= bit;
-    return true;
-  }
-  void widen() {
-    std::vector<Word> wider(2 * used_.size(), 0);
-    for (std::size_t k = 0; k < used_.size(); ++k) {
-      wider[k / words_ * 2 * words_ + k % words_] = used_[k];
-    }
-    used_ = std::move(wider);
-    words_ *= 2;
-  }
-
-  std::size_t words_ = 1;   ///< per particle
-  std::vector<Word> used_;  ///< a bit per colour
-};
 
 /// Particles joined by springs into connected sets.
 class Sets {
@@ -224,7 +155,7 @@ void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& 
   std::iota(all.begin(), all.end(), 0);
   home_.assign(all.size(), kNone);
   isAppended_.clear();
-  append(model, slotOf, colour(model, all));
+  append(model, slotOf, colourSprings(model, all));
   original_ = extent();
   std::vector<Reach> reach = reaches();
   divideSlots(*std::max_element(slotOf.begin(), slotOf.end()) + 1, reach);
@@ -246,7 +177,7 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(isAppended_.size()); ++slot) {
     if (isAppended_[slot]) appended.push_back(slot);
   }
-  appendLater(model, slotOf, colour(model, appended));
+  appendLater(model, slotOf, colourSprings(model, appended));
 }
 
 void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
@@ -295,20 +226,6 @@ void SpringSchedule::gatherLaws() {
   laws = std::move(gathered);
 }
 
-SpringSchedule::Coloured SpringSchedule::colour(const Model& model,
-                                                const std::vector<std::int32_t>& slots) const {
-  Coloured colours;
-  Colouring colouring(model.particleCount());
-  for (std::int32_t slot : slots) {
-    const Spring& spring = model.springs[slot];
-    if (!spring.exists()) continue;
-    const auto chosen = static_cast<std::size_t>(colouring.pick(spring, gridColour(model, spring)));
-    if (colours.size() <= chosen) colours.resize(chosen + 1);
-    colours[chosen].push_back(slot);
-  }
-  return colours;
-}
-
 /// Springs of a colour share no particle: they may be swept in any order, or at once.
 void SpringSchedule::appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                                  const Coloured& colours) {
@@ -317,7 +234,6 @@ void SpringSchedule::appendLater(const Model& model, const std::vector<std::int3
     return Ends{slotOf[spring.a], slotOf[spring.b]};
   };
   for (const std::vector<std::int32_t>& slots : colours) {
-    if (slots.empty()) continue;
     Batch batch;
     batch.firstStrand = static_cast<std::int32_t>(strands_.size());
     batch.springs = static_cast<std::int32_t>(slots.size());
@@ -374,7 +290,7 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
     for (const Coloured& strand : strands) appendStrand(model.springs, ends, strand);
     batch.endStrand = static_cast<std::int32_t>(strands_.size());
     batch.springs = size() - before;
-    if (batch.springs > 0) batches_.push_back(batch);
+    batches_.push_back(batch);
     first = end;
   }
 }
@@ -431,33 +347,34 @@ void SpringSchedule::orderWave(const std::vector<Reach>& reaches) {
                    [&](std::int32_t s, std::int32_t t) { return last[s] < last[t]; });
 }
 
-/// A batch begins a round where strands of its own would wait for too many of the round before.
+/// A batch begins a round where a strand of it would wait for too many of the round before.
 void SpringSchedule::orderRounds(const std::vector<Reach>& reaches) {
   rounds_.clear();
   for (const Batch& batch : batches_) {
-    const std::int32_t first = rounds_.empty() ? 0 : rounds_.back().firstStrand;
-    std::vector<std::int32_t> waits, ends;
-    std::size_t most = 0;
-    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
-      const std::size_t before = waits.size();
-      for (std::int32_t t = first; t < batch.firstStrand; ++t) {
-        if (reaches[s].meets(reaches[t])) waits.push_back(t - first);
+    const auto waitsOf = [&](std::int32_t strand) {
+      std::vector<std::int32_t> waits;
+      const Round& round = rounds_.back();
+      for (std::int32_t earlier = round.firstStrand; earlier < batch.firstStrand; ++earlier) {
+        const bool meets = reaches[strand].meets(reaches[earlier]);
+        if (meets) waits.push_back(earlier - round.firstStrand);
       }
-      most = std::max(most, waits.size() - before);
-      ends.push_back(static_cast<std::int32_t>(waits.size()));
+      return waits;
+    };
+    bool begins = rounds_.empty();
+    for (std::int32_t s = batch.firstStrand; s < batch.endStrand && !begins; ++s) {
+      begins = waitsOf(s).size() > kMostWaits;
     }
-    if (rounds_.empty() || most > kMostWaits) {
-      waits.clear();
-      std::fill(ends.begin(), ends.end(), 0);
-      rounds_.push_back({batch.firstStrand, batch.firstStrand, 0, {}});
-    }
+    if (begins) rounds_.push_back({batch.firstStrand, batch.firstStrand, 0, {}});
     Round& round = rounds_.back();
     round.endStrand = batch.endStrand;
     round.springs += batch.springs;
-    const auto waitsBefore = static_cast<std::int32_t>(round.order.waits.size());
-    round.order.groupEnds.push_back(batch.endStrand - round.firstStrand);
-    for (const std::int32_t end : ends) round.order.waitEnds.push_back(waitsBefore + end);
-    round.order.waits.insert(round.order.waits.end(), waits.begin(), waits.end());
+    PartOrder& order = round.order;
+    order.groupEnds.push_back(batch.endStrand - round.firstStrand);
+    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
+      const std::vector<std::int32_t> waits = waitsOf(s);
+      order.waits.insert(order.waits.end(), waits.begin(), waits.end());
+      order.waitEnds.push_back(static_cast<std::int32_t>(order.waits.size()));
+    }
   }
 }
 

@@ -66,6 +66,7 @@ class Xpbd final : public PackedSolver {
   void solveAttachments(double h);
   void solveBending(double h);
 
+  double decay_ = 1.0;           ///< what drag leaves of a velocity in a substep
   double complianceStep_ = 0.0;  ///< the h that compliances_ are for
   Compliances compliances_;
   std::vector<Attachment> attachments_;
@@ -78,13 +79,14 @@ void Xpbd::loadBending(const Model& model) {
   retardation_ = model.bendRetardation();
 }
 
-void Xpbd::prepare(const Controls& /*controls*/, double h) {
+void Xpbd::prepare(const Controls& controls, double h) {
   if (layoutChanged_ || complianceStep_ != h) {
     complianceStep_ = h;
     setCompliances(schedule_.laws, h, compliances_);
     listAttachments();
     if (!bending_.empty()) bending_.setStep(h, retardation_, particles_.inverseMass);
   }
+  decay_ = std::exp(-controls.drag * h);
   setSum(particles_.x, -h, particles_.v, particles_.start);
 }
 
@@ -130,7 +132,6 @@ void Xpbd::findVelocities(double h) {
 }
 
 void Xpbd::predict(const Substep& now, std::size_t first, std::size_t last) {
-  const double decay = std::exp(-now.controls.drag * now.h);
   const Vec3 fall = now.h * now.h * now.controls.gravity;
   const double* const w = particles_.inverseMass.data() + first;
   int axis = 0;
@@ -139,8 +140,8 @@ void Xpbd::predict(const Substep& now, std::size_t first, std::size_t last) {
         double* const to = x.data() + first;
         double* const from = start.data() + first;
         const double g = fall[axis++];
-        if (decay != 1.0) {
-          predictDraggedAxis(last - first, decay, g, w, to, from);
+        if (decay_ != 1.0) {
+          predictDraggedAxis(last - first, decay_, g, w, to, from);
         } else {
           predictAxis(last - first, g, w, to, from);
         }

@@ -135,8 +135,8 @@ TEST(Team, DoesEveryPartOnceAndAfterThoseItWaitsFor) {
     for (int shift = 0; shift < 200; ++shift) {
       const Team::Shift now(team);
       for (std::int64_t loop = 1; loop <= 20; ++loop) {
-        std::vector<std::int64_t> done(parts,
-                                       0);  // plain: a part that does not wait is a data race
+        // Not atomic: a part that does not wait is a data race.
+        std::vector<std::int64_t> done(parts, 0);
         std::atomic<int> early{0};
         parallelInOrder(team, order, [&](std::int32_t part) {
           const std::int32_t begin = part == 0 ? 0 : order.waitEnds[part - 1];

@@ -155,7 +155,6 @@ class SpringSchedule {
   Extent extent() const;
   void truncate(const Extent& extent);
 
-  Coloured colour(const Model& model, const std::vector<std::int32_t>& slots) const;
   /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among those
   /// to be appended; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
@@ -202,7 +201,7 @@ void SpringSchedule::sweepSpans(std::int32_t slots, const Prepare& prepare,
   };
   sweepOriginals([&](std::int32_t strand) {
     const bool isFirstOfItsSlots = strand + 1 < static_cast<std::int32_t>(bounds_.size());
-    if (isFirstOfItsSlots && slots > 0) prepare(bounds_[strand], bounds_[strand + 1]);
+    if (isFirstOfItsSlots) prepare(bounds_[strand], bounds_[strand + 1]);
     visitStrands(strand, strand + 1);
   });
   sweepLater(visitStrands);
