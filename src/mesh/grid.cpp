@@ -5,18 +5,18 @@
 namespace cloth_sim {
 namespace {
 
-/// The leading 40 bits of a number (Dekker 1971, split): 2^12 times it is still exact.
-double leadingBits(double x) {
-  constexpr double kShift = 8193.0;  // 2^13 + 1
-  const double shifted = kShift * x;
-  return shifted - (shifted - x);
+/// A part of a side, rounded so that its multiples are exact up to eight sides: further cloths lie
+/// beside the first one in material coordinates.
+double cellOf(double side, int cells) {
+  const double far = 8.0 * side;
+  return (far + side / cells) - far;
 }
 
 }  // namespace
 
-double Grid::spacingU() const { return leadingBits(width / (columns - 1)); }
+double Grid::spacingU() const { return cellOf(width, columns - 1); }
 
-double Grid::spacingV() const { return leadingBits(height / (rows - 1)); }
+double Grid::spacingV() const { return cellOf(height, rows - 1); }
 
 TriangleMesh makeGridMesh(const Grid& grid) {
   if (grid.columns < 2 || grid.rows < 2) {

@@ -146,14 +146,18 @@ template <bool kUniform, bool kDamped>
   const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
     return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), k);
   };
-  // The last four may overlap the four before them: they are read before, and written after them.
+  const auto correctUntil = [&](std::ptrdiff_t end) __attribute__((always_inline)) {
+    for (std::ptrdiff_t k = 0; k < end; k += kLanes) {
+      const Four s = at(k);
+      write(s.a, a, k);
+      write(s.b, b, k);
+    }
+  };
+  if (span.count % kLanes == 0) return correctUntil(span.count);
+  // The last four overlap the four before them: they are read before, and written after them.
   const std::ptrdiff_t last = span.count - kLanes;
   const Four rest = at(last);
-  for (std::ptrdiff_t k = 0; k < last; k += kLanes) {
-    const Four s = at(k);
-    write(s.a, a, k);
-    write(s.b, b, k);
-  }
+  correctUntil(last);
   write(rest.a, a, last);
   write(rest.b, b, last);
 }

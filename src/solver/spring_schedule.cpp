@@ -16,6 +16,10 @@ constexpr std::size_t kStrandSprings = 4096;
 constexpr std::size_t kMostStrands = 64;
 /// ... of those that edits made.
 constexpr std::size_t kLaterStrand = 512;
+/// Springs of a run that may share its laws at most, so that they stay in the first-level cache ...
+constexpr std::int32_t kLongestPattern = 1024;
+/// ... and such sequences of laws. A grid has one a length of run, a mesh of many fabrics none.
+constexpr std::size_t kMostPatterns = 16;
 /// A batch that falls apart into fewer sets leaves threads idle. One whose sets reach further than
 /// this part of all particles makes them wait for each other's caches: what one thread has moved in
 /// this batch, another one moves in the next.
@@ -151,6 +155,7 @@ void SpringSchedule::truncate(const Extent& extent) {
 
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate({});
+  patterns_.clear();
   std::vector<std::int32_t> all(model.springs.slots().size());
   std::iota(all.begin(), all.end(), 0);
   home_.assign(all.size(), kNone);
@@ -196,34 +201,59 @@ void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
 
 void SpringSchedule::setLaw(const SpringLaw& law, Span& span, std::int32_t k) {
   if (lawOf(span, k) == law) return;
-  if (span.isUniform) spreadLaw(span);
+  if (span.isUniform || span.sharesLaws) separateLaws(span);
   laws.set(span.laws + k, law);
 }
 
-/// Gives every spring of a uniform run a law of its own.
-void SpringSchedule::spreadLaw(Span& span) {
-  const SpringLaw law = lawOf(span, 0);
+/// Gives every spring of a run a law of its own.
+void SpringSchedule::separateLaws(Span& span) {
+  const Span before = span;
   span.laws = static_cast<std::int32_t>(laws.size());
   span.isUniform = false;
-  for (std::int32_t k = 0; k < span.count; ++k) laws.append(law);
+  span.sharesLaws = false;
+  for (std::int32_t k = 0; k < span.count; ++k) laws.append(lawOf(before, k));
 }
 
 /// Keeps one law for every run that has no other, and none that nobody has.
 void SpringSchedule::gatherLaws() {
   SpringLaws gathered;
+  patterns_.clear();
   for (Span& span : spans_) {
-    const auto first = static_cast<std::int32_t>(gathered.size());
-    bool isUniform = span.isRun;
+    const Span before = span;
+    const auto lawAt = [&](std::int32_t k) { return lawOf(before, k); };
+    span.isUniform = span.isRun;
     for (std::int32_t k = 1; k < span.count; ++k) {
-      isUniform = isUniform && lawOf(span, k) == lawOf(span, 0);
+      span.isUniform = span.isUniform && lawAt(k) == lawAt(0);
     }
-    for (std::int32_t k = 0; k < (isUniform ? 1 : span.count); ++k) {
-      gathered.append(lawOf(span, k));
-    }
-    span.isUniform = isUniform;
-    span.laws = first;
+    span.sharesLaws = span.isRun && !span.isUniform && shareLaws(lawAt, span, gathered);
+    if (span.sharesLaws) continue;
+    span.laws = static_cast<std::int32_t>(gathered.size());
+    for (std::int32_t k = 0; k < (span.isUniform ? 1 : span.count); ++k) gathered.append(lawAt(k));
   }
   laws = std::move(gathered);
+}
+
+/// Finds the laws of a run among those of other runs, or adds them for others, if they are worth
+/// it. \param lawAt  by spring of the run
+template <typename LawAt>
+bool SpringSchedule::shareLaws(const LawAt& lawAt, Span& span, SpringLaws& all) {
+  if (span.count < kShortestRun || span.count > kLongestPattern) return false;
+  const auto isSame = [&](const Pattern& pattern) {
+    if (pattern.count != span.count) return false;
+    std::int32_t k = 0;
+    while (k < span.count && all[pattern.first + k] == lawAt(k)) ++k;
+    return k == span.count;
+  };
+  const auto known = std::find_if(patterns_.begin(), patterns_.end(), isSame);
+  if (known != patterns_.end()) {
+    span.laws = known->first;
+    return true;
+  }
+  if (patterns_.size() == kMostPatterns) return false;
+  span.laws = static_cast<std::int32_t>(all.size());
+  patterns_.push_back({span.laws, span.count});
+  for (std::int32_t k = 0; k < span.count; ++k) all.append(lawAt(k));
+  return true;
 }
 
 /// Springs of a colour share no particle: they may be swept in any order, or at once.
@@ -405,10 +435,24 @@ void SpringSchedule::appendColour(const SpringNetwork& springs, const std::vecto
     run.isUniform = isUniform;
     appendSpan(springs, endsOf, begin, end, run);
   };
+  const auto appendRunLikeOthers = [&](const std::int32_t* begin, const std::int32_t* end) {
+    if (endOfLaw(springs, begin, end) == end) return false;  // one law is better
+    Span run;
+    run.isRun = true;
+    run.count = static_cast<std::int32_t>(end - begin);
+    const auto lawAt = [&](std::int32_t k) { return springs[begin[k]].law(); };
+    run.sharesLaws = shareLaws(lawAt, run, laws);
+    if (run.sharesLaws) appendSpan(springs, endsOf, begin, end, run);
+    return run.sharesLaws;
+  };
   const std::int32_t* const last = sorted.data() + sorted.size();
   for (const std::int32_t* at = sorted.data(); at != last;) {
     const std::int32_t* stop = at + 1;
     while (stop != last && follows(*(stop - 1), *stop)) ++stop;
+    if (appendRunLikeOthers(at, stop)) {
+      at = stop;
+      continue;
+    }
     const std::int32_t* mixed = at;  // up to where laws change too often for uniform runs
     while (at != stop) {
       const std::int32_t* const same = endOfLaw(springs, at, stop);
@@ -432,12 +476,12 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& ends
   span.first = size();
   span.count = static_cast<std::int32_t>(end - slot);
   span.others = static_cast<std::int32_t>(endA.size());
-  span.laws = static_cast<std::int32_t>(laws.size());
+  if (!span.sharesLaws) span.laws = static_cast<std::int32_t>(laws.size());
   if (span.isRun) span.ends = endsOf(*slot);
   if (span.isUniform) laws.append(springs[*slot].law());
   for (std::int32_t position = span.first; slot != end; ++slot, ++position) {
     if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;  // where it is first
-    if (!span.isUniform) laws.append(springs[*slot].law());
+    if (!span.isUniform && !span.sharesLaws) laws.append(springs[*slot].law());
     if (span.isRun) continue;
     const Ends ends = endsOf(*slot);
     endA.push_back(ends.a);

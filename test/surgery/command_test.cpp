@@ -88,7 +88,7 @@ clamps:
   grip: {patch: {particle: [8, 4], radius: 2}, closing_speed: 5.0, gap_open: 0.1, gap_closed: 0.01}
 )"));
   ASSERT_TRUE(simulation.apply(SetGrasp{"grip", true}).success);
-  run(simulation, 20);
+  run(simulation, 4);  // later it is folded, and the stroke may cut the tip of a fold off as well
   ASSERT_EQ(simulation.clamps()[0].held().size(), 25U);
   const State before = simulation.state();
   const Vec2 corner = simulation.model().mesh.material(16 * 17);

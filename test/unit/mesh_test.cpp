@@ -75,13 +75,28 @@ TEST(Grid, NumbersVerticesRowByRowAndCutsCellsAlongTheRisingDiagonal) {
   EXPECT_EQ(mesh.vertexCount(), 12);
   EXPECT_EQ(mesh.faceCount(), 2 * 3 * 2);  // two per cell
   EXPECT_EQ(grid.vertex(3, 2), 11);
-  EXPECT_EQ(mesh.material(grid.vertex(3, 2)), Vec2(0.6, 0.8));
+  EXPECT_LT((mesh.material(grid.vertex(3, 2)) - Vec2(0.6, 0.8)).norm(), 1e-15);
   EXPECT_EQ(mesh.revision(), 0U);
   EXPECT_EQ(describeDefect(mesh), "");
   EXPECT_EQ(mesh.facesOnEdge(grid.vertex(0, 0), grid.vertex(1, 1))[1], 1);
   EXPECT_EQ(mesh.facesOnEdge(grid.vertex(1, 0), grid.vertex(0, 1))[0], kNone);
-  // A sum of 12 rounded terms.
-  EXPECT_NEAR(mesh.totalRestArea(), 0.48, 12 * 0.48 * 1e-16);
+  EXPECT_NEAR(mesh.totalRestArea(), 0.48, 1e-14);
+}
+
+TEST(Grid, HasCellsThatAreTheSameToTheLastBitAlsoBesideOtherCloths) {
+  for (const double side : {0.3, 0.7, 1.0, 12.0}) {
+    for (const int columns : {2, 4, 50, 128, 1024}) {
+      const Grid grid{columns, columns, side, side};
+      for (const double offset : {0.0, 2.0 * std::ceil(side)}) {
+        for (int i = 1; i < columns; ++i) {
+          const double before = offset + grid.place(i - 1, 0).x();
+          EXPECT_EQ(offset + grid.place(i, 0).x() - before, grid.spacingU());
+        }
+      }
+      EXPECT_NEAR(grid.place(columns - 1, 0).x(), side, 1e-15 * (columns - 1) * side);
+      EXPECT_EQ(grid.place(0, columns - 1).y(), grid.place(columns - 1, 0).x());
+    }
+  }
 }
 
 TEST(Grid, RefusesWhatHasNoCells) {

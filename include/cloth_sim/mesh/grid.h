@@ -15,14 +15,11 @@ struct Grid {
 
   /// Vertices are numbered row by row.
   VertexId vertex(int i, int j) const { return j * columns + i; }
-  /// Material coordinates of a vertex [m]. The far border is where the sides end; all other rows
-  /// and columns are multiples of the spacing.
-  Vec2 place(int i, int j) const {
-    return Vec2(i + 1 < columns ? i * spacingU() : width, j + 1 < rows ? j * spacingV() : height);
-  }
-  /// Between neighbours [m]: to a part in 10^12 what divides the sides evenly, so short a binary
-  /// number that its multiples are exact. Then all inner cells are the same, to the last bit, and
-  /// so are the springs in them.
+  /// Material coordinates of a vertex [m].
+  Vec2 place(int i, int j) const { return Vec2(i * spacingU(), j * spacingV()); }
+  /// Between neighbours [m]: what divides the sides evenly, but for a few parts in 10^16 of them,
+  /// so that its multiples are exact. Then all cells are the same, to the last bit, and so are the
+  /// springs in them. The sides are longer or shorter by as many parts in 10^16 a cell.
   double spacingU() const;
   double spacingV() const;
 };

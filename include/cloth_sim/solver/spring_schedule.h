@@ -18,10 +18,11 @@ namespace cloth_sim {
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
 /// consecutive particles they form a run, which is swept without gathers and without a list of
-/// ends; if all of them have the same law, as in the middle of a grid, it is there once. Where a
-/// spring has gone or its ends have changed, its place stays with zero stiffness, so runs stay
-/// whole; springs that an edit made or moved are appended, coloured among themselves. What a sweep
-/// does is a function of the slots of the network alone, not of the order of edits.
+/// ends; if all of them have the same law, as in the middle of a grid, it is there once, and runs
+/// whose laws follow each other alike, as those from border to border, share them. Where a spring
+/// has gone or its ends have changed, its place stays with zero stiffness, so runs stay whole;
+/// springs that an edit made or moved are appended, coloured among themselves. What a sweep does is
+/// a function of the slots of the network alone, not of the order of edits.
 class SpringSchedule {
  public:
   /// Springs in a run at least.
@@ -37,6 +38,7 @@ class SpringSchedule {
     std::int32_t count = 0;
     bool isRun = false;       ///< their ends are consecutive particles
     bool isUniform = false;   ///< a run of one law
+    bool sharesLaws = false;  ///< with other runs
     Ends ends;                ///< of the first one of a run
     std::int32_t others = 0;  ///< of its first one in `endA` and `endB`, if it is no run
     std::int32_t laws = 0;    ///< of its first one, or of them all, in `laws`
@@ -135,6 +137,11 @@ class SpringSchedule {
     std::int32_t springs = 0;
     PartOrder order;  ///< of strands, from `firstStrand` on
   };
+  /// Laws that follow each other in several runs, in `laws`.
+  struct Pattern {
+    std::int32_t first = 0;
+    std::int32_t count = 0;
+  };
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
   Ends endsOf(const Span& span, std::int32_t k) const {
@@ -159,8 +166,10 @@ class SpringSchedule {
   /// to be appended; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
   void setLaw(const SpringLaw& law, Span& span, std::int32_t k);
-  void spreadLaw(Span& span);
+  void separateLaws(Span& span);
   void gatherLaws();
+  template <typename LawAt>
+  bool shareLaws(const LawAt& lawAt, Span& span, SpringLaws& all);
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
@@ -179,6 +188,7 @@ class SpringSchedule {
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
+  std::vector<Pattern> patterns_;
   // Strands of the undamaged mesh:
   std::vector<std::int32_t> wave_;    ///< for one thread
   std::vector<Round> rounds_;         ///< for several
