@@ -14,15 +14,8 @@ namespace {
 constexpr double kStraight = 0.9;
 /// A mesh direction within 22.5 degrees of a thread direction counts as that thread's.
 const double kThreadCosine = std::cos(M_PI / 8.0);
-/// Bend springs store the fabric's bending energy at this curvature [1/m]; see docs/model.md.
-constexpr double kBendCurvature = 50.0;
-/// ... but at no fold sharper than this [rad], where the spring law loses its meaning.
-constexpr double kBendFoldLimit = 1.5;
 /// Springs per vertex of a grid, but for its border.
 constexpr std::size_t kUsualSprings = 6;
-/// What structural springs keep of the tensile stiffness at least, whatever shear and bend springs
-/// already carry.
-constexpr double kStructuralFloor = 0.01;
 
 ThreadDirection threadDirection(const Vec2& d) {
   const double length = d.norm();
@@ -36,13 +29,6 @@ double areaOf(const TriangleMesh& mesh, const Faces& faces) {
   double area = 0.0;
   for (FaceId f : faces) area += mesh.restArea(f);
   return area;
-}
-
-/// Bending constant of a spring over two segments of length `l` that stands for one unit of area:
-/// 16 B / (l^4 theta^2) with theta the fold angle at the reference curvature.
-double bendStiffnessPerArea(double rigidity, double l) {
-  const double theta = std::min(l * kBendCurvature, kBendFoldLimit);
-  return 16.0 * rigidity / (l * l * l * l * theta * theta);
 }
 
 /// What a spring stands on and joins, independent of the order of the ends: two vertices to a word.
@@ -140,31 +126,12 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
   cloths_.clear();
   for (const SpringRecipe& recipe : recipes) {
     cloths_.push_back(
-        {recipe.selection, calibrate(recipe.fabric, recipe.selection), recipe.raw, {0.0, 0.0}});
+        {recipe.selection, {recipe.fabric, recipe.selection}, recipe.raw, {0.0, 0.0}});
     anyRaw_ = anyRaw_ || recipe.raw;
   }
   if (anyRaw_) rawShares_ = RawShares(mesh);
   build(mesh);
   if (anyRaw_) measureRawBends(mesh);
-}
-
-SpringNetwork::Calibration SpringNetwork::calibrate(const Fabric& fabric,
-                                                    const SpringSelection& selection) {
-  Calibration result;
-  // With shear springs of stiffness G on both diagonals of square cells, the membrane has
-  // C11 = q1, C22 = q2, C12 = G, so that its uniaxial stiffness along u is q1 - G^2 / q2 and along
-  // v q2 - G^2 / q1. These are the q that make them the fabric's.
-  const double g = selection.shear ? fabric.shear : 0.0;
-  const double warp = fabric.tensileWarp;
-  const double weft = fabric.tensileWeft;
-  const double q = 0.5 * (warp + std::sqrt(warp * warp + 4.0 * g * g * warp / weft));
-  result.structuralWarp = std::max(q - g, kStructuralFloor * warp);
-  result.structuralWeft = std::max(q * weft / warp - g, kStructuralFloor * weft);
-  result.shear = g;
-  result.bending = selection.bend ? fabric.bending : 0.0;
-  result.bendStretchCap = 0.5 * std::min(result.structuralWarp, result.structuralWeft);
-  result.damping = fabric.damping;
-  return result;
 }
 
 void SpringNetwork::measureRawBends(const TriangleMesh& mesh) {
@@ -293,7 +260,8 @@ void SpringNetwork::build(const TriangleMesh& mesh) {
 
 void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
                                  Spring& spring) const {
-  spring.restLength = (mesh.material(spring.b) - mesh.material(spring.a)).norm();
+  const Vec2 d = mesh.material(spring.b) - mesh.material(spring.a);
+  spring.restLength = d.norm();
   const Cloth& cloth = clothAt(mesh, spring.a);
   if (cloth.raw) {
     const RawShare share = rawShare(mesh, on, spring);
@@ -303,42 +271,9 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
     spring.stiffness = scale_ * constant * share.part * perLength / spring.restLength;
     spring.damping = cloth.raw->dashpot * share.part * share.length / spring.restLength;
   } else {
-    spring.stiffness = scale_ * fabricStiffness(mesh, on, spring);
-    spring.damping = cloth.calibration.damping * spring.stiffness;
+    spring.stiffness = scale_ * cloth.calibration.stiffness(spring, d, areaOf(mesh, on));
+    spring.damping = cloth.calibration.damping() * spring.stiffness;
   }
-}
-
-double SpringNetwork::fabricStiffness(const TriangleMesh& mesh, const IndexSpan& on,
-                                      const Spring& spring) const {
-  const Calibration& calibration = clothAt(mesh, spring.a).calibration;
-  const double area = areaOf(mesh, on);
-  const Vec2 d = mesh.material(spring.b) - mesh.material(spring.a);
-  const double squared = d.squaredNorm();
-  switch (spring.kind) {
-    case SpringKind::kStructural: {
-      const double bends =
-          std::min(4.0 * squared * bendStiffnessPerArea(calibration.bending, spring.restLength),
-                   calibration.bendStretchCap);
-      const double membrane = spring.direction == ThreadDirection::kWarp
-                                  ? calibration.structuralWarp
-                                  : calibration.structuralWeft;
-      return (membrane - bends) * area / squared;
-    }
-    case SpringKind::kShear: {
-      // Under a shear angle gamma a direction (c, s) stretches by gamma c s; both diagonals
-      // together store G gamma^2 / 2 per area.
-      const double cs = d.x() * d.y() / squared;
-      return calibration.shear * area / (2.0 * squared * cs * cs);
-    }
-    case SpringKind::kBend: {
-      const double l = 0.5 * spring.restLength;
-      const double lumped = area / 3.0;
-      return std::min(bendStiffnessPerArea(calibration.bending, l),
-                      calibration.bendStretchCap / (4.0 * l * l)) *
-             lumped;
-    }
-  }
-  return 0.0;
 }
 
 RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,

@@ -16,10 +16,6 @@ constexpr std::size_t kStrandSprings = 4096;
 constexpr std::size_t kMostStrands = 64;
 /// ... of those that edits made.
 constexpr std::size_t kLaterStrand = 512;
-/// Springs of a run that may share its laws at most, so that they stay in the first-level cache ...
-constexpr std::int32_t kLongestPattern = 1024;
-/// ... and such sequences of laws. A grid has one a length of run, a mesh of many fabrics none.
-constexpr std::size_t kMostPatterns = 16;
 /// A batch that falls apart into fewer sets leaves threads idle. One whose sets reach further than
 /// this part of all particles makes them wait for each other's caches: what one thread has moved in
 /// this batch, another one moves in the next.
@@ -155,7 +151,7 @@ void SpringSchedule::truncate(const Extent& extent) {
 
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate({});
-  patterns_.clear();
+  patterns_ = {};
   std::vector<std::int32_t> all(model.springs.slots().size());
   std::iota(all.begin(), all.end(), 0);
   home_.assign(all.size(), kNone);
@@ -217,7 +213,7 @@ void SpringSchedule::separateLaws(Span& span) {
 /// Keeps one law for every run that has no other, and none that nobody has.
 void SpringSchedule::gatherLaws() {
   SpringLaws gathered;
-  patterns_.clear();
+  patterns_ = {};
   for (Span& span : spans_) {
     const Span before = span;
     const auto lawAt = [&](std::int32_t k) { return lawOf(before, k); };
@@ -225,35 +221,14 @@ void SpringSchedule::gatherLaws() {
     for (std::int32_t k = 1; k < span.count; ++k) {
       span.isUniform = span.isUniform && lawAt(k) == lawAt(0);
     }
-    span.sharesLaws = span.isRun && !span.isUniform && shareLaws(lawAt, span, gathered);
+    const bool mayShare = span.isRun && !span.isUniform;
+    const std::int32_t shared = mayShare ? patterns_.place(span.count, lawAt, gathered) : kNone;
+    span.sharesLaws = shared != kNone;
+    span.laws = span.sharesLaws ? shared : static_cast<std::int32_t>(gathered.size());
     if (span.sharesLaws) continue;
-    span.laws = static_cast<std::int32_t>(gathered.size());
     for (std::int32_t k = 0; k < (span.isUniform ? 1 : span.count); ++k) gathered.append(lawAt(k));
   }
   laws = std::move(gathered);
-}
-
-/// Finds the laws of a run among those of other runs, or adds them for others, if they are worth
-/// it. \param lawAt  by spring of the run
-template <typename LawAt>
-bool SpringSchedule::shareLaws(const LawAt& lawAt, Span& span, SpringLaws& all) {
-  if (span.count < kShortestRun || span.count > kLongestPattern) return false;
-  const auto isSame = [&](const Pattern& pattern) {
-    if (pattern.count != span.count) return false;
-    std::int32_t k = 0;
-    while (k < span.count && all[pattern.first + k] == lawAt(k)) ++k;
-    return k == span.count;
-  };
-  const auto known = std::find_if(patterns_.begin(), patterns_.end(), isSame);
-  if (known != patterns_.end()) {
-    span.laws = known->first;
-    return true;
-  }
-  if (patterns_.size() == kMostPatterns) return false;
-  span.laws = static_cast<std::int32_t>(all.size());
-  patterns_.push_back({span.laws, span.count});
-  for (std::int32_t k = 0; k < span.count; ++k) all.append(lawAt(k));
-  return true;
 }
 
 /// Springs of a colour share no particle: they may be swept in any order, or at once.
@@ -436,26 +411,20 @@ void SpringSchedule::appendColour(const SpringNetwork& springs, const std::vecto
     appendSpan(springs, endsOf, begin, end, run);
   };
   const auto appendRunLikeOthers = [&](const std::int32_t* begin, const std::int32_t* end) {
-    if (endOfLaw(springs, begin, end) == end) return false;  // one law is better
+    const auto count = static_cast<std::int32_t>(end - begin);
+    if (count < kShortestRun || endOfLaw(springs, begin, end) == end) return false;
     Span run;
+    run.laws = patterns_.place(
+        count, [&](std::int32_t k) { return springs[begin[k]].law(); }, laws);
     run.isRun = true;
-    run.count = static_cast<std::int32_t>(end - begin);
-    const auto lawAt = [&](std::int32_t k) { return springs[begin[k]].law(); };
-    run.sharesLaws = shareLaws(lawAt, run, laws);
+    run.sharesLaws = run.laws != kNone;
     if (run.sharesLaws) appendSpan(springs, endsOf, begin, end, run);
     return run.sharesLaws;
   };
-  const std::int32_t* const last = sorted.data() + sorted.size();
-  for (const std::int32_t* at = sorted.data(); at != last;) {
-    const std::int32_t* stop = at + 1;
-    while (stop != last && follows(*(stop - 1), *stop)) ++stop;
-    if (appendRunLikeOthers(at, stop)) {
-      at = stop;
-      continue;
-    }
+  const auto appendRunsByLaw = [&](const std::int32_t* at, const std::int32_t* end) {
     const std::int32_t* mixed = at;  // up to where laws change too often for uniform runs
-    while (at != stop) {
-      const std::int32_t* const same = endOfLaw(springs, at, stop);
+    while (at != end) {
+      const std::int32_t* const same = endOfLaw(springs, at, end);
       if (same - at >= kShortestRun) {
         appendRun(mixed, at, false);
         appendRun(at, same, true);
@@ -463,7 +432,14 @@ void SpringSchedule::appendColour(const SpringNetwork& springs, const std::vecto
       }
       at = same;
     }
-    appendRun(mixed, stop, false);
+    appendRun(mixed, end, false);
+  };
+  const std::int32_t* const last = sorted.data() + sorted.size();
+  for (const std::int32_t* at = sorted.data(); at != last;) {
+    const std::int32_t* stop = at + 1;
+    while (stop != last && follows(*(stop - 1), *stop)) ++stop;
+    if (!appendRunLikeOthers(at, stop)) appendRunsByLaw(at, stop);
+    at = stop;
   }
   appendSpan(springs, endsOf, singles.data(), singles.data() + singles.size(), {});
 }

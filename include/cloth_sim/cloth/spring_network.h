@@ -5,20 +5,13 @@
 #include <optional>
 #include <set>
 
-#include "cloth_sim/cloth/fabric.h"
 #include "cloth_sim/cloth/raw_shares.h"
-#include "cloth_sim/cloth/spring.h"
+#include "cloth_sim/cloth/spring_calibration.h"
 #include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
 namespace cloth_sim {
-
-/// Which springs a scene asks for.
-struct SpringSelection {
-  bool shear = true;
-  bool bend = true;
-};
 
 /// Constants per spring instead of a fabric, for reproducing published mass-spring demos. Each
 /// holds for a whole spring of the undamaged mesh; where the surface opens, the parts share it.
@@ -48,10 +41,6 @@ struct SpringChanges {
 /// Springs of a mesh: every edge, the other diagonal across every bias edge, and bend springs over
 /// vertices that a thread passes straight through. On a grid this is the classic stencil of
 /// 4 structural, 4 shear and 4 bend neighbours (Provot 1995).
-///
-/// Stiffness follows from the fabric and the rest area that a spring stands for (Van Gelder 1998),
-/// calibrated so that the uniaxial stiffness of a square grid is the fabric's in both thread
-/// directions, shear and bend springs included. See docs/model.md for the derivation.
 class SpringNetwork {
  public:
   SpringNetwork() = default;
@@ -89,24 +78,14 @@ class SpringNetwork {
   double scale() const { return scale_; }
 
  private:
-  /// Membrane constants that the springs of a square grid need [N/m], and what bends need.
-  struct Calibration {
-    double structuralWarp = 0.0;
-    double structuralWeft = 0.0;
-    double shear = 0.0;
-    double bending = 0.0;         ///< [N m]
-    double bendStretchCap = 0.0;  ///< most that bend springs may add to the tensile stiffness [N/m]
-    double damping = 0.0;         ///< [s]
-  };
   /// A recipe, worked out.
   struct Cloth {
     SpringSelection selection;
-    Calibration calibration;  ///< of the fabric
+    SpringCalibration calibration;  ///< of the fabric
     std::optional<RawSprings> raw;
     /// Usual rest lengths of raw bend springs along warp and weft at first [m].
     std::array<double, 2> rawBendLength{0.0, 0.0};
   };
-  static Calibration calibrate(const Fabric& fabric, const SpringSelection& selection);
   const Cloth& clothAt(const TriangleMesh& mesh, VertexId v) const {
     return cloths_[strips_.at(mesh.material(v))];
   }
@@ -120,7 +99,6 @@ class SpringNetwork {
   void deriveBends(const TriangleMesh& mesh, VertexId v, const std::vector<VertexId>& neighbours,
                    const Sink& sink) const;
   void setConstants(const TriangleMesh& mesh, const IndexSpan& on, Spring& spring) const;
-  double fabricStiffness(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
   RawShare rawShare(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
   template <typename Sink>
   void deriveAroundAll(const TriangleMesh& mesh, const std::vector<VertexId>& vertices,

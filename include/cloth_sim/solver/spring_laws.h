@@ -1,6 +1,7 @@
 #pragma once
 /// \file Constants of springs, side by side.
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -48,6 +49,41 @@ class SpringLaws {
  private:
   std::vector<double> restLength_, stiffness_, damping_;
   bool damped_ = false;
+};
+
+/// Sequences of laws that several runs of springs have, and that are there once.
+class LawPatterns {
+ public:
+  /// \param lawAt  of spring k in [0, count)
+  /// \return where in `all` a run has its laws: with those of another run, or added for others to
+  /// come; or kNone if it is too long for that, or there are many sequences already.
+  template <typename LawAt>
+  std::int32_t place(std::int32_t count, const LawAt& lawAt, SpringLaws& all) {
+    if (count > kLongest) return kNone;
+    const auto isSame = [&](const Pattern& pattern) {
+      std::int32_t k = 0;
+      while (k < count && pattern.count == count && all[pattern.first + k] == lawAt(k)) ++k;
+      return k == count;
+    };
+    const auto known = std::find_if(patterns_.begin(), patterns_.end(), isSame);
+    if (known != patterns_.end()) return known->first;
+    if (patterns_.size() == kMost) return kNone;
+    patterns_.push_back({static_cast<std::int32_t>(all.size()), count});
+    for (std::int32_t k = 0; k < count; ++k) all.append(lawAt(k));
+    return patterns_.back().first;
+  }
+
+ private:
+  struct Pattern {
+    std::int32_t first = 0;
+    std::int32_t count = 0;
+  };
+  /// So that they stay in the first-level cache ...
+  static constexpr std::int32_t kLongest = 1024;
+  /// ... and are soon looked through. A grid has one for each length of its runs.
+  static constexpr std::size_t kMost = 16;
+
+  std::vector<Pattern> patterns_;
 };
 
 }  // namespace cloth_sim

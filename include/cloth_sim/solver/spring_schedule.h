@@ -137,11 +137,6 @@ class SpringSchedule {
     std::int32_t springs = 0;
     PartOrder order;  ///< of strands, from `firstStrand` on
   };
-  /// Laws that follow each other in several runs, in `laws`.
-  struct Pattern {
-    std::int32_t first = 0;
-    std::int32_t count = 0;
-  };
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
   Ends endsOf(const Span& span, std::int32_t k) const {
@@ -168,8 +163,6 @@ class SpringSchedule {
   void setLaw(const SpringLaw& law, Span& span, std::int32_t k);
   void separateLaws(Span& span);
   void gatherLaws();
-  template <typename LawAt>
-  bool shareLaws(const LawAt& lawAt, Span& span, SpringLaws& all);
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
@@ -188,7 +181,7 @@ class SpringSchedule {
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
-  std::vector<Pattern> patterns_;
+  LawPatterns patterns_;
   // Strands of the undamaged mesh:
   std::vector<std::int32_t> wave_;    ///< for one thread
   std::vector<Round> rounds_;         ///< for several
