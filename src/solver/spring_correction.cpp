@@ -4,7 +4,8 @@
 #include <limits>
 
 #include "cloth_sim/solver/vector_clones.h"
-#include "lanes.h"
+#include "later_correction.h"
+#include "spring_factor.h"
 
 namespace cloth_sim {
 namespace {
@@ -50,38 +51,18 @@ struct Ends {
   Lanes x, y, z, w;
 };
 
-/// From end a to end b.
-struct Offset {
-  Lanes x, y, z;
-};
-
-struct Laws {
-  Lanes rest, alpha;
-  Lanes lag;  ///< only where there are dashpots
-};
-
 /// Four springs none of which share a particle.
 struct Four {
   Ends a, b;
-  Laws law;
-  Offset start;  ///< at the start of the substep; only where there are dashpots
+  FourLaws law;
+  FourOffsets start;  ///< at the start of the substep; only where there are dashpots
 };
 
 /// Moves both ends of each spring.
 template <bool kDamped>
 [[gnu::always_inline]] inline void correct(Four& s) {
-  const Offset d{s.b.x - s.a.x, s.b.y - s.a.y, s.b.z - s.a.z};
-  const Lanes w = s.a.w + s.b.w;
-  const Lanes squared = d.x * d.x + d.y * d.y + d.z * d.z + kTinySquare;
-  const Lanes length = sqrt(squared);
-  Lanes f;  // the correction over the offset [kg]
-  if constexpr (kDamped) {
-    const Lanes moved = (squared - d.x * s.start.x - d.y * s.start.y - d.z * s.start.z) / length;
-    f = (length - s.law.rest + s.law.lag * moved) /
-        (length * ((1.0 + s.law.lag) * w + s.law.alpha));
-  } else {
-    f = (length - s.law.rest) / (length * (w + s.law.alpha));
-  }
+  const FourOffsets d{s.b.x - s.a.x, s.b.y - s.a.y, s.b.z - s.a.z};
+  const Lanes f = factorsOf<kDamped>(d, s.a.w + s.b.w, s.law, s.start);
   const Lanes fa = f * s.a.w;
   const Lanes fb = f * s.b.w;
   s.a.x += fa * d.x;
@@ -94,18 +75,14 @@ template <bool kDamped>
 
 /// The laws of four springs from the k-th on.
 template <bool kDamped>
-[[gnu::always_inline]] inline Laws lawsOf(const Springs& springs, std::ptrdiff_t k) {
-  Laws laws;
-  laws.rest = lanesAt(springs.rest + k);
-  laws.alpha = lanesAt(springs.alpha + k);
-  if (kDamped) laws.lag = lanesAt(springs.lag + k);
-  return laws;
+[[gnu::always_inline]] inline FourLaws lawsOf(const Springs& springs, std::ptrdiff_t k) {
+  return fourLawsAt<kDamped>(springs.rest + k, springs.alpha + k, springs.lag + (kDamped ? k : 0));
 }
 
 /// The law of the first spring, four times.
 template <bool kDamped>
-[[gnu::always_inline]] inline Laws oneLaw(const Springs& springs) {
-  Laws laws;
+[[gnu::always_inline]] inline FourLaws oneLaw(const Springs& springs) {
+  FourLaws laws;
   laws.rest = allLanes(*springs.rest);
   laws.alpha = allLanes(*springs.alpha);
   if (kDamped) laws.lag = allLanes(*springs.lag);
@@ -115,7 +92,7 @@ template <bool kDamped>
 /// The springs of a run from the k-th on, corrected but not yet written.
 /// \param a, b   from the first spring's ends on.
 template <bool kDamped>
-[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b, const Laws& law,
+[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b, const FourLaws& law,
                                              std::ptrdiff_t k) {
   Four s;
   s.a = {lanesAt(a.x + k), lanesAt(a.y + k), lanesAt(a.z + k), lanesAt(a.w + k)};
@@ -142,7 +119,7 @@ template <bool kUniform, bool kDamped>
   static_assert(SpringSchedule::kShortestRun >= kLanes);
   const Points a = from(points, span.ends.a);
   const Points b = from(points, span.ends.b);
-  const Laws law = oneLaw<kDamped>(springs);
+  const FourLaws law = oneLaw<kDamped>(springs);
   const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
     return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), k);
   };
@@ -166,8 +143,8 @@ template <bool kUniform, bool kDamped>
   return {gather(p.x, slots), gather(p.y, slots), gather(p.z, slots), gather(p.w, slots)};
 }
 
-[[gnu::always_inline]] inline Offset gatherStart(const Points& p, const std::int32_t* a,
-                                                 const std::int32_t* b) {
+[[gnu::always_inline]] inline FourOffsets gatherStart(const Points& p, const std::int32_t* a,
+                                                      const std::int32_t* b) {
   return {gather(p.sx, b) - gather(p.sx, a), gather(p.sy, b) - gather(p.sy, a),
           gather(p.sz, b) - gather(p.sz, a)};
 }
@@ -274,7 +251,9 @@ void correctSprings(const SpringSchedule& schedule, const Compliances& complianc
   const auto visit = [&](const Span* first, const Span* end) {
     sweep(first, end, springs, points);
   };
-  prepare ? schedule.sweepSpans(particles.slots, prepare, visit) : schedule.sweepSpans(visit);
+  prepare ? schedule.sweepOriginals(particles.slots, prepare, visit)
+          : schedule.sweepOriginals(visit);
+  if (!schedule.laterSlots().empty()) correctLaterSprings(schedule, compliances, particles);
 }
 
 }  // namespace cloth_sim

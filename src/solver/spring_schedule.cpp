@@ -152,6 +152,7 @@ void SpringSchedule::truncate(const Extent& extent) {
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate({});
   patterns_ = {};
+  laterSlots_.clear();
   std::vector<std::int32_t> all(model.springs.slots().size());
   std::iota(all.begin(), all.end(), 0);
   home_.assign(all.size(), kNone);
@@ -179,6 +180,7 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
     if (isAppended_[slot]) appended.push_back(slot);
   }
   appendLater(model, slotOf, colourSprings(model, appended));
+  listLaterSlots(*std::max_element(slotOf.begin(), slotOf.end()) + 1);
 }
 
 void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
@@ -252,6 +254,23 @@ void SpringSchedule::appendLater(const Model& model, const std::vector<std::int3
     }
     batch.endStrand = static_cast<std::int32_t>(strands_.size());
     batches_.push_back(batch);
+  }
+}
+
+void SpringSchedule::listLaterSlots(std::int32_t slots) {
+  std::vector<std::int32_t> place(static_cast<std::size_t>(slots), kNone);
+  for (std::size_t k = original_.others; k < endA.size(); ++k) place[endA[k]] = place[endB[k]] = 0;
+  laterSlots_.clear();
+  for (std::int32_t slot = 0; slot < slots; ++slot) {
+    if (place[slot] == kNone) continue;
+    place[slot] = static_cast<std::int32_t>(laterSlots_.size());
+    laterSlots_.push_back(slot);
+  }
+  laterA_.clear();
+  laterB_.clear();
+  for (std::size_t k = original_.others; k < endA.size(); ++k) {
+    laterA_.push_back(place[endA[k]]);
+    laterB_.push_back(place[endB[k]]);
   }
 }
 

@@ -81,6 +81,25 @@ void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
   for (int count : visits) EXPECT_EQ(count, 1);
 }
 
+/// Springs that edits made have their ends also as places among their particles.
+void expectLaterEndsHavePlaces(const SpringSchedule& schedule) {
+  const std::vector<std::int32_t>& slots = schedule.laterSlots();
+  EXPECT_TRUE(std::is_sorted(slots.begin(), slots.end()));
+  std::set<std::int32_t> met;
+  schedule.sweepLater([&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
+    for (; span != end; ++span) {
+      EXPECT_FALSE(span->isRun);
+      schedule.visit(*span, [&](const SpringSchedule::Element& spring) {
+        const std::int32_t k = spring.position - span->first;
+        EXPECT_EQ(slots.at(schedule.laterA(*span)[k]), spring.a);
+        EXPECT_EQ(slots.at(schedule.laterB(*span)[k]), spring.b);
+        met.insert({spring.a, spring.b});
+      });
+    }
+  });
+  EXPECT_EQ(met.size(), slots.size()) << "no slot twice, and none for nothing";
+}
+
 /// Of a model that has nothing but a mesh.
 void expectGoodSchedule(Model model) {
   model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
@@ -297,19 +316,19 @@ void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule,
   const ThreadLimit limit(threads);
   Team team;
   const Team::Shift shift(team);
-  schedule.sweepSpans(
-      particles.slots,
-      [&](std::size_t first, std::size_t end) {
-        for (std::size_t slot = first; slot < end; ++slot) ++prepared[slot];
-      },
-      [&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
-        for (; span != end; ++span) {
-          schedule.visit(*span, [&](const SpringSchedule::Element& spring) {
-            meet(spring.a, spring.position);
-            meet(spring.b, spring.position);
-          });
-        }
+  const auto visit = [&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
+    for (; span != end; ++span) {
+      schedule.visit(*span, [&](const SpringSchedule::Element& spring) {
+        meet(spring.a, spring.position);
+        meet(spring.b, spring.position);
       });
+    }
+  };
+  const auto prepare = [&](std::size_t first, std::size_t end) {
+    for (std::size_t slot = first; slot < end; ++slot) ++prepared[slot];
+  };
+  schedule.sweepOriginals(particles.slots, prepare, visit);
+  schedule.sweepLater(visit);
   EXPECT_EQ(faults.load(), 0);
   EXPECT_EQ(std::count(prepared.begin(), prepared.end(), 1), static_cast<std::int64_t>(slots));
 }
@@ -383,6 +402,7 @@ TEST(SpringSchedule, StaysCompleteAndConflictFreeOverCutsAndRefinements) {
       cloth.follow(cloth.edit(random));
       expectHoldsEverySpringOnce(cloth.model, cloth.schedule, cloth.particles.slotOf);
       expectBatchesAreConflictFree(cloth.schedule);
+      expectLaterEndsHavePlaces(cloth.schedule);
       expectSweepsEachParticleInOrder(cloth.schedule);
     }
   }

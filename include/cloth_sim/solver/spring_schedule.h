@@ -74,17 +74,28 @@ class SpringSchedule {
     return spans_.empty() ? 0 : spans_.back().first + spans_.back().count;
   }
 
-  /// Calls `visitor(span, end)` for consecutive spans, in the order of the sweep, on several
-  /// threads where that pays.
+  /// Calls `visitor(span, end)` for consecutive spans of the undamaged mesh, in the order of the
+  /// sweep, on several threads where that pays.
   template <typename SpansVisitor>
-  void sweepSpans(const SpansVisitor& visitor) const {
-    sweepSpans(
+  void sweepOriginals(const SpansVisitor& visitor) const {
+    sweepOriginals(
         0, [](std::int32_t, std::int32_t) {}, visitor);
   }
   /// ... and `prepare(first, last)` for consecutive particle slots, which together are [0, slots),
   /// before any spring of theirs.
   template <typename Prepare, typename SpansVisitor>
-  void sweepSpans(std::int32_t slots, const Prepare& prepare, const SpansVisitor& visitor) const;
+  void sweepOriginals(std::int32_t slots, const Prepare& prepare,
+                      const SpansVisitor& visitor) const;
+  /// Calls `visitor(span, end)` for those of springs that edits made or moved, none of which is a
+  /// run, in the order of the sweep: after the others.
+  template <typename SpansVisitor>
+  void sweepLater(const SpansVisitor& visitor) const;
+  /// Calls `visitor(span, end)` for all of them.
+  template <typename SpansVisitor>
+  void sweepSpans(const SpansVisitor& visitor) const {
+    sweepOriginals(visitor);
+    sweepLater(visitor);
+  }
   /// The same with `visitRun(span)` for runs and `visitor(element)` for all other springs.
   template <typename RunVisitor, typename Visitor>
   void sweep(const RunVisitor& visitRun, const Visitor& visitor) const {
@@ -107,6 +118,12 @@ class SpringSchedule {
   void visit(const Span& span, const Visitor& visitor) const {
     for (std::int32_t k = 0; k < span.count; ++k) visitor(element(span, k));
   }
+
+  /// Of the particles of springs that edits made or moved, ascending.
+  const std::vector<std::int32_t>& laterSlots() const { return laterSlots_; }
+  /// Places in `laterSlots` of the ends of a span of those springs.
+  const std::int32_t* laterA(const Span& span) const { return laterEnds(span, laterA_); }
+  const std::int32_t* laterB(const Span& span) const { return laterEnds(span, laterB_); }
 
   SpringLaws laws;
   std::vector<std::int32_t> endA, endB;  ///< particle slots, of springs that are in no run
@@ -150,10 +167,16 @@ class SpringSchedule {
     const Ends ends = endsOf(span, k);
     return {span.first + k, ends.a, ends.b, lawOf(span, k)};
   }
+  const std::int32_t* laterEnds(const Span& span, const std::vector<std::int32_t>& places) const {
+    return places.data() + (span.others - static_cast<std::int32_t>(original_.others));
+  }
   template <typename StrandVisitor>
-  void sweepOriginals(const StrandVisitor& visit) const;
-  template <typename StrandsVisitor>
-  void sweepLater(const StrandsVisitor& visit) const;
+  void visitOriginals(const StrandVisitor& visit) const;
+  /// \param end  after the last strand.
+  template <typename SpansVisitor>
+  void visitSpans(std::int32_t strand, std::int32_t end, const SpansVisitor& visitor) const {
+    visitor(spans_.data() + strands_[strand].firstSpan, spans_.data() + strands_[end - 1].endSpan);
+  }
   Extent extent() const;
   void truncate(const Extent& extent);
 
@@ -166,6 +189,7 @@ class SpringSchedule {
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
+  void listLaterSlots(std::int32_t slots);
   std::vector<Reach> reaches() const;
   void divideSlots(std::int32_t slots, std::vector<Reach>& reaches);
   void orderWave(const std::vector<Reach>& reaches);
@@ -182,6 +206,7 @@ class SpringSchedule {
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
   LawPatterns patterns_;
+  std::vector<std::int32_t> laterSlots_, laterA_, laterB_;
   // Strands of the undamaged mesh:
   std::vector<std::int32_t> wave_;    ///< for one thread
   std::vector<Round> rounds_;         ///< for several
@@ -193,25 +218,21 @@ class SpringSchedule {
 };
 
 template <typename Prepare, typename SpansVisitor>
-void SpringSchedule::sweepSpans(std::int32_t slots, const Prepare& prepare,
-                                const SpansVisitor& visitor) const {
+void SpringSchedule::sweepOriginals(std::int32_t slots, const Prepare& prepare,
+                                    const SpansVisitor& visitor) const {
   const std::int32_t divided = bounds_.empty() ? 0 : bounds_.back();
   parallelFor(slots - divided, kGrain, [&](std::int32_t first, std::int32_t last) {
     prepare(divided + first, divided + last);
   });
-  const auto visitStrands = [&](std::int32_t begin, std::int32_t end) {
-    visitor(spans_.data() + strands_[begin].firstSpan, spans_.data() + strands_[end - 1].endSpan);
-  };
-  sweepOriginals([&](std::int32_t strand) {
+  visitOriginals([&](std::int32_t strand) {
     const bool isFirstOfItsSlots = strand + 1 < static_cast<std::int32_t>(bounds_.size());
     if (isFirstOfItsSlots) prepare(bounds_[strand], bounds_[strand + 1]);
-    visitStrands(strand, strand + 1);
+    visitSpans(strand, strand + 1, visitor);
   });
-  sweepLater(visitStrands);
 }
 
 template <typename StrandVisitor>
-void SpringSchedule::sweepOriginals(const StrandVisitor& visit) const {
+void SpringSchedule::visitOriginals(const StrandVisitor& visit) const {
   Team* const team = Team::ofThisThread();
   if (team == nullptr) {
     for (const std::int32_t strand : wave_) visit(strand);
@@ -229,15 +250,15 @@ void SpringSchedule::sweepOriginals(const StrandVisitor& visit) const {
   }
 }
 
-template <typename StrandsVisitor>
-void SpringSchedule::sweepLater(const StrandsVisitor& visit) const {
+template <typename SpansVisitor>
+void SpringSchedule::sweepLater(const SpansVisitor& visitor) const {
   for (std::size_t next = original_.batches; next < batches_.size(); ++next) {
     const Batch& batch = batches_[next];
     const std::int32_t strands = batch.endStrand - batch.firstStrand;
     const std::int32_t grain =
         static_cast<std::int32_t>(std::int64_t{kGrain / 2} * strands / batch.springs) + 1;
     parallelFor(strands, grain, [&](std::int32_t begin, std::int32_t end) {
-      visit(batch.firstStrand + begin, batch.firstStrand + end);
+      visitSpans(batch.firstStrand + begin, batch.firstStrand + end, visitor);
     });
   }
 }
