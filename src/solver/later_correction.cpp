@@ -41,7 +41,7 @@ struct Later {
 
 /// The first four springs, none of which share a particle.
 template <bool kDamped>
-[[gnu::always_inline]] inline void correctFour(const Later& springs) {
+[[gnu::always_inline]] inline void correctFourGathered(const Later& springs) {
   const std::int32_t* const a = springs.a;
   const std::int32_t* const b = springs.b;
   FourNumbers* const x = springs.x;
@@ -69,7 +69,7 @@ template <bool kDamped>
 
 /// Fewer than four springs, and the last of them again, but as if it were gone.
 template <bool kDamped>
-[[gnu::always_inline]] inline void correctRest(const Later& springs, std::int32_t count) {
+[[gnu::always_inline]] inline void correctRestGathered(const Later& springs, std::int32_t count) {
   std::int32_t a[kLanes], b[kLanes];
   double rest[kLanes], alpha[kLanes], lag[kLanes];
   for (std::int32_t lane = 0; lane < kLanes; ++lane) {
@@ -80,20 +80,20 @@ template <bool kDamped>
     alpha[lane] = lane < count ? springs.alpha[k] : std::numeric_limits<double>::infinity();
     if (kDamped) lag[lane] = springs.lag[k];
   }
-  correctFour<kDamped>({springs.x, springs.start, a, b, rest, alpha, lag});
+  correctFourGathered<kDamped>({springs.x, springs.start, a, b, rest, alpha, lag});
 }
 
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctAll(Later springs, std::int32_t count) {
   for (; count >= kLanes; count -= kLanes) {
-    correctFour<kDamped>(springs);
+    correctFourGathered<kDamped>(springs);
     springs.a += kLanes;
     springs.b += kLanes;
     springs.rest += kLanes;
     springs.alpha += kLanes;
     if (kDamped) springs.lag += kLanes;
   }
-  if (count > 0) correctRest<kDamped>(springs, count);
+  if (count > 0) correctRestGathered<kDamped>(springs, count);
 }
 
 CLOTH_SIM_VECTOR_CLONES
@@ -106,9 +106,9 @@ void correctDampedLater(const Later& springs, std::int32_t count) {
   correctAll<true>(springs, count);
 }
 
-using Slots = std::vector<std::int32_t>;
+using ParticleSlots = std::vector<std::int32_t>;
 
-void gatherParticles(const Slots& slots, bool damped, PackedParticles& p) {
+void gatherParticles(const ParticleSlots& slots, bool damped, PackedParticles& p) {
   p.gathered.resize(slots.size());
   p.gatheredStart.resize(damped ? slots.size() : 0);
   forParts(slots.size(), [&](std::size_t first, std::size_t count) {
@@ -121,7 +121,7 @@ void gatherParticles(const Slots& slots, bool damped, PackedParticles& p) {
   });
 }
 
-void scatterParticles(const Slots& slots, PackedParticles& p) {
+void scatterParticles(const ParticleSlots& slots, PackedParticles& p) {
   forParts(slots.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       const auto slot = static_cast<std::size_t>(slots[k]);

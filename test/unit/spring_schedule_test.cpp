@@ -12,10 +12,8 @@
 #include <set>
 #include <tuple>
 
-#include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/surgery/operation.h"
 #include "cloth_sim/threads/thread_limit.h"
-#include "unit/core_support.h"
+#include "unit/scheduled.h"
 
 namespace cloth_sim {
 namespace {
@@ -117,43 +115,6 @@ double shareIn(bool SpringSchedule::Span::*kind, const SpringSchedule& schedule)
   for (const SpringSchedule::Span& span : schedule.spans()) springs += span.*kind ? span.count : 0;
   return static_cast<double>(springs) / schedule.size();
 }
-
-struct Scheduled {
-  explicit Scheduled(const ClothSpec& spec) : model(buildModel(spec)), state(flatState(model)) {
-    particles.layOut(model);
-    schedule.build(model, particles.slotOf);
-  }
-  /// Cuts or refines the cloth somewhere; tells the particles, not the schedule.
-  ModelChanges edit(Generator& random) {
-    const Grid& grid = *model.cloths[0].grid;
-    const auto somewhere = [&] {
-      return Vec3(uniform(random, -0.1, 1.1) * grid.width, uniform(random, -0.1, 1.1) * grid.height,
-                  0.0);
-    };
-    SurgeryLimits limits;
-    limits.shape.minEdge = 0.05 * std::min(grid.spacingU(), grid.spacingV());
-    const std::vector<Vec3> path{somewhere(), somewhere(), somewhere()};
-    ModelChanges changes;
-    if (random() % 4 == 0) {
-      const Refinement refinement{1.5 * grid.spacingU(), 2, 0.0};
-      changes = refine({{path[0]}, refinement}, limits, {}, model, state).changes;
-    } else {
-      CutPlan plan;
-      plan.paths = findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), model.mesh, state.x);
-      changes = cut(plan, limits, {}, model, state).changes;
-    }
-    if (!changes.mesh.empty()) particles.follow(changes.mesh);
-    return changes;
-  }
-  void follow(const ModelChanges& changes) {
-    schedule.follow(model, changes.springs, particles.slotOf);
-  }
-
-  Model model;
-  State state;
-  PackedParticles particles;
-  SpringSchedule schedule;
-};
 
 TEST(SpringSchedule, OfAGrid) {
   for (const auto& [columns, rows] : {std::pair(2, 2), std::pair(5, 3), std::pair(17, 30)}) {
