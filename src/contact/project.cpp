@@ -1,9 +1,13 @@
 /// \file How a collider stops particles: non-penetration and friction as displacements.
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
+#include "cloth_sim/threads/parallel_for.h"
 #include "geometry.h"
 
 namespace cloth_sim {
@@ -78,30 +82,51 @@ bool stopAtTop(const geometry::Top& top, const Surface& surface, const ParticleV
 
 /// \return the sum of mass times displacement [kg m].
 template <class Geometry>
-Vec3 projectOut(const Geometry& solid, const Surface& surface,
-                const std::vector<VertexId>& vertices, const ParticleView& p) {
+Vec3 projectOut(const Geometry& solid, const Surface& surface, const VertexId* vertex,
+                const VertexId* end, const ParticleView& p) {
   constexpr double kAtOnce = std::numeric_limits<double>::infinity();
   Vec3 moment = Vec3::Zero();
   geometry::Touch touch;
   const std::optional<geometry::Top> top = solid.top();
-  for (const VertexId v : vertices) {
-    const std::int32_t i = p.slotOf ? p.slotOf[v] : v;
+  for (; vertex != end; ++vertex) {
+    const std::int32_t i = p.slotOf ? p.slotOf[*vertex] : *vertex;
     if (top && p.mass[i] != 0.0 && stopAtTop(*top, surface, p, i, moment)) continue;
     const Vec3 anchor = Vec3(p.startX[i], p.startY[i], p.startZ[i]) + surface.carry;
     const bool prescribed = p.mass[i] == 0.0;
     const double rise = prescribed ? kAtOnce : surface.rise;
     for (int side = 0; side < Geometry::kSides; ++side) {
-      const Vec3 end(p.x[i], p.y[i], p.z[i]);
-      if (!solid.touch(anchor - surface.position, end - surface.position, rise, touch)) break;
+      const Vec3 at(p.x[i], p.y[i], p.z[i]);
+      if (!solid.touch(anchor - surface.position, at - surface.position, rise, touch)) break;
       const Vec3 stop =
-          prescribed ? Vec3(end + touch.push * touch.normal) : stopAt(surface, touch, anchor, end);
+          prescribed ? Vec3(at + touch.push * touch.normal) : stopAt(surface, touch, anchor, at);
       p.x[i] = stop.x();
       p.y[i] = stop.y();
       p.z[i] = stop.z();
-      moment += p.mass[i] * (stop - end);
+      moment += p.mass[i] * (stop - at);
     }
   }
   return moment;
+}
+
+/// The same for all vertices, on several threads where that pays: sums of parts that are the same
+/// for any number of them, added up in order.
+template <class Geometry>
+Vec3 projectAllOut(const Geometry& solid, const Surface& surface,
+                   const std::vector<VertexId>& vertices, const ParticleView& p) {
+  constexpr std::size_t kPart = 512;
+  constexpr std::size_t kMostParts = 256;
+  constexpr std::int32_t kGrain = 8;  // so many parts are worth a second thread
+  const std::size_t parts = std::min((vertices.size() + kPart - 1) / kPart, kMostParts);
+  std::array<Vec3, kMostParts> moments;
+  const auto boundary = [&](std::size_t part) {
+    return vertices.data() + vertices.size() * part / parts;
+  };
+  parallelFor(static_cast<std::int32_t>(parts), kGrain, [&](std::int32_t first, std::int32_t last) {
+    for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+      moments[k] = projectOut(solid, surface, boundary(k), boundary(k + 1), p);
+    }
+  });
+  return std::accumulate(moments.data(), moments.data() + parts, Vec3(Vec3::Zero()));
 }
 
 }  // namespace
@@ -116,7 +141,7 @@ void Collider::project(const std::vector<VertexId>& vertices, const ParticleView
   surface.keep = std::exp(-obstacle_.tangentialDecay * h);
   surface.rise = kDepenetrationSpeed * h;
   const Vec3 moment = geometry::visit(*this, skin.margin, [&](const auto& solid) {
-    return projectOut(solid, surface, vertices, particles);
+    return projectAllOut(solid, surface, vertices, particles);
   });
   impulse -= moment / h;
 }

@@ -6,9 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "cloth_sim/contact/collider.h"
+#include "cloth_sim/threads/team.h"
+#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {
 namespace {
@@ -372,6 +375,45 @@ TEST(ContactView, FindsParticlesThroughTheirSlots) {
   EXPECT_NEAR(z[0], 0.001, 1e-15);
   EXPECT_EQ(z[1], -1.0);  // no candidate
   EXPECT_EQ(z[2], 0.5);
+}
+
+/// Particles, and what they gave an incline, after a substep on so many threads.
+std::pair<std::vector<double>, Vec3> projectedOn(int threads) {
+  const Collider plane = incline(0.3, 0.5);
+  constexpr std::size_t kParticles = 20'000;
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> place(-0.1, 0.1);
+  std::vector<double> x, start, mass(kParticles, 0.01);
+  for (std::size_t k = 0; k < 3 * kParticles; ++k) {
+    start.push_back(place(random));
+    x.push_back(start.back() + 0.1 * place(random));
+  }
+  Contacts contacts;
+  contacts.add(&plane).vertices.resize(kParticles);
+  std::iota(contacts.candidates[0].vertices.begin(), contacts.candidates[0].vertices.end(), 0);
+  ParticleView view{&x[0],
+                    &x[kParticles],
+                    &x[2 * kParticles],
+                    &start[0],
+                    &start[kParticles],
+                    &start[2 * kParticles],
+                    &mass[0],
+                    nullptr};
+  const ThreadLimit limit(threads);
+  Team team;
+  const Team::Shift shift(team);
+  for (int again = 0; again < 5; ++again) contacts.project(view, 0.01, 0.01);
+  return {x, contacts.candidates[0].impulse};
+}
+
+TEST(ContactView, IsTheSameOnAnyNumberOfThreads) {
+  const auto [x, impulse] = projectedOn(1);
+  EXPECT_GT(impulse.norm(), 1.0);
+  for (const int threads : {2, 3}) {
+    const auto [found, given] = projectedOn(threads);
+    EXPECT_EQ(found, x) << threads;
+    EXPECT_EQ(given, impulse) << threads;
+  }
 }
 
 }  // namespace
