@@ -70,17 +70,10 @@ template <bool kDamped>
 /// Fewer than four springs, and the last of them again, but as if it were gone.
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctRestGathered(const Later& springs, std::int32_t count) {
-  std::int32_t a[kLanes], b[kLanes];
-  double rest[kLanes], alpha[kLanes], lag[kLanes];
-  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
-    const std::int32_t k = std::min(lane, count - 1);
-    a[lane] = springs.a[k];
-    b[lane] = springs.b[k];
-    rest[lane] = springs.rest[k];
-    alpha[lane] = lane < count ? springs.alpha[k] : std::numeric_limits<double>::infinity();
-    if (kDamped) lag[lane] = springs.lag[k];
-  }
-  correctFourGathered<kDamped>({springs.x, springs.start, a, b, rest, alpha, lag});
+  FilledFour four = filledFour<kDamped>(springs, count);
+  std::fill(four.alpha + count, four.alpha + kLanes, std::numeric_limits<double>::infinity());
+  correctFourGathered<kDamped>(
+      {springs.x, springs.start, four.a, four.b, four.rest, four.alpha, four.lag});
 }
 
 template <bool kDamped>

@@ -174,17 +174,8 @@ template <bool kDamped>
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctRest(const Springs& springs, std::int32_t count,
                                                const Points& p) {
-  std::int32_t a[kLanes], b[kLanes];
-  double rest[kLanes], alpha[kLanes], lag[kLanes];
-  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
-    const std::int32_t k = std::min(lane, count - 1);
-    a[lane] = springs.a[k];
-    b[lane] = springs.b[k];
-    rest[lane] = springs.rest[k];
-    alpha[lane] = springs.alpha[k];
-    if (kDamped) lag[lane] = springs.lag[k];
-  }
-  correctFour<kDamped>({a, b, rest, alpha, lag}, p);
+  const FilledFour four = filledFour<kDamped>(springs, count);
+  correctFour<kDamped>({four.a, four.b, four.rest, four.alpha, four.lag}, p);
 }
 
 /// Springs whose ends are anywhere.

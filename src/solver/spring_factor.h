@@ -1,6 +1,8 @@
 #pragma once
 /// \file How far four springs are from what they allow.
 
+#include <algorithm>
+
 #include "cloth_sim/solver/spring_laws.h"
 #include "lanes.h"
 
@@ -25,6 +27,28 @@ template <bool kDamped>
   laws.alpha = lanesAt(alpha);
   if (kDamped) laws.lag = lanesAt(lag);
   return laws;
+}
+
+/// Fewer than four springs, and the last of them again in the lanes that are left.
+struct FilledFour {
+  std::int32_t a[kLanes], b[kLanes];
+  double rest[kLanes], alpha[kLanes], lag[kLanes];
+};
+
+/// \param springs  pointers to what `FilledFour` has, of the first spring.
+/// \param count    1 to 3
+template <bool kDamped, typename Springs>
+[[gnu::always_inline]] inline FilledFour filledFour(const Springs& springs, std::int32_t count) {
+  FilledFour four;
+  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
+    const std::int32_t k = std::min(lane, count - 1);
+    four.a[lane] = springs.a[k];
+    four.b[lane] = springs.b[k];
+    four.rest[lane] = springs.rest[k];
+    four.alpha[lane] = springs.alpha[k];
+    if (kDamped) four.lag[lane] = springs.lag[k];
+  }
+  return four;
 }
 
 /// The corrections over the offsets [kg]. Times the inverse mass of an end and the offset it is
