@@ -18,7 +18,7 @@ namespace {
 
 template <typename Real>
 struct Points {
-  std::vector<Real, CacheAligned<Real>> x, y, z;
+  CacheAlignedVector<Real> x, y, z;
 };
 
 template <typename Real>
@@ -193,15 +193,16 @@ class AnySweep {
 class OwnSweep {
  public:
   explicit OwnSweep(Packed& packed) : packed_(packed) {
-    setCompliances(packed.schedule.laws, 1.0 / 1200.0, compliances_);
+    correction_.setMasses(packed.schedule, packed.particles.inverseMass);
+    correction_.setStep(packed.schedule, 1.0 / 1200.0);
   }
 
   std::size_t springs() const { return static_cast<std::size_t>(packed_.schedule.size()); }
-  void go() { correctSprings(packed_.schedule, compliances_, packed_.particles); }
+  void go() { correction_.correct(packed_.schedule, packed_.particles); }
 
  private:
   Packed& packed_;
-  Compliances compliances_;
+  SpringCorrection correction_;
 };
 
 /// Sweeps as often as makes a turn of a million springs.

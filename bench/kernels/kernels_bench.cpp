@@ -32,10 +32,11 @@ BENCHMARK_CAPTURE(springForces, any, Order::kAny)->Name("kernel/spring_forces_an
 
 void springCorrections(benchmark::State& run, Order order) {
   Packed packed(static_cast<int>(run.range(0)), order);
-  Compliances compliances;
-  setCompliances(packed.schedule.laws, kSubstep, compliances);
+  SpringCorrection correction;
+  correction.setMasses(packed.schedule, packed.particles.inverseMass);
+  correction.setStep(packed.schedule, kSubstep);
   for (auto _ : run) {
-    correctSprings(packed.schedule, compliances, packed.particles);
+    correction.correct(packed.schedule, packed.particles);
     benchmark::ClobberMemory();
   }
   tellPerSpring(packed.schedule.size(), run);

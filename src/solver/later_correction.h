@@ -1,14 +1,44 @@
 #pragma once
-/// \file Corrections along springs that edits made, which are in no run.
+/// \file Corrections along springs that edits made.
 
-#include "spring_correction.h"
+#include "cloth_sim/solver/packed_particles.h"
+#include "cloth_sim/solver/spring_schedule.h"
+#include "lanes.h"
 
 namespace cloth_sim {
 
-/// Moves their ends, in the order of the schedule, to the same bits as along any other springs.
-/// Their particles are copied side by side for that, so that each is loaded and stored at once and
-/// not coordinate by coordinate.
-void correctLaterSprings(const SpringSchedule& schedule, const Compliances& compliances,
-                         PackedParticles& particles);
+/// Springs that share no particle. Those that fill up a four do nothing.
+struct FourLater {
+  std::int32_t a[kLanes], b[kLanes];               ///< where the numbers of their ends begin
+  double massA[kLanes], massB[kLanes];             ///< inverse [1/kg]
+  double rest[kLanes], give[kLanes], lag[kLanes];  ///< [m], see `giveOf`, see `Compliance`
+};
+
+/// Springs that cuts and refinement made are in no run. Their particles are copied, coordinates
+/// side by side, before they are swept, and back after it; and what they need to know of masses is
+/// theirs.
+class LaterCorrection {
+ public:
+  /// To be called when springs or masses have changed ...
+  /// \param inverseMass  by slot.
+  void setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass);
+  /// ... and then, and when the length of the substeps has.
+  /// \param h  that length [s].
+  void setStep(const SpringSchedule& schedule, double h);
+  /// Moves the ends of these springs, in the order of the schedule.
+  void correct(const SpringSchedule& schedule, PackedParticles& particles);
+
+ private:
+  void listParticles(const SpringSchedule& schedule, std::size_t slots);
+  void gather(const PackedParticles& particles);
+  void scatter(PackedParticles& particles) const;
+
+  std::vector<std::int32_t> slots_;   ///< of the particles, ascending
+  PackedScalars x_;                   ///< x, y, z and nothing of each
+  PackedScalars start_;               ///< the same at the start of the substep; of dashpots
+  std::vector<std::int32_t> places_;  ///< by slot: where its numbers begin in these, or kNone
+  std::vector<FourLater> fours_;      ///< a span that is no multiple of them is filled up
+  std::vector<std::size_t> begins_;   ///< by span: its first four; and after the last
+};
 
 }  // namespace cloth_sim

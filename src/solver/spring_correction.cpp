@@ -1,16 +1,21 @@
 #include "spring_correction.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "cloth_sim/solver/vector_clones.h"
-#include "later_correction.h"
 #include "spring_factor.h"
 
 namespace cloth_sim {
 namespace {
 
 using Span = SpringSchedule::Span;
+
+/// Some that follow each other.
+struct Spans {
+  const Span* begin;
+  const Span* end;
+  const EvenStretch* even;  ///< of the first and those after it
+};
 
 /// Particles from some slot on.
 struct Points {
@@ -48,12 +53,23 @@ template <bool kDamped>
 }
 
 struct Ends {
-  Lanes x, y, z, w;
+  Lanes x, y, z;
+};
+
+/// Inverse masses of the ends of four springs.
+struct Masses {
+  Lanes a, b;
+};
+
+struct FourLaws {
+  Lanes rest, alpha;
+  Lanes lag;  ///< only where there are dashpots
 };
 
 /// Four springs none of which share a particle.
 struct Four {
   Ends a, b;
+  Masses w;
   FourLaws law;
   FourOffsets start;  ///< at the start of the substep; only where there are dashpots
 };
@@ -62,9 +78,11 @@ struct Four {
 template <bool kDamped>
 [[gnu::always_inline]] inline void correct(Four& s) {
   const FourOffsets d{s.b.x - s.a.x, s.b.y - s.a.y, s.b.z - s.a.z};
-  const Lanes f = factorsOf<kDamped>(d, s.a.w + s.b.w, s.law, s.start);
-  const Lanes fa = f * s.a.w;
-  const Lanes fb = f * s.b.w;
+  const Lanes w = s.w.a + s.w.b;
+  const Lanes give = kDamped ? giveOf(w, s.law.alpha, s.law.lag) : w + s.law.alpha;
+  const Lanes f = factorsOf<kDamped>(d, s.law.rest, give, s.law.lag, s.start);
+  const Lanes fa = f * s.w.a;
+  const Lanes fb = f * s.w.b;
   s.a.x += fa * d.x;
   s.a.y += fa * d.y;
   s.a.z += fa * d.z;
@@ -76,7 +94,11 @@ template <bool kDamped>
 /// The laws of four springs from the k-th on.
 template <bool kDamped>
 [[gnu::always_inline]] inline FourLaws lawsOf(const Springs& springs, std::ptrdiff_t k) {
-  return fourLawsAt<kDamped>(springs.rest + k, springs.alpha + k, springs.lag + (kDamped ? k : 0));
+  FourLaws laws;
+  laws.rest = lanesAt(springs.rest + k);
+  laws.alpha = lanesAt(springs.alpha + k);
+  if (kDamped) laws.lag = lanesAt(springs.lag + k);
+  return laws;
 }
 
 /// The law of the first spring, four times.
@@ -93,10 +115,11 @@ template <bool kDamped>
 /// \param a, b   from the first spring's ends on.
 template <bool kDamped>
 [[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b, const FourLaws& law,
-                                             std::ptrdiff_t k) {
+                                             const Masses& w, std::ptrdiff_t k) {
   Four s;
-  s.a = {lanesAt(a.x + k), lanesAt(a.y + k), lanesAt(a.z + k), lanesAt(a.w + k)};
-  s.b = {lanesAt(b.x + k), lanesAt(b.y + k), lanesAt(b.z + k), lanesAt(b.w + k)};
+  s.a = {lanesAt(a.x + k), lanesAt(a.y + k), lanesAt(a.z + k)};
+  s.b = {lanesAt(b.x + k), lanesAt(b.y + k), lanesAt(b.z + k)};
+  s.w = w;
   s.law = law;
   if (kDamped) {
     s.start = {lanesAt(b.sx + k) - lanesAt(a.sx + k), lanesAt(b.sy + k) - lanesAt(a.sy + k),
@@ -114,21 +137,34 @@ template <bool kDamped>
 
 /// Springs whose ends follow each other; of one law if `kUniform`.
 template <bool kUniform, bool kDamped>
-[[gnu::always_inline]] inline void correctRun(const Span& span, const Springs& springs,
-                                              const Points& points) {
+[[gnu::always_inline]] inline void correctRun(const Span& span, const EvenStretch& even,
+                                              const Springs& springs, const Points& points) {
   static_assert(SpringSchedule::kShortestRun >= kLanes);
   const Points a = from(points, span.ends.a);
   const Points b = from(points, span.ends.b);
   const FourLaws law = oneLaw<kDamped>(springs);
-  const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
-    return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), k);
+  const auto with = [&](const Masses& w, std::ptrdiff_t k) __attribute__((always_inline)) {
+    return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), w, k);
   };
-  const auto correctUntil = [&](std::ptrdiff_t end) __attribute__((always_inline)) {
-    for (std::ptrdiff_t k = 0; k < end; k += kLanes) {
-      const Four s = at(k);
+  const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
+    return with({lanesAt(a.w + k), lanesAt(b.w + k)}, k);
+  };
+  const auto correctFours = [&](std::ptrdiff_t k, std::ptrdiff_t end, const auto& four)
+      __attribute__((always_inline)) {
+    for (; k < end; k += kLanes) {
+      const Four s = four(k);
       write(s.a, a, k);
       write(s.b, b, k);
     }
+  };
+  const auto correctUntil = [&](std::ptrdiff_t end) __attribute__((always_inline)) {
+    const Lanes w = allLanes(a.w[even.from]);
+    correctFours(0, even.from, at);
+    correctFours(
+        even.from, even.end, [&](std::ptrdiff_t k) __attribute__((always_inline)) {
+          return with({w, w}, k);
+        });
+    correctFours(even.end, end, at);
   };
   if (span.count % kLanes == 0) return correctUntil(span.count);
   // The last four overlap the four before them: they are read before, and written after them.
@@ -140,7 +176,7 @@ template <bool kUniform, bool kDamped>
 }
 
 [[gnu::always_inline]] inline Ends gatherEnds(const Points& p, const std::int32_t* slots) {
-  return {gather(p.x, slots), gather(p.y, slots), gather(p.z, slots), gather(p.w, slots)};
+  return {gather(p.x, slots), gather(p.y, slots), gather(p.z, slots)};
 }
 
 [[gnu::always_inline]] inline FourOffsets gatherStart(const Points& p, const std::int32_t* a,
@@ -162,6 +198,7 @@ template <bool kDamped>
   Four s;
   s.a = gatherEnds(p, springs.a);
   s.b = gatherEnds(p, springs.b);
+  s.w = {gather(p.w, springs.a), gather(p.w, springs.b)};
   s.law = lawsOf<kDamped>(springs, 0);
   if (kDamped) s.start = gatherStart(p, springs.a, springs.b);
   correct<kDamped>(s);
@@ -169,8 +206,28 @@ template <bool kDamped>
   scatterEnds(s.b, p, springs.b);
 }
 
-/// Fewer than four springs, and the last of them again: what is done twice to the same positions is
-/// written twice.
+/// Fewer than four springs, and the last of them again in the lanes that are left.
+struct FilledFour {
+  std::int32_t a[kLanes], b[kLanes];
+  double rest[kLanes], alpha[kLanes], lag[kLanes];
+};
+
+/// \param count  1 to 3
+template <bool kDamped>
+[[gnu::always_inline]] inline FilledFour filledFour(const Springs& springs, std::int32_t count) {
+  FilledFour four;
+  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
+    const std::int32_t k = std::min(lane, count - 1);
+    four.a[lane] = springs.a[k];
+    four.b[lane] = springs.b[k];
+    four.rest[lane] = springs.rest[k];
+    four.alpha[lane] = springs.alpha[k];
+    if (kDamped) four.lag[lane] = springs.lag[k];
+  }
+  return four;
+}
+
+/// Fewer than four springs; what is done twice to the same positions is written twice.
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctRest(const Springs& springs, std::int32_t count,
                                                const Points& p) {
@@ -191,14 +248,15 @@ template <bool kDamped>
 }
 
 template <bool kDamped>
-[[gnu::always_inline]] inline void correctSpans(const Span* span, const Span* end,
-                                                const Springs& springs, const Points& points) {
-  for (; span != end; ++span) {
+[[gnu::always_inline]] inline void correctSpans(const Spans& spans, const Springs& springs,
+                                                const Points& points) {
+  const EvenStretch* even = spans.even;
+  for (const Span* span = spans.begin; span != spans.end; ++span, ++even) {
     const Springs of = after<kDamped>(springs, span->others, span->laws);
     if (span->isUniform) {
-      correctRun<true, kDamped>(*span, of, points);
+      correctRun<true, kDamped>(*span, *even, of, points);
     } else if (span->isRun) {
-      correctRun<false, kDamped>(*span, of, points);
+      correctRun<false, kDamped>(*span, *even, of, points);
     } else {
       correctAnywhere<kDamped>(*span, of, points);
     }
@@ -206,45 +264,40 @@ template <bool kDamped>
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void sweepElastic(const Span* span, const Span* end, const Springs& springs, const Points& points) {
-  correctSpans<false>(span, end, springs, points);
+void sweepElastic(const Spans& spans, const Springs& springs, const Points& points) {
+  correctSpans<false>(spans, springs, points);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void sweepDamped(const Span* span, const Span* end, const Springs& springs, const Points& points) {
-  correctSpans<true>(span, end, springs, points);
+void sweepDamped(const Spans& spans, const Springs& springs, const Points& points) {
+  correctSpans<true>(spans, springs, points);
 }
 
 }  // namespace
 
-Compliance complianceOf(const SpringLaw& law, double h) {
-  if (law.stiffness <= 0.0) return {std::numeric_limits<double>::infinity(), 0.0};
-  return {1.0 / (law.stiffness * h * h), law.damping / (law.stiffness * h)};
+void SpringCorrection::setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass) {
+  findEvenStretches(schedule, inverseMass, even_);
+  later_.setMasses(schedule, inverseMass);
 }
 
-void setCompliances(const SpringLaws& laws, double h, Compliances& compliances) {
-  compliances.alpha.resize(laws.size());
-  compliances.lag.resize(laws.damped() ? laws.size() : 0);
-  for (std::size_t k = 0; k < laws.size(); ++k) {
-    const Compliance of = complianceOf(laws[static_cast<std::int32_t>(k)], h);
-    compliances.alpha[k] = of.alpha;
-    if (laws.damped()) compliances.lag[k] = of.lag;
-  }
+void SpringCorrection::setStep(const SpringSchedule& schedule, double h) {
+  setCompliances(schedule.laws, h, compliances_);
+  later_.setStep(schedule, h);
 }
 
-void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
-                    PackedParticles& particles, const Prepare& prepare) {
+void SpringCorrection::correct(const SpringSchedule& schedule, PackedParticles& particles,
+                               const Prepare& prepare) {
   const Springs springs{schedule.endA.data(), schedule.endB.data(),
-                        schedule.laws.restLength().data(), compliances.alpha.data(),
-                        compliances.lag.data()};
+                        schedule.laws.restLength().data(), compliances_.alpha.data(),
+                        compliances_.lag.data()};
   const Points points = allPoints(particles);
   const auto sweep = schedule.laws.damped() ? sweepDamped : sweepElastic;
   const auto visit = [&](const Span* first, const Span* end) {
-    sweep(first, end, springs, points);
+    sweep({first, end, even_.data() + (first - schedule.spans().data())}, springs, points);
   };
   prepare ? schedule.sweepOriginals(particles.slots, prepare, visit)
           : schedule.sweepOriginals(visit);
-  if (!schedule.laterSlots().empty()) correctLaterSprings(schedule, compliances, particles);
+  later_.correct(schedule, particles);
 }
 
 }  // namespace cloth_sim

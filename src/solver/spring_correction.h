@@ -3,37 +3,33 @@
 
 #include <functional>
 
-#include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/solver/spring_schedule.h"
+#include "compliance.h"
+#include "even_stretches.h"
+#include "later_correction.h"
 
 namespace cloth_sim {
-
-/// What springs give way in a substep, by their place in the laws of the schedule: f along a spring
-/// moves its ends until C + alpha f = 0, or with damping C + lag dC + alpha f = 0, where dC is what
-/// C has changed by in this substep. The update of Macklin et al. 2016, eqs. 18 and 26, with one
-/// iteration.
-struct Compliances {
-  std::vector<double> alpha;  ///< 1 / (k h^2) [1/kg]; infinite where the spring is gone
-  std::vector<double> lag;    ///< c / (k h) [-]; nothing where no spring is damped
-};
-
-/// Of one spring.
-struct Compliance {
-  double alpha = 0.0;
-  double lag = 0.0;
-};
-/// \param h  length of the substep [s].
-Compliance complianceOf(const SpringLaw& law, double h);
-
-void setCompliances(const SpringLaws& laws, double h, Compliances& compliances);
 
 /// What is to be done with particles before their springs: `prepare(first, last)` for slots.
 using Prepare = std::function<void(std::size_t first, std::size_t last)>;
 
-/// Moves the ends of every spring, in the order of the schedule.
-/// \param prepare  if any: called for all slots, part by part, each as late as may be, so that what
-///                 it has written is still in the cache.
-void correctSprings(const SpringSchedule& schedule, const Compliances& compliances,
-                    PackedParticles& particles, const Prepare& prepare = {});
+/// Moves the ends of springs, in the order of a schedule; see `Compliance`.
+class SpringCorrection {
+ public:
+  /// To be called when springs or masses have changed ...
+  /// \param inverseMass  by slot [1/kg]; they have to be the same when springs are corrected.
+  void setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass);
+  /// ... and then, and when the length of the substeps has.
+  /// \param h  that length [s].
+  void setStep(const SpringSchedule& schedule, double h);
+  /// \param prepare  if any: called for all slots, part by part, each as late as may be, so that
+  ///                 what it has written is still in the cache.
+  void correct(const SpringSchedule& schedule, PackedParticles& particles,
+               const Prepare& prepare = {});
+
+ private:
+  Compliances compliances_;        ///< by law of the schedule
+  std::vector<EvenStretch> even_;  ///< by span of the schedule
+  LaterCorrection later_;
+};
 
 }  // namespace cloth_sim

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "connected_sets.h"
 #include "spring_colours.h"
 
 namespace cloth_sim {
@@ -32,47 +33,6 @@ std::size_t strandsFor(std::size_t springs, bool isShared) {
   if (springs <= kStrandSprings / 4) return 1;
   return std::min((strands + 3) / 4 * 4, kMostStrands);
 }
-
-/// Particles joined by springs into connected sets.
-class Sets {
- public:
-  explicit Sets(std::int32_t particles) : parent_(static_cast<std::size_t>(particles), kNone) {}
-
-  /// The smallest particle of the set.
-  std::int32_t rootOf(std::int32_t p) const {
-    while (parent_[p] != p) p = parent_[p];
-    return p;
-  }
-  void join(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a == b) return;
-    parent_[std::max(a, b)] = std::min(a, b);
-    --count_;
-  }
-  std::int32_t count() const { return count_; }
-  /// Particles from the first to the last of the set that stretches the furthest.
-  std::int32_t widest() const {
-    std::int32_t most = 0;
-    for (std::int32_t p = 0; p < static_cast<std::int32_t>(parent_.size()); ++p) {
-      if (parent_[p] != kNone) most = std::max(most, p - rootOf(p) + 1);
-    }
-    return most;
-  }
-
- private:
-  std::int32_t find(std::int32_t p) {
-    if (parent_[p] == kNone) {
-      parent_[p] = p;
-      ++count_;
-    }
-    while (parent_[p] != p) p = parent_[p] = parent_[parent_[p]];
-    return p;
-  }
-
-  std::vector<std::int32_t> parent_;  ///< kNone: not seen yet
-  std::int32_t count_ = 0;
-};
 
 /// Springs of one colour by the place of their first ends, of which no two are the same.
 std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::Ends>& ends,
@@ -152,7 +112,6 @@ void SpringSchedule::truncate(const Extent& extent) {
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate({});
   patterns_ = {};
-  laterSlots_.clear();
   std::vector<std::int32_t> all(model.springs.slots().size());
   std::iota(all.begin(), all.end(), 0);
   home_.assign(all.size(), kNone);
@@ -180,7 +139,6 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
     if (isAppended_[slot]) appended.push_back(slot);
   }
   appendLater(model, slotOf, colourSprings(model, appended));
-  listLaterSlots(*std::max_element(slotOf.begin(), slotOf.end()) + 1);
 }
 
 void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
@@ -257,23 +215,6 @@ void SpringSchedule::appendLater(const Model& model, const std::vector<std::int3
   }
 }
 
-void SpringSchedule::listLaterSlots(std::int32_t slots) {
-  std::vector<std::int32_t> place(static_cast<std::size_t>(slots), kNone);
-  for (std::size_t k = original_.others; k < endA.size(); ++k) place[endA[k]] = place[endB[k]] = 0;
-  laterSlots_.clear();
-  for (std::int32_t slot = 0; slot < slots; ++slot) {
-    if (place[slot] == kNone) continue;
-    place[slot] = static_cast<std::int32_t>(laterSlots_.size());
-    laterSlots_.push_back(slot);
-  }
-  laterA_.clear();
-  laterB_.clear();
-  for (std::size_t k = original_.others; k < endA.size(); ++k) {
-    laterA_.push_back(place[endA[k]]);
-    laterB_.push_back(place[endB[k]]);
-  }
-}
-
 void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>& slotOf,
                             Coloured colours) {
   const std::int32_t particles = *std::max_element(slotOf.begin(), slotOf.end()) + 1;
@@ -282,18 +223,18 @@ void SpringSchedule::append(const Model& model, const std::vector<std::int32_t>&
   for (const Spring& spring : model.springs.slots()) {
     ends.push_back(spring.exists() ? Ends{slotOf[spring.a], slotOf[spring.b]} : Ends{});
   }
-  const auto joinAll = [&](Sets& sets, const std::vector<std::int32_t>& slots) {
+  const auto joinAll = [&](ConnectedSets& sets, const std::vector<std::int32_t>& slots) {
     for (std::int32_t slot : slots) sets.join(ends[slot].a, ends[slot].b);
   };
   std::size_t springs = 0;
   for (const std::vector<std::int32_t>& colour : colours) springs += colour.size();
   const bool isShared = springs >= kGrainOfWaiting;
   for (std::size_t first = 0; first < colours.size();) {
-    Sets sets(particles);
+    ConnectedSets sets(particles);
     joinAll(sets, colours[first]);
     std::size_t end = first + 1;
     for (; end < colours.size(); ++end) {
-      Sets joined = sets;
+      ConnectedSets joined = sets;
       joinAll(joined, colours[end]);
       if (joined.count() < std::min(kFewestSets, sets.count())) break;
       if (joined.widest() > particles / kFewestSets) break;

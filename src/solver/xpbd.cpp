@@ -59,16 +59,19 @@ class Xpbd final : public PackedSolver {
   void substep(const Substep& now) override;
   void findVelocities(double h) override;
 
+  void setMasses();
   void listAttachments();
   void sweep(const Prepare& prepare);
+  template <typename Act>
+  void asIfWeightless(const Act& act);
   void predict(const Substep& now, std::size_t first, std::size_t last);
   void predictWithLoads(const Substep& now);
   void solveAttachments(double h);
   void solveBending(double h);
 
   double decay_ = 1.0;           ///< what drag leaves of a velocity in a substep
-  double complianceStep_ = 0.0;  ///< the h that compliances_ are for
-  Compliances compliances_;
+  double complianceStep_ = 0.0;  ///< the h that springs give way for
+  SpringCorrection springs_;
   std::vector<Attachment> attachments_;
   BendSweep bending_;
   double retardation_ = 0.0;  ///< of bending [s]
@@ -82,12 +85,17 @@ void Xpbd::loadBending(const Model& model) {
 void Xpbd::prepare(const Controls& controls, double h) {
   if (layoutChanged_ || complianceStep_ != h) {
     complianceStep_ = h;
-    setCompliances(schedule_.laws, h, compliances_);
+    if (layoutChanged_) setMasses();
+    springs_.setStep(schedule_, h);
     listAttachments();
     if (!bending_.empty()) bending_.setStep(h, retardation_, particles_.inverseMass);
   }
   decay_ = std::exp(-controls.drag * h);
   setSum(particles_.x, -h, particles_.v, particles_.start);
+}
+
+void Xpbd::setMasses() {
+  asIfWeightless([&] { springs_.setMasses(schedule_, particles_.inverseMass); });
 }
 
 void Xpbd::listAttachments() {
@@ -118,12 +126,17 @@ void Xpbd::substep(const Substep& now) {
   if (now.controls.hasLoads()) findVelocities(now.h);
 }
 
+void Xpbd::sweep(const Prepare& prepare) {
+  asIfWeightless([&] { springs_.correct(schedule_, particles_, prepare); });
+}
+
 /// Springs between a free and a prescribed particle have their turn later: in the sweep the
 /// prescribed one counts as weightless and takes the whole correction, until it is put back.
-void Xpbd::sweep(const Prepare& prepare) {
+template <typename Act>
+void Xpbd::asIfWeightless(const Act& act) {
   constexpr double kWeightless = 1e200;  // [1/kg]
   for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = kWeightless;
-  correctSprings(schedule_, compliances_, particles_, prepare);
+  act();
   for (const std::int32_t held : kinematicSlots_) particles_.inverseMass[held] = 0.0;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <new>
+#include <vector>
 
 namespace cloth_sim {
 
@@ -25,5 +26,8 @@ struct CacheAligned {
  private:
   static constexpr std::align_val_t kAlignment{64};
 };
+
+template <typename T>
+using CacheAlignedVector = std::vector<T, CacheAligned<T>>;
 
 }  // namespace cloth_sim

@@ -10,7 +10,7 @@
 namespace cloth_sim {
 
 /// One number per particle.
-using PackedScalars = std::vector<double, CacheAligned<double>>;
+using PackedScalars = CacheAlignedVector<double>;
 
 /// Three coordinates per particle.
 struct PackedVectors {
@@ -29,12 +29,6 @@ struct PackedVectors {
   }
 };
 
-/// Numbers of a particle, side by side.
-struct alignas(32) FourNumbers {
-  double x = 0.0, y = 0.0, z = 0.0, w = 0.0;
-};
-using FourNumbersOfEach = std::vector<FourNumbers, CacheAligned<FourNumbers>>;
-
 /// Particles in slots. Of a cloth that is a grid, each row is stored as its columns 0, 4, 8, ...,
 /// then 1, 5, ..., 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a
 /// colouring lets run together, have their ends in two contiguous stretches, and a sweep needs no
@@ -46,9 +40,6 @@ struct PackedParticles {
   PackedScalars mass;                ///< [kg]; 0: prescribed motion
   PackedScalars inverseMass;         ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
-  /// Of some particles, for kernels that visit them in any order: position and inverse mass ...
-  FourNumbersOfEach gathered;
-  FourNumbersOfEach gatheredStart;  ///< ... and position at the start of the substep
 
   std::int32_t slots = 0;  ///< some may be empty, with mass 0
 

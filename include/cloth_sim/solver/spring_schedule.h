@@ -70,6 +70,8 @@ class SpringSchedule {
   const std::vector<Batch>& batches() const { return batches_; }
   const std::vector<Strand>& strands() const { return strands_; }
   const std::vector<Span>& spans() const { return spans_; }
+  /// The first of `spans` whose springs edits made or moved; none from it on is a run.
+  std::size_t firstLater() const { return original_.spans; }
   std::int32_t size() const {
     return spans_.empty() ? 0 : spans_.back().first + spans_.back().count;
   }
@@ -86,8 +88,8 @@ class SpringSchedule {
   template <typename Prepare, typename SpansVisitor>
   void sweepOriginals(std::int32_t slots, const Prepare& prepare,
                       const SpansVisitor& visitor) const;
-  /// Calls `visitor(span, end)` for those of springs that edits made or moved, none of which is a
-  /// run, in the order of the sweep: after the others.
+  /// Calls `visitor(span, end)` for those from `firstLater` on, in the order of the sweep: after
+  /// the others.
   template <typename SpansVisitor>
   void sweepLater(const SpansVisitor& visitor) const;
   /// Calls `visitor(span, end)` for all of them.
@@ -118,12 +120,6 @@ class SpringSchedule {
   void visit(const Span& span, const Visitor& visitor) const {
     for (std::int32_t k = 0; k < span.count; ++k) visitor(element(span, k));
   }
-
-  /// Of the particles of springs that edits made or moved, ascending.
-  const std::vector<std::int32_t>& laterSlots() const { return laterSlots_; }
-  /// Places in `laterSlots` of the ends of a span of those springs.
-  const std::int32_t* laterA(const Span& span) const { return laterEnds(span, laterA_); }
-  const std::int32_t* laterB(const Span& span) const { return laterEnds(span, laterB_); }
 
   SpringLaws laws;
   std::vector<std::int32_t> endA, endB;  ///< particle slots, of springs that are in no run
@@ -167,9 +163,6 @@ class SpringSchedule {
     const Ends ends = endsOf(span, k);
     return {span.first + k, ends.a, ends.b, lawOf(span, k)};
   }
-  const std::int32_t* laterEnds(const Span& span, const std::vector<std::int32_t>& places) const {
-    return places.data() + (span.others - static_cast<std::int32_t>(original_.others));
-  }
   template <typename StrandVisitor>
   void visitOriginals(const StrandVisitor& visit) const;
   /// \param end  after the last strand.
@@ -189,7 +182,6 @@ class SpringSchedule {
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
-  void listLaterSlots(std::int32_t slots);
   std::vector<Reach> reaches() const;
   void divideSlots(std::int32_t slots, std::vector<Reach>& reaches);
   void orderWave(const std::vector<Reach>& reaches);
@@ -206,7 +198,6 @@ class SpringSchedule {
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
   LawPatterns patterns_;
-  std::vector<std::int32_t> laterSlots_, laterA_, laterB_;
   // Strands of the undamaged mesh:
   std::vector<std::int32_t> wave_;    ///< for one thread
   std::vector<Round> rounds_;         ///< for several
