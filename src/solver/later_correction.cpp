@@ -13,10 +13,12 @@ namespace {
 
 /// Of a particle, side by side: one vector.
 constexpr std::size_t kNumbers = kLanes;
+constexpr int kMass = 3;
 
 using LaterSpan = SpringSchedule::Span;
+using LaneBits = std::int64_t __attribute__((vector_size(kLanes * sizeof(std::int64_t))));
 /// Which lanes: those of the first of two are 0 to 3, those of the second 4 to 7.
-using LaneOrder = std::int64_t __attribute__((vector_size(kLanes * sizeof(std::int64_t))));
+using LaneOrder = LaneBits;
 
 /// From particles side by side to axes side by side.
 [[gnu::always_inline]] inline FourOffsets byAxis(const Lanes (&of)[kLanes]) {
@@ -29,31 +31,55 @@ using LaneOrder = std::int64_t __attribute__((vector_size(kLanes * sizeof(std::i
           __builtin_shuffle(xz01, xz23, LaneOrder{2, 3, 6, 7})};
 }
 
-/// \param x      of the particles.
-/// \param start  ... at the start of the substep; only where there are dashpots.
-template <bool kDamped>
-[[gnu::always_inline]] inline void correctFour(const FourLater& springs, const double* start,
-                                               double* x) {
-  std::ptrdiff_t a[kLanes], b[kLanes];
-  for (int i = 0; i < kLanes; ++i) {
-    a[i] = springs.a[i];
-    b[i] = springs.b[i];
-  }
+/// Zero in place of the mass.
+[[gnu::always_inline]] inline Lanes coordinatesOf(const Lanes& numbers) {
+  constexpr LaneBits kCoordinates{-1, -1, -1, 0};
+  return reinterpret_cast<Lanes>(reinterpret_cast<LaneBits>(numbers) & kCoordinates);
+}
+
+[[gnu::always_inline]] inline FourOffsets offsetsOf(const FourLater& springs, const double* x) {
   Lanes d[kLanes];
-  for (int i = 0; i < kLanes; ++i) d[i] = lanesAt(x + b[i]) - lanesAt(x + a[i]);
-  FourOffsets started{};
-  if constexpr (kDamped) {
-    Lanes from[kLanes];
-    for (int i = 0; i < kLanes; ++i) from[i] = lanesAt(start + b[i]) - lanesAt(start + a[i]);
-    started = byAxis(from);
-  }
-  const Lanes f = factorsOf<kDamped>(byAxis(d), lanesAt(springs.rest), lanesAt(springs.give),
-                                     lanesAt(springs.lag), started);
-  const Lanes fa = f * lanesAt(springs.massA);
-  const Lanes fb = f * lanesAt(springs.massB);
+  for (int i = 0; i < kLanes; ++i) d[i] = lanesAt(x + springs.b[i]) - lanesAt(x + springs.a[i]);
+  return byAxis(d);
+}
+
+/// \param x      of the particles.
+/// \param start  ... at the start of the substep; only where there are dashpots, as `lag`.
+template <bool kDamped>
+[[gnu::always_inline]] inline Lanes factorsOf(const FourLater& springs, const double* lag,
+                                              const double* start, const double* x) {
+  const FourOffsets started = kDamped ? offsetsOf(springs, start) : FourOffsets{};
+  return factorsOf<kDamped>(offsetsOf(springs, x), lanesAt(springs.rest), lanesAt(springs.give),
+                            kDamped ? lanesAt(lag) : Lanes{}, started);
+}
+
+[[gnu::always_inline]] inline void apply(const double* factors, const FourLater& springs,
+                                         double* x) {
   for (int i = 0; i < kLanes; ++i) {
-    lanesAt(x + a[i]) += allLanes(fa[i]) * d[i];
-    lanesAt(x + b[i]) -= allLanes(fb[i]) * d[i];
+    double* const a = x + springs.a[i];
+    double* const b = x + springs.b[i];
+    const Lanes d = coordinatesOf(lanesAt(b) - lanesAt(a));
+    const double fa = factors[i] * a[kMass];
+    const double fb = factors[i] * b[kMass];
+    lanesAt(a) += allLanes(fa) * d;
+    lanesAt(b) -= allLanes(fb) * d;
+  }
+}
+
+/// Springs of one colour. Their factors take long, but do not wait for each other: those of many
+/// are found before the first of these moves anything.
+template <bool kDamped>
+[[gnu::always_inline]] inline void correctAll(const FourLater* fours, std::ptrdiff_t count,
+                                              const double* lag, const double* start, double* x) {
+  constexpr std::ptrdiff_t kAtOnce = 32;
+  double factors[kAtOnce * kLanes];
+  for (; count > 0; fours += kAtOnce, count -= kAtOnce) {
+    const std::ptrdiff_t some = std::min(count, kAtOnce);
+    for (std::ptrdiff_t k = 0; k < some; ++k) {
+      lanesAt(factors + kLanes * k) = factorsOf<kDamped>(fours[k], lag + k * kLanes, start, x);
+    }
+    for (std::ptrdiff_t k = 0; k < some; ++k) apply(factors + kLanes * k, fours[k], x);
+    if (kDamped) lag += kAtOnce * kLanes;
   }
 }
 
@@ -67,68 +93,73 @@ FourLater doingNothing(std::int32_t a, std::int32_t b) {
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void correctElasticLater(const FourLater* four, const FourLater* end, const double* start,
-                         double* x) {
-  for (; four != end; ++four) correctFour<false>(*four, start, x);
+void correctElasticLater(const FourLater* four, const FourLater* end, const double* lag,
+                         const double* start, double* x) {
+  correctAll<false>(four, end - four, lag, start, x);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void correctDampedLater(const FourLater* four, const FourLater* end, const double* start,
-                        double* x) {
-  for (; four != end; ++four) correctFour<true>(*four, start, x);
+void correctDampedLater(const FourLater* four, const FourLater* end, const double* lag,
+                        const double* start, double* x) {
+  correctAll<true>(four, end - four, lag, start, x);
 }
 
 }  // namespace
 
 void LaterCorrection::setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass) {
-  listParticles(schedule, inverseMass.size());
+  const std::vector<std::int32_t> places = listParticles(schedule, inverseMass);
   fours_.clear();
   begins_.clear();
   for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
     begins_.push_back(fours_.size());
     std::int32_t lane = 0;
     schedule.visit(schedule.spans()[s], [&](const SpringSchedule::Element& spring) {
-      if (lane == 0) fours_.push_back(doingNothing(places_[spring.a], places_[spring.b]));
+      if (lane == 0) fours_.push_back(doingNothing(places[spring.a], places[spring.b]));
       FourLater& four = fours_.back();
-      four.a[lane] = places_[spring.a];
-      four.b[lane] = places_[spring.b];
-      four.massA[lane] = inverseMass[spring.a];
-      four.massB[lane] = inverseMass[spring.b];
+      four.a[lane] = places[spring.a];
+      four.b[lane] = places[spring.b];
       four.rest[lane] = spring.law.restLength;
       lane = (lane + 1) % kLanes;
     });
   }
   begins_.push_back(fours_.size());
+  lag_.assign(schedule.laws.damped() ? kLanes * fours_.size() : 0, 0.0);
 }
 
-void LaterCorrection::listParticles(const SpringSchedule& schedule, std::size_t slots) {
-  places_.assign(slots, kNone);
+/// By slot where the numbers of a particle begin, if it is one of theirs.
+std::vector<std::int32_t> LaterCorrection::listParticles(const SpringSchedule& schedule,
+                                                         const PackedScalars& inverseMass) {
+  const std::size_t slots = inverseMass.size();
+  std::vector<std::int32_t> places(slots, kNone);
   for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
     schedule.visit(schedule.spans()[s], [&](const SpringSchedule::Element& spring) {
-      places_[spring.a] = places_[spring.b] = 0;
+      places[spring.a] = places[spring.b] = 0;
     });
   }
   slots_.clear();
   for (std::size_t slot = 0; slot < slots; ++slot) {
-    if (places_[slot] == kNone) continue;
-    places_[slot] = static_cast<std::int32_t>(kNumbers * slots_.size());
+    if (places[slot] == kNone) continue;
+    places[slot] = static_cast<std::int32_t>(kNumbers * slots_.size());
     slots_.push_back(static_cast<std::int32_t>(slot));
   }
   x_.assign(kNumbers * slots_.size(), 0.0);
+  for (std::size_t k = 0; k < slots_.size(); ++k) x_[kNumbers * k + kMass] = inverseMass[slots_[k]];
   start_.assign(schedule.laws.damped() ? x_.size() : 0, 0.0);
+  return places;
 }
 
 void LaterCorrection::setStep(const SpringSchedule& schedule, double h) {
   for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
     const LaterSpan& span = schedule.spans()[s];
-    FourLater* const fours = fours_.data() + begins_[s - schedule.firstLater()];
     schedule.visit(span, [&](const SpringSchedule::Element& spring) {
-      const std::int32_t k = spring.position - span.first;
-      const std::int32_t lane = k % kLanes;
-      FourLater& four = fours[k / kLanes];
+      const std::size_t k =
+          kLanes * begins_[s - schedule.firstLater()] + (spring.position - span.first);
+      const std::size_t lane = k % kLanes;
+      FourLater& four = fours_[k / kLanes];
       const Compliance of = complianceOf(spring.law, h);
-      four.give[lane] = giveOf(four.massA[lane] + four.massB[lane], of.alpha, of.lag);
-      four.lag[lane] = of.lag;
+      four.give[lane] =
+          giveOf(x_[four.a[lane] + kMass] + x_[four.b[lane] + kMass], of.alpha, of.lag);
+      if (!lag_.empty()) lag_[k] = of.lag;
     });
   }
 }
@@ -136,11 +167,12 @@ void LaterCorrection::setStep(const SpringSchedule& schedule, double h) {
 void LaterCorrection::correct(const SpringSchedule& schedule, PackedParticles& particles) {
   if (slots_.empty()) return;
   gather(particles);
-  const auto correctFours = start_.empty() ? correctElasticLater : correctDampedLater;
+  const auto correctFours = lag_.empty() ? correctElasticLater : correctDampedLater;
   const LaterSpan* const first = schedule.spans().data() + schedule.firstLater();
   schedule.sweepLater([&](const LaterSpan* span, const LaterSpan* end) {
-    correctFours(fours_.data() + begins_[span - first], fours_.data() + begins_[end - first],
-                 start_.data(), x_.data());
+    const std::size_t begin = begins_[span - first];
+    correctFours(fours_.data() + begin, fours_.data() + begins_[end - first],
+                 lag_.empty() ? nullptr : lag_.data() + kLanes * begin, start_.data(), x_.data());
   });
   scatter(particles);
 }

@@ -8,15 +8,14 @@
 namespace cloth_sim {
 
 /// Springs that share no particle. Those that fill up a four do nothing.
-struct FourLater {
-  std::int32_t a[kLanes], b[kLanes];               ///< where the numbers of their ends begin
-  double massA[kLanes], massB[kLanes];             ///< inverse [1/kg]
-  double rest[kLanes], give[kLanes], lag[kLanes];  ///< [m], see `giveOf`, see `Compliance`
+struct alignas(32) FourLater {
+  std::int32_t a[kLanes], b[kLanes];  ///< where the numbers of their ends begin
+  double rest[kLanes];                ///< [m]
+  double give[kLanes];                ///< see `giveOf`
 };
 
 /// Springs that cuts and refinement made are in no run. Their particles are copied, coordinates
-/// side by side, before they are swept, and back after it; and what they need to know of masses is
-/// theirs.
+/// side by side, before they are swept, and back after it.
 class LaterCorrection {
  public:
   /// To be called when springs or masses have changed ...
@@ -29,16 +28,17 @@ class LaterCorrection {
   void correct(const SpringSchedule& schedule, PackedParticles& particles);
 
  private:
-  void listParticles(const SpringSchedule& schedule, std::size_t slots);
+  std::vector<std::int32_t> listParticles(const SpringSchedule& schedule,
+                                          const PackedScalars& inverseMass);
   void gather(const PackedParticles& particles);
   void scatter(PackedParticles& particles) const;
 
-  std::vector<std::int32_t> slots_;   ///< of the particles, ascending
-  PackedScalars x_;                   ///< x, y, z and nothing of each
-  PackedScalars start_;               ///< the same at the start of the substep; of dashpots
-  std::vector<std::int32_t> places_;  ///< by slot: where its numbers begin in these, or kNone
-  std::vector<FourLater> fours_;      ///< a span that is no multiple of them is filled up
-  std::vector<std::size_t> begins_;   ///< by span: its first four; and after the last
+  std::vector<std::int32_t> slots_;  ///< of the particles, ascending
+  PackedScalars x_;                  ///< x, y, z and the inverse mass of each
+  PackedScalars start_;              ///< the same at the start of the substep; of dashpots
+  std::vector<FourLater> fours_;     ///< a span that is no multiple of them is filled up
+  std::vector<double> lag_;          ///< of each spring of them, see `Compliance`; of dashpots
+  std::vector<std::size_t> begins_;  ///< by span: its first four; and after the last
 };
 
 }  // namespace cloth_sim
