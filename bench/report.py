@@ -98,7 +98,7 @@ def with_spread(entry, figure):
 def floors(document):
     """What a spring costs over what it costs at the floor, in turns."""
     rows = []
-    for kind in ('grid', 'any'):
+    for kind in ('grid', 'any', 'later'):
         for side, entry in told_by(document, 'floor/%s/side:' % kind).items():
             rows.append([kind, side] + [nanoseconds(entry['median'][figure])
                                         for figure in ('own', 'double', 'float')] +
@@ -233,7 +233,8 @@ compares. With the same `12 x 4` Bullet stretched twice as far there; its other 
 
 Nanoseconds a spring, in turns with the floors: sweeps that do nothing but correct lengths, on a grid whose
 structure is known and over any topology by colours, in the double precision that `xpbd` has and in single
-precision. *Any*: particles along a Z curve, so that no springs are in a row. `bench/kernels/floor_bench.cpp`
+precision. *Any*: particles along a Z curve, so that no springs are in a row. *Later*: those springs of a grid that three
+slits, refined around, have made or moved, over any topology, too. `bench/kernels/floor_bench.cpp`
 
 %(floors)s
 

@@ -78,8 +78,9 @@ void correctRun(const Run<double>& run, Points<double>& p) { correct(run, p); }
 template <typename Real>
 class StructuredSweep {
  public:
-  explicit StructuredSweep(const Packed& /*packed*/, int n)
-      : n_(static_cast<std::size_t>(n)), points_(slightlyWavy<Real>(n)) {}
+  explicit StructuredSweep(const Packed& packed)
+      : n_(static_cast<std::size_t>(packed.simulation.model().cloths[0].grid->columns)),
+        points_(slightlyWavy<Real>(static_cast<int>(n_))) {}
 
   std::size_t springs() const { return (n_ - 2) * (4 * n_ - 2); }
   void go() {
@@ -152,25 +153,27 @@ void correctColour(const Colour<double>& springs, Point<double>* points) {
   correct(springs, points);
 }
 
-/// The springs of a hanging cloth by their colours, as if nothing were known of the mesh.
+/// Springs by their colours, as if nothing were known of the mesh.
 template <typename Real>
 class AnySweep {
  public:
-  AnySweep(const Packed& packed, int n) {
-    const Points<Real> wavy = slightlyWavy<Real>(n);
-    points_.resize(wavy.x.size());
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-      points_[static_cast<std::size_t>(packed.particles.slotOf[k])] = {wavy.x[k], wavy.y[k],
-                                                                       wavy.z[k], Real(0)};
+  /// \param first  of the spans.
+  explicit AnySweep(const Packed& packed, std::size_t first = 0) {
+    const PackedVectors& x = packed.particles.x;
+    for (std::size_t k = 0; k < x.x.size(); ++k) {
+      const Vec3 wavy = x.at(k) + 0.01 * Vec3(x.x[k], std::sin(20.0 * x.x[k]), 2.0 * x.z[k]);
+      points_.push_back({static_cast<Real>(wavy.x()), static_cast<Real>(wavy.y()),
+                         static_cast<Real>(wavy.z()), Real(0)});
     }
-    for (const SpringSchedule::Span& span : packed.schedule.spans()) {
-      colours_.push_back({span.first, span.count});
+    for (std::size_t s = first; s < packed.schedule.spans().size(); ++s) {
+      const SpringSchedule::Span& span = packed.schedule.spans()[s];
+      colours_.push_back({static_cast<std::int32_t>(a_.size()), span.count});
+      packed.schedule.visit(span, [&](const SpringSchedule::Element& spring) {
+        a_.push_back(spring.a);
+        b_.push_back(spring.b);
+        rest_.push_back(static_cast<Real>(spring.law.restLength));
+      });
     }
-    packed.schedule.forEach([&](const SpringSchedule::Element& spring) {
-      a_.push_back(spring.a);
-      b_.push_back(spring.b);
-      rest_.push_back(static_cast<Real>(spring.law.restLength));
-    });
   }
 
   std::size_t springs() const { return rest_.size(); }
@@ -189,12 +192,21 @@ class AnySweep {
   std::vector<Real> rest_;
 };
 
+/// The same of springs that edits made.
+template <typename Real>
+struct AnyLaterSweep : AnySweep<Real> {
+  explicit AnyLaterSweep(const Packed& packed)
+      : AnySweep<Real>(packed, packed.schedule.firstLater()) {}
+};
+
+constexpr double kSubstep = 1.0 / 1200.0;
+
 /// What `xpbd` does.
 class OwnSweep {
  public:
   explicit OwnSweep(Packed& packed) : packed_(packed) {
     correction_.setMasses(packed.schedule, packed.particles.inverseMass);
-    correction_.setStep(packed.schedule, 1.0 / 1200.0);
+    correction_.setStep(packed.schedule, kSubstep);
   }
 
   std::size_t springs() const { return static_cast<std::size_t>(packed_.schedule.size()); }
@@ -203,6 +215,25 @@ class OwnSweep {
  private:
   Packed& packed_;
   SpringCorrection correction_;
+};
+
+/// ... with springs that edits made.
+class OwnLaterSweep {
+ public:
+  explicit OwnLaterSweep(Packed& packed) : packed_(packed) {
+    correction_.setMasses(packed.schedule, packed.particles.inverseMass);
+    correction_.setStep(packed.schedule, kSubstep);
+    const SpringSchedule::Span& first = packed.schedule.spans()[packed.schedule.firstLater()];
+    springs_ = static_cast<std::size_t>(packed.schedule.size() - first.first);
+  }
+
+  std::size_t springs() const { return springs_; }
+  void go() { correction_.correct(packed_.schedule, packed_.particles); }
+
+ private:
+  Packed& packed_;
+  LaterCorrection correction_;
+  std::size_t springs_ = 0;
 };
 
 /// Sweeps as often as makes a turn of a million springs.
@@ -219,13 +250,11 @@ void takeTurn(const std::string& name, Sweep& sweep, Turns& turns) {
 }
 
 /// Times are for one spring.
-template <template <typename> class Floor>
-void sweeps(benchmark::State& run, Order order) {
-  const auto n = static_cast<int>(run.range(0));
-  Packed packed(n, order);
-  Floor<float> single(packed, n);
-  Floor<double> twice(packed, n);
-  OwnSweep own(packed);
+template <typename Own, template <typename> class Floor>
+void sweeps(benchmark::State& run, Packed& packed) {
+  Floor<float> single(packed);
+  Floor<double> twice(packed);
+  Own own(packed);
   Turns turns;
   for (auto _ : run) {
     takeTurn("own", own, turns);
@@ -237,18 +266,35 @@ void sweeps(benchmark::State& run, Order order) {
   run.counters["over_float"] = turns.medianOver("own", "float");
 }
 
+void grid(benchmark::State& run) {
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
+  sweeps<OwnSweep, StructuredSweep>(run, packed);
+}
+
+void any(benchmark::State& run) {
+  Packed packed(static_cast<int>(run.range(0)), Order::kAny);
+  sweeps<OwnSweep, AnySweep>(run, packed);
+}
+
+/// Those that cuts and refinement made, in a sweep of their own.
+void later(benchmark::State& run) {
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
+  packed.slit();
+  sweeps<OwnLaterSweep, AnyLaterSweep>(run, packed);
+}
+
 const bool registered = [] {
   constexpr int kTurns = 15;
-  const auto add = [](const char* name, const auto& measure) {
-    benchmark::RegisterBenchmark(name, measure)
+  const auto add = [](const char* name, void (*measure)(benchmark::State&)) {
+    return benchmark::RegisterBenchmark(name, measure)
         ->RangeMultiplier(2)
-        ->Range(32, 1024)
         ->ArgName("side")
         ->Iterations(kTurns)
         ->Unit(benchmark::kMillisecond);
   };
-  add("floor/grid", [](benchmark::State& run) { sweeps<StructuredSweep>(run, Order::kGrid); });
-  add("floor/any", [](benchmark::State& run) { sweeps<AnySweep>(run, Order::kAny); });
+  add("floor/grid", grid)->Range(32, 1024);
+  add("floor/any", any)->Range(32, 1024);
+  add("floor/later", later)->Range(64, 256);
   return true;
 }();
 

@@ -33,21 +33,42 @@ std::vector<std::int32_t> alongZ(int n) {
   return slotOf;
 }
 
+Scene refinedWhenCut(Scene scene) {
+  scene.surgery.refineCuts = aroundSlits();
+  return scene;
+}
+
 }  // namespace
 
 Packed::Packed(int n, Order order, const std::string& bending)
-    : simulation(hanging(n, "xpbd", bending)) {
+    : simulation(refinedWhenCut(hanging(n, "xpbd", bending))) {
   const Model& model = simulation.model();
   particles.layOut(model);
   if (order == Order::kAny) {
     particles.slotOf = alongZ(n);
     particles.slots = n * n;
   }
+  schedule.build(model, particles.slotOf);
+  load();
+}
+
+/// The slits take no particle away.
+void Packed::slit() {
+  cutSlits(simulation);
+  const Model& model = simulation.model();
+  while (particles.count() < model.particleCount()) particles.slotOf.push_back(particles.slots++);
+  SpringChanges all;
+  all.modified.resize(model.springs.slots().size());
+  std::iota(all.modified.begin(), all.modified.end(), 0);
+  schedule.follow(model, all, particles.slotOf);
+  load();
+}
+
+void Packed::load() {
   particles.resize();
   particles.load(simulation.state());
-  particles.loadMasses(model, {});
+  particles.loadMasses(simulation.model(), {});
   particles.start = particles.x;
-  schedule.build(model, particles.slotOf);
   force.resize(static_cast<std::size_t>(particles.slots));
 }
 

@@ -16,11 +16,16 @@ enum class Order {
 /// A hanging cloth of n x n particles.
 struct Packed {
   Packed(int n, Order order, const std::string& bending = "springs");
+  /// Cuts and refines it; springs and particles follow.
+  void slit();
 
   Simulation simulation;
   PackedParticles particles;
   SpringSchedule schedule;
   PackedVectors force;
+
+ private:
+  void load();
 };
 
 }  // namespace cloth_sim::bench

@@ -37,6 +37,21 @@ Scene overSphere(int n, const std::string& method) {
                     "over a sphere");
 }
 
+Refinement aroundSlits() {
+  Refinement refinement;
+  refinement.radius = 0.02;
+  refinement.generations = 2;
+  return refinement;
+}
+
+void cutSlits(Simulation& simulation) {
+  for (const double height : {0.3, 0.5, 0.7}) {
+    const std::vector<Vec3> path = {{-0.3, 0.0, height + 0.5}, {0.3, 0.0, height + 0.53}};
+    const CommandResult result = simulation.apply(CutAlong{strokeAlong(path, Vec3::UnitY(), 0.5)});
+    if (!result.success) throw std::runtime_error(result.message);
+  }
+}
+
 Warm::Warm(Scene scene, int steps) : Warm(std::make_unique<Simulation>(std::move(scene)), steps) {}
 
 Warm::Warm(std::unique_ptr<Simulation> simulation, int steps) : simulation_(std::move(simulation)) {

@@ -17,6 +17,11 @@ Scene hanging(int n, const std::string& method, const std::string& bending = "sp
 /// The same cloth, level, just above a sphere.
 Scene overSphere(int n, const std::string& method);
 
+/// How cuts are to be refined around `cutSlits`, if they are.
+Refinement aroundSlits();
+/// Cuts three slits, side by side, into the middle of a cloth that hangs as these do.
+void cutSlits(Simulation& simulation);
+
 /// A simulation that has gone on by some steps. Going back to that state takes what later steps
 /// left behind out of a measurement.
 class Warm {

@@ -24,7 +24,7 @@ constexpr int kTurns = 5;
 
 /// As `hanging`, with clamps in place of pins, a ground and a ball in reach, and tearing armed.
 /// \param method  and its parameters, as in the scene.
-Scene armed(const std::string& method, const std::string& refinement) {
+Scene armed(const std::string& method) {
   const auto clamp = [](const std::string& name, const std::string& column, const std::string& x) {
     return "  " + name + ":\n    patch: {particle: [" + column +
            ", 127], radius: 1}\n    pose: {position: [" + x +
@@ -32,23 +32,15 @@ Scene armed(const std::string& method, const std::string& refinement) {
   };
   return parseScene(
       "cloth:\n  particles: [128, 128]\n  fabric: {preset: cotton, areal_density: 0.2}\n"
-      "  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}\n" +
-          refinement + "clamps:\n" + clamp("left", "0", "-0.5") + clamp("right", "127", "0.5") +
+      "  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}\n"
+      "clamps:\n" +
+          clamp("left", "0", "-0.5") + clamp("right", "127", "0.5") +
           "phases: [{name: all, clamps: {all: {grasp: true}}}]\n"
           "obstacles:\n  ground: {type: plane}\n"
           "  ball: {type: sphere, radius: 0.2, position: [0, 0.21, 0.5]}\n"
           "tearing: {ratio: 10}\ndrag: 0.5\nsolver: {sleep: false, method: " +
           method + "}\n",
       "armed");
-}
-
-/// Three slits from side to side of the middle.
-void cutSlits(Simulation& simulation) {
-  for (const double height : {0.3, 0.5, 0.7}) {
-    const std::vector<Vec3> path = {{-0.3, 0.0, height + 0.5}, {0.3, 0.0, height + 0.53}};
-    const CommandResult result = simulation.apply(CutAlong{strokeAlong(path, Vec3::UnitY(), 0.5)});
-    if (!result.success) throw std::runtime_error(result.message);
-  }
 }
 
 /// A scene that has its turns.
@@ -73,12 +65,13 @@ struct Entry {
 
 void whole(benchmark::State& run, const std::string& method) {
   const ThreadLimit limit(1);
-  const std::string refined = "  surgery: {refine_cuts: {radius: 0.02, generations: 2}}\n";
+  Scene refined = armed(method);
+  refined.surgery.refineCuts = aroundSlits();
   std::vector<Entry> entries;
   entries.emplace_back("pins", hanging(kSide, method), false);
-  entries.emplace_back("armed", armed(method, ""), false);
-  entries.emplace_back("cut", armed(method, ""), true);
-  entries.emplace_back("refined", armed(method, refined), true);
+  entries.emplace_back("armed", armed(method), false);
+  entries.emplace_back("cut", armed(method), true);
+  entries.emplace_back("refined", refined, true);
   Turns turns;
   for (auto _ : run) {
     for (Entry& entry : entries) entry.takeTurn(turns);
