@@ -17,7 +17,8 @@ namespace cloth_sim::bench {
 namespace {
 
 /// Parts of the run that are timed, each by itself; of these the median counts, and the least and
-/// the most are told.
+/// the most are told. All contenders have their turn at a part before anyone goes on to the next
+/// one: what slows the machine down for a while slows all of them down.
 constexpr int kParts = 5;
 /// Deeper in the sphere, or under the ground, than this is fallen through [m].
 constexpr double kThrough = 0.02;
@@ -33,30 +34,44 @@ struct Result {
   bool finite = true;
 };
 
-Result measure(const Contender& contender, const Task& task) {
-  const std::unique_ptr<Cloth> cloth = contender.make(task);
-  const int frames = static_cast<int>(task.duration / task.frame + 0.5);
-  std::vector<double> times;
-  for (int part = 0; part < kParts; ++part) {
+/// A cloth that has its turns.
+class Racer {
+ public:
+  Racer(const Contender& contender, const Task& task)
+      : contender_(contender), task_(task), cloth_(contender.make(task)) {}
+
+  void takeTurn(int part) {
+    const int frames = static_cast<int>(task_.duration / task_.frame + 0.5);
     const int count = frames * (part + 1) / kParts - frames * part / kParts;
     const double start = cpuTime();
-    for (int k = 0; k < count; ++k) cloth->advance();
-    times.push_back(1e3 * (cpuTime() - start) / count);
+    for (int k = 0; k < count; ++k) cloth_->advance();
+    times_.push_back(1e3 * (cpuTime() - start) / count);
   }
+  Result result() const;
+
+ private:
+  Contender contender_;
+  Task task_;
+  std::unique_ptr<Cloth> cloth_;
+  std::vector<double> times_;  ///< of a frame, by part [ms]
+};
+
+Result Racer::result() const {
+  std::vector<double> times = times_;
   std::sort(times.begin(), times.end());
-  const Grid3 x = cloth->positions();
+  const Grid3 x = cloth_->positions();
   Result result;
-  result.engine = contender.engine;
-  result.setting = contender.setting;
+  result.engine = contender_.engine;
+  result.setting = contender_.setting;
   result.median = times[kParts / 2];
   result.least = times.front();
   result.most = times.back();
-  result.column = columnStretch(x, task.particles, task.side);
-  result.edge = worstEdge(x, task.particles, task.side);
-  result.speed = fastest(cloth->velocities());
+  result.column = columnStretch(x, task_.particles, task_.side);
+  result.edge = worstEdge(x, task_.particles, task_.side);
+  result.speed = fastest(cloth_->velocities());
   result.finite = std::all_of(x.begin(), x.end(), [](const Vec3& p) { return p.allFinite(); });
-  if (task.sphere) {
-    result.through = countInside(x, task.sphere->centre, task.sphere->radius, kThrough) +
+  if (task_.sphere) {
+    result.through = countInside(x, task_.sphere->centre, task_.sphere->radius, kThrough) +
                      countBelow(x, -kThrough);
   }
   return result;
@@ -103,17 +118,21 @@ nlohmann::json compare(const Comparison& comparison) {
   std::printf("  %-10s %-34s %8s [%7s %7s] %10s %7s %9s %6s\n", "engine", "setting", "ms/frame",
               "least", "most", "column", "edge", "m/s", "fallen");
   nlohmann::json json = {{"scene", comparison.name}, {"particles", comparison.task.particles}};
-  const auto measureAll = [&](const std::vector<Contender>& contenders) {
-    std::vector<Result> results;
-    for (const Contender& contender : contenders) {
-      results.push_back(measure(contender, comparison.task));
-      print(results.back());
-      json["rows"].push_back(toJson(results.back()));
-    }
-    return results;
-  };
-  const std::vector<Result> peers = measureAll(comparison.peers);
-  const std::vector<Result> ours = measureAll(comparison.ours);
+  std::vector<Racer> racers;
+  for (const auto* contenders : {&comparison.peers, &comparison.ours}) {
+    for (const Contender& contender : *contenders) racers.emplace_back(contender, comparison.task);
+  }
+  for (int part = 0; part < kParts; ++part) {
+    for (Racer& racer : racers) racer.takeTurn(part);
+    std::fprintf(stderr, "part %d of %d\n", part + 1, kParts);
+  }
+  std::vector<Result> peers, ours;
+  for (std::size_t k = 0; k < racers.size(); ++k) {
+    const Result result = racers[k].result();
+    print(result);
+    json["rows"].push_back(toJson(result));
+    (k < comparison.peers.size() ? peers : ours).push_back(result);
+  }
   const Result* peer = cheapest(peers, comparison.ask, std::numeric_limits<double>::infinity());
   if (peers.empty()) return json;
   if (peer == nullptr) {
