@@ -218,7 +218,7 @@ part of its row. What errors cost is in [accuracy.md](accuracy.md).
 A cloth of 1 m and 0.2 kg, frames of 1/60 s for 5 s, one thread. *Column*: how much longer than at rest the worst
 column is at the end; *edge*: the longest edge over its rest length; *m/s*: the fastest particle then. Bullet is
 the soft body of Bullet 3.24, `substeps x iterations`, with bending links and full stiffness. Tearing is armed in
-ours. `bench/peer/peer_bullet.cpp`
+ours. The run has five parts, at each of which all take turns. `bench/peer/peer_bullet.cpp`
 
 %(peers)s
 ## The field
