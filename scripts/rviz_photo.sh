@@ -60,7 +60,7 @@ cleanup() {
 trap cleanup EXIT
 
 display_file=$(mktemp)
-Xvfb -displayfd 3 -screen 0 "${size}x24" -nolisten tcp 3>"$display_file" 2>/dev/null &
+Xvfb -displayfd 3 -screen 0 "${size}x24" -nolisten tcp -noreset 3>"$display_file" 2>/dev/null &
 processes+=($!)
 for _ in $(seq 100); do
   if [[ -s $display_file ]]; then break; fi

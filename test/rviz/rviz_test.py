@@ -6,6 +6,7 @@ import math
 import os
 import sys
 import unittest
+import xmlrpc.client
 
 import numpy
 import rosgraph
@@ -240,6 +241,8 @@ class RvizTest(unittest.TestCase):
                 """x of the particle at the lower right corner."""
                 return numpy.array(frames.messages[-1].positions).reshape(-1, 3)[32, 0]
             self.assertAlmostEqual(lowest_right(), 0.5, delta=1e-3)
+            # rviz draws frames before the node has heard of what it publishes.
+            wait_until(lambda: node_is_told('/cloth/drag'), 'the tool to be connected')
             call('pause', srv.Pause, False)
             path = [view.pixel(x, 0.52) for x in numpy.linspace(0.49, 0.2, 12)]
             self.screen.drag(path)
@@ -248,6 +251,14 @@ class RvizTest(unittest.TestCase):
             held = lowest_right()
             self.screen.release()
             wait_until(lambda: lowest_right() > held + 0.1, 'the corner to swing back')
+
+
+def node_is_told(topic):
+    """Whether someone who publishes on a topic is connected to the node."""
+    node = xmlrpc.client.ServerProxy(rosgraph.Master('/rviz_test').lookupNode('/cloth'))
+    _, _, connections = node.getBusInfo('/rviz_test')
+    return any(direction == 'i' and name == topic
+               for _, _, direction, _, name, *_ in connections)
 
 
 def stroke(height):

@@ -40,13 +40,14 @@ def record_skipped(name, why):
 
 
 class Screen:
-    """Xvfb on a free display number, drawn by software."""
+    """Xvfb on a free display number, drawn by software. It does not start anew when rviz, its last
+    client, closes: the next rviz would find no display for a moment."""
 
     def __init__(self):
         reader, writer = os.pipe()
         self.xvfb = subprocess.Popen(
             ['Xvfb', '-displayfd', str(writer), '-screen', '0', '%dx%dx24' % (WIDTH, HEIGHT),
-             '-nolisten', 'tcp'], pass_fds=[writer], stderr=subprocess.DEVNULL)
+             '-nolisten', 'tcp', '-noreset'], pass_fds=[writer], stderr=subprocess.DEVNULL)
         os.close(writer)
         with os.fdopen(reader) as pipe:
             number = pipe.readline().strip()  # comes when the screen is there; '' if it never is
