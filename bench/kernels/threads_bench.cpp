@@ -13,14 +13,16 @@
 namespace cloth_sim::bench {
 namespace {
 
-constexpr int kWarmUp = 3;
-constexpr int kStretch = 5;  ///< steps in a turn
-constexpr int kTurns = 25;
+constexpr int kStretch = 20;  ///< steps in a turn
+constexpr int kTurns = 15;
+/// Steps before a turn, until threads and what they have in their caches are where they stay in a
+/// run: a thread that wakes begins on the core of the one that woke it.
+constexpr int kAhead = 5;
 
-/// Takes kStretch steps on so many threads.
-void go(Simulation& simulation, int threads) {
+/// Takes steps on so many threads.
+void go(Simulation& simulation, int threads, int steps) {
   const ThreadLimit limit(threads);
-  for (int k = 0; k < kStretch; ++k) simulation.step();
+  for (int k = 0; k < steps; ++k) simulation.step();
 }
 
 Scene sceneOf(int n, const std::string& method) {
@@ -34,19 +36,19 @@ void threads(benchmark::State& run, const std::string& method) {
   const Scene scene = sceneOf(static_cast<int>(run.range(0)), method);
   Simulation first(scene);
   Simulation second(scene);
-  for (int k = 0; k < kWarmUp; ++k) {
-    go(first, 2);
-    go(second, 1);
-  }
+  const auto goApart = [&](int steps) {
+    std::thread other([&] { go(second, 1, steps); });
+    go(first, 1, steps);
+    other.join();
+  };
   Turns turns;
   for (auto _ : run) {
-    turns.time("one", [&] { go(first, 1); });
-    turns.time("two", [&] { go(first, 2); });
-    turns.time("both", [&] {
-      std::thread other([&] { go(second, 1); });
-      go(first, 1);
-      other.join();
-    });
+    go(first, 1, kAhead);
+    turns.time("one", [&] { go(first, 1, kStretch); });
+    go(first, 2, kAhead);
+    turns.time("two", [&] { go(first, 2, kStretch); });
+    goApart(kAhead);
+    turns.time("both", [&] { goApart(kStretch); });
   }
   if (first.failed() || second.failed()) run.SkipWithError(first.failure().c_str());
   run.counters["one"] = 1e3 * turns.median("one") / kStretch;
