@@ -261,7 +261,7 @@ frame until they are below (`solver.step_guard: subdivide`). `explicit_euler` ha
 
 The hanging cloth by `xpbd` (its defaults) and by `projective` (one substep, one iteration), wall time: one thread,
 two threads and, for what this machine's two cores give at all, two simulations that have nothing to do with
-each other, in turns. `bench/kernels/threads_bench.cpp`
+each other, in turns, before each of which threads are given 50 ms to settle on their cores. `bench/kernels/threads_bench.cpp`
 
 %(threads)s
 

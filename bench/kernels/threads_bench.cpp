@@ -4,6 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <thread>
 
 #include "cloth_sim/threads/thread_limit.h"
@@ -14,10 +15,12 @@ namespace cloth_sim::bench {
 namespace {
 
 constexpr int kStretch = 20;  ///< steps in a turn
+constexpr int kWarmUp = 3;    ///< ... and before it, again and again
 constexpr int kTurns = 15;
-/// Steps before a turn, until threads and what they have in their caches are where they stay in a
-/// run: a thread that wakes begins on the core of the one that woke it.
-constexpr int kAhead = 5;
+/// Before a turn, until threads and what they have in their caches are where they stay in a run: a
+/// thread that wakes may begin on the core of the one that woke it, and be moved milliseconds
+/// later.
+constexpr std::chrono::milliseconds kAhead{50};
 
 /// Takes steps on so many threads.
 void go(Simulation& simulation, int threads, int steps) {
@@ -41,13 +44,18 @@ void threads(benchmark::State& run, const std::string& method) {
     go(first, 1, steps);
     other.join();
   };
+  const auto goAhead = [](const auto& goOn) {
+    const auto end = std::chrono::steady_clock::now() + kAhead;
+    do goOn(kWarmUp);
+    while (std::chrono::steady_clock::now() < end);
+  };
   Turns turns;
   for (auto _ : run) {
-    go(first, 1, kAhead);
+    goAhead([&](int steps) { go(first, 1, steps); });
     turns.time("one", [&] { go(first, 1, kStretch); });
-    go(first, 2, kAhead);
+    goAhead([&](int steps) { go(first, 2, steps); });
     turns.time("two", [&] { go(first, 2, kStretch); });
-    goApart(kAhead);
+    goAhead(goApart);
     turns.time("both", [&] { goApart(kStretch); });
   }
   if (first.failed() || second.failed()) run.SkipWithError(first.failure().c_str());
