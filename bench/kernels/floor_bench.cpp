@@ -78,7 +78,7 @@ void correctRun(const Run<double>& run, Points<double>& p) { correct(run, p); }
 template <typename Real>
 class StructuredSweep {
  public:
-  explicit StructuredSweep(const Packed& packed)
+  StructuredSweep(const Packed& packed, std::size_t /*first*/)
       : n_(static_cast<std::size_t>(packed.simulation.model().cloths[0].grid->columns)),
         points_(slightlyWavy<Real>(static_cast<int>(n_))) {}
 
@@ -158,7 +158,7 @@ template <typename Real>
 class AnySweep {
  public:
   /// \param first  of the spans.
-  explicit AnySweep(const Packed& packed, std::size_t first = 0) {
+  AnySweep(const Packed& packed, std::size_t first) {
     const PackedVectors& x = packed.particles.x;
     for (std::size_t k = 0; k < x.x.size(); ++k) {
       const Vec3 wavy = x.at(k) + 0.01 * Vec3(x.x[k], std::sin(20.0 * x.x[k]), 2.0 * x.z[k]);
@@ -192,39 +192,27 @@ class AnySweep {
   std::vector<Real> rest_;
 };
 
-/// The same of springs that edits made.
-template <typename Real>
-struct AnyLaterSweep : AnySweep<Real> {
-  explicit AnyLaterSweep(const Packed& packed)
-      : AnySweep<Real>(packed, packed.schedule.firstLater()) {}
-};
+void makeReady(const Packed& packed, SpringCorrection& correction) {
+  correction.setMasses(packed.schedule, packed.particles.inverseMass);
+  correction.setStep(packed.schedule, kSubstep);
+}
 
-constexpr double kSubstep = 1.0 / 1200.0;
+void makeReady(const Packed& packed, LaterCorrection& correction) {
+  Compliances compliances;
+  setCompliances(packed.schedule.laws, kSubstep, compliances);
+  correction.setMasses(packed.schedule, packed.particles.inverseMass);
+  correction.setStep(packed.schedule, compliances);
+}
 
-/// What `xpbd` does.
+/// What `xpbd` does, or the part of it that is called `Correction`.
+template <typename Correction>
 class OwnSweep {
  public:
-  explicit OwnSweep(Packed& packed) : packed_(packed) {
-    correction_.setMasses(packed.schedule, packed.particles.inverseMass);
-    correction_.setStep(packed.schedule, kSubstep);
-  }
-
-  std::size_t springs() const { return static_cast<std::size_t>(packed_.schedule.size()); }
-  void go() { correction_.correct(packed_.schedule, packed_.particles); }
-
- private:
-  Packed& packed_;
-  SpringCorrection correction_;
-};
-
-/// ... with springs that edits made.
-class OwnLaterSweep {
- public:
-  explicit OwnLaterSweep(Packed& packed) : packed_(packed) {
-    correction_.setMasses(packed.schedule, packed.particles.inverseMass);
-    correction_.setStep(packed.schedule, kSubstep);
-    const SpringSchedule::Span& first = packed.schedule.spans()[packed.schedule.firstLater()];
-    springs_ = static_cast<std::size_t>(packed.schedule.size() - first.first);
+  /// \param first  of the spans that it sweeps.
+  OwnSweep(Packed& packed, std::size_t first) : packed_(packed) {
+    makeReady(packed, correction_);
+    const std::int32_t before = packed.schedule.spans()[first].first;
+    springs_ = static_cast<std::size_t>(packed.schedule.size() - before);
   }
 
   std::size_t springs() const { return springs_; }
@@ -232,7 +220,7 @@ class OwnLaterSweep {
 
  private:
   Packed& packed_;
-  LaterCorrection correction_;
+  Correction correction_;
   std::size_t springs_ = 0;
 };
 
@@ -250,11 +238,11 @@ void takeTurn(const std::string& name, Sweep& sweep, Turns& turns) {
 }
 
 /// Times are for one spring.
-template <typename Own, template <typename> class Floor>
-void sweeps(benchmark::State& run, Packed& packed) {
-  Floor<float> single(packed);
-  Floor<double> twice(packed);
-  Own own(packed);
+template <typename Correction, template <typename> class Floor>
+void sweeps(benchmark::State& run, Packed& packed, std::size_t first = 0) {
+  Floor<float> single(packed, first);
+  Floor<double> twice(packed, first);
+  OwnSweep<Correction> own(packed, first);
   Turns turns;
   for (auto _ : run) {
     takeTurn("own", own, turns);
@@ -268,19 +256,19 @@ void sweeps(benchmark::State& run, Packed& packed) {
 
 void grid(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
-  sweeps<OwnSweep, StructuredSweep>(run, packed);
+  sweeps<SpringCorrection, StructuredSweep>(run, packed);
 }
 
 void any(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kAny);
-  sweeps<OwnSweep, AnySweep>(run, packed);
+  sweeps<SpringCorrection, AnySweep>(run, packed);
 }
 
 /// Those that cuts and refinement made, in a sweep of their own.
 void later(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
   packed.slit();
-  sweeps<OwnLaterSweep, AnyLaterSweep>(run, packed);
+  sweeps<LaterCorrection, AnySweep>(run, packed, packed.schedule.firstLater());
 }
 
 const bool registered = [] {

@@ -13,9 +13,6 @@
 namespace cloth_sim::bench {
 namespace {
 
-constexpr double kFrame = 1.0 / 60.0;
-constexpr double kSubstep = kFrame / 20.0;
-
 void springForces(benchmark::State& run, Order order) {
   Packed packed(static_cast<int>(run.range(0)), order);
   for (auto _ : run) {

@@ -33,11 +33,6 @@ std::vector<std::int32_t> alongZ(int n) {
   return slotOf;
 }
 
-Scene refinedWhenCut(Scene scene) {
-  scene.surgery.refineCuts = aroundSlits();
-  return scene;
-}
-
 }  // namespace
 
 Packed::Packed(int n, Order order, const std::string& bending)
@@ -57,10 +52,7 @@ void Packed::slit() {
   cutSlits(simulation);
   const Model& model = simulation.model();
   while (particles.count() < model.particleCount()) particles.slotOf.push_back(particles.slots++);
-  SpringChanges all;
-  all.modified.resize(model.springs.slots().size());
-  std::iota(all.modified.begin(), all.modified.end(), 0);
-  schedule.follow(model, all, particles.slotOf);
+  schedule.follow(model, model.springs.allModified(), particles.slotOf);
   load();
 }
 

@@ -7,6 +7,9 @@
 
 namespace cloth_sim::bench {
 
+constexpr double kFrame = 1.0 / 60.0;
+constexpr double kSubstep = kFrame / 20.0;  ///< of `xpbd`
+
 /// Of the slots of particles.
 enum class Order {
   kGrid,  ///< as PackedParticles chooses for a grid

@@ -37,11 +37,9 @@ Scene overSphere(int n, const std::string& method) {
                     "over a sphere");
 }
 
-Refinement aroundSlits() {
-  Refinement refinement;
-  refinement.radius = 0.02;
-  refinement.generations = 2;
-  return refinement;
+Scene refinedWhenCut(Scene scene) {
+  scene.surgery.refineCuts = Refinement{0.02, 2, 0.0};
+  return scene;
 }
 
 void cutSlits(Simulation& simulation) {

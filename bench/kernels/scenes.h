@@ -17,8 +17,8 @@ Scene hanging(int n, const std::string& method, const std::string& bending = "sp
 /// The same cloth, level, just above a sphere.
 Scene overSphere(int n, const std::string& method);
 
-/// How cuts are to be refined around `cutSlits`, if they are.
-Refinement aroundSlits();
+/// The scene, where what is cut is refined twice around the cuts.
+Scene refinedWhenCut(Scene scene);
 /// Cuts three slits, side by side, into the middle of a cloth that hangs as these do.
 void cutSlits(Simulation& simulation);
 

@@ -44,19 +44,17 @@ void threads(benchmark::State& run, const std::string& method) {
     go(first, 1, steps);
     other.join();
   };
-  const auto goAhead = [](const auto& goOn) {
+  Turns turns;
+  const auto takeTurn = [&](const char* name, const auto& goOn) {
     const auto end = std::chrono::steady_clock::now() + kAhead;
     do goOn(kWarmUp);
     while (std::chrono::steady_clock::now() < end);
+    turns.time(name, [&] { goOn(kStretch); });
   };
-  Turns turns;
   for (auto _ : run) {
-    goAhead([&](int steps) { go(first, 1, steps); });
-    turns.time("one", [&] { go(first, 1, kStretch); });
-    goAhead([&](int steps) { go(first, 2, steps); });
-    turns.time("two", [&] { go(first, 2, kStretch); });
-    goAhead(goApart);
-    turns.time("both", [&] { goApart(kStretch); });
+    takeTurn("one", [&](int steps) { go(first, 1, steps); });
+    takeTurn("two", [&](int steps) { go(first, 2, steps); });
+    takeTurn("both", goApart);
   }
   if (first.failed() || second.failed()) run.SkipWithError(first.failure().c_str());
   run.counters["one"] = 1e3 * turns.median("one") / kStretch;

@@ -248,6 +248,13 @@ void SpringNetwork::deriveAroundAll(const TriangleMesh& mesh, const std::vector<
   }
 }
 
+SpringChanges SpringNetwork::allModified() const {
+  SpringChanges all;
+  all.modified.resize(slots_.size());
+  std::iota(all.modified.begin(), all.modified.end(), 0);
+  return all;
+}
+
 void SpringNetwork::build(const TriangleMesh& mesh) {
   std::vector<VertexId> all(static_cast<std::size_t>(mesh.vertexCount()));
   std::iota(all.begin(), all.end(), 0);

@@ -106,24 +106,35 @@ void correctDampedLater(const FourLater* four, const FourLater* end, const doubl
 
 }  // namespace
 
-void LaterCorrection::setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass) {
-  const std::vector<std::int32_t> places = listParticles(schedule, inverseMass);
-  fours_.clear();
-  begins_.clear();
-  for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
-    begins_.push_back(fours_.size());
-    std::int32_t lane = 0;
-    schedule.visit(schedule.spans()[s], [&](const SpringSchedule::Element& spring) {
-      if (lane == 0) fours_.push_back(doingNothing(places[spring.a], places[spring.b]));
-      FourLater& four = fours_.back();
-      four.a[lane] = places[spring.a];
-      four.b[lane] = places[spring.b];
-      four.rest[lane] = spring.law.restLength;
-      lane = (lane + 1) % kLanes;
-    });
+template <typename Visit>
+void LaterCorrection::forSprings(const SpringSchedule& schedule, const Visit& visit) const {
+  const LaterSpan* span = schedule.spans().data() + schedule.firstLater();
+  for (std::size_t s = 0; s + 1 < begins_.size(); ++s, ++span) {
+    std::size_t k = kLanes * begins_[s];
+    schedule.visit(*span, [&](const SpringSchedule::Element& spring) { visit(spring, k++); });
   }
-  begins_.push_back(fours_.size());
+}
+
+void LaterCorrection::setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass) {
+  findBegins(schedule);
+  const std::vector<std::int32_t> places = listParticles(schedule, inverseMass);
+  fours_.resize(begins_.back());
   lag_.assign(schedule.laws.damped() ? kLanes * fours_.size() : 0, 0.0);
+  forSprings(schedule, [&](const SpringSchedule::Element& spring, std::size_t k) {
+    FourLater& four = fours_[k / kLanes];
+    const std::size_t lane = k % kLanes;
+    if (lane == 0) four = doingNothing(places[spring.a], places[spring.b]);
+    four.a[lane] = places[spring.a];
+    four.b[lane] = places[spring.b];
+    four.rest[lane] = spring.law.restLength;
+  });
+}
+
+void LaterCorrection::findBegins(const SpringSchedule& schedule) {
+  begins_ = {0};
+  for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
+    begins_.push_back(begins_.back() + (schedule.spans()[s].count + kLanes - 1) / kLanes);
+  }
 }
 
 /// By slot where the numbers of a particle begin, if it is one of theirs.
@@ -131,11 +142,9 @@ std::vector<std::int32_t> LaterCorrection::listParticles(const SpringSchedule& s
                                                          const PackedScalars& inverseMass) {
   const std::size_t slots = inverseMass.size();
   std::vector<std::int32_t> places(slots, kNone);
-  for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
-    schedule.visit(schedule.spans()[s], [&](const SpringSchedule::Element& spring) {
-      places[spring.a] = places[spring.b] = 0;
-    });
-  }
+  forSprings(schedule, [&](const SpringSchedule::Element& spring, std::size_t /*k*/) {
+    places[spring.a] = places[spring.b] = 0;
+  });
   slots_.clear();
   for (std::size_t slot = 0; slot < slots; ++slot) {
     if (places[slot] == kNone) continue;
@@ -148,20 +157,19 @@ std::vector<std::int32_t> LaterCorrection::listParticles(const SpringSchedule& s
   return places;
 }
 
-void LaterCorrection::setStep(const SpringSchedule& schedule, double h) {
-  for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
-    const LaterSpan& span = schedule.spans()[s];
-    schedule.visit(span, [&](const SpringSchedule::Element& spring) {
-      const std::size_t k =
-          kLanes * begins_[s - schedule.firstLater()] + (spring.position - span.first);
-      const std::size_t lane = k % kLanes;
-      FourLater& four = fours_[k / kLanes];
-      const Compliance of = complianceOf(spring.law, h);
-      four.give[lane] =
-          giveOf(x_[four.a[lane] + kMass] + x_[four.b[lane] + kMass], of.alpha, of.lag);
-      if (!lag_.empty()) lag_[k] = of.lag;
-    });
-  }
+/// Each of these springs has a law of its own; they follow each other as the springs do.
+void LaterCorrection::setStep(const SpringSchedule& schedule, const Compliances& compliances) {
+  if (slots_.empty()) return;
+  auto law = static_cast<std::size_t>(schedule.spans()[schedule.firstLater()].laws);
+  forSprings(schedule, [&](const SpringSchedule::Element& /*spring*/, std::size_t k) {
+    FourLater& four = fours_[k / kLanes];
+    const std::size_t lane = k % kLanes;
+    const double w = x_[four.a[lane] + kMass] + x_[four.b[lane] + kMass];
+    const double lag = lag_.empty() ? 0.0 : compliances.lag[law];
+    four.give[lane] = giveOf(w, compliances.alpha[law], lag);
+    if (!lag_.empty()) lag_[k] = lag;
+    ++law;
+  });
 }
 
 void LaterCorrection::correct(const SpringSchedule& schedule, PackedParticles& particles) {

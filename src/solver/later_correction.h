@@ -3,6 +3,7 @@
 
 #include "cloth_sim/solver/packed_particles.h"
 #include "cloth_sim/solver/spring_schedule.h"
+#include "compliance.h"
 #include "lanes.h"
 
 namespace cloth_sim {
@@ -22,12 +23,16 @@ class LaterCorrection {
   /// \param inverseMass  by slot.
   void setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass);
   /// ... and then, and when the length of the substeps has.
-  /// \param h  that length [s].
-  void setStep(const SpringSchedule& schedule, double h);
+  /// \param compliances  by law of the schedule.
+  void setStep(const SpringSchedule& schedule, const Compliances& compliances);
   /// Moves the ends of these springs, in the order of the schedule.
   void correct(const SpringSchedule& schedule, PackedParticles& particles);
 
  private:
+  /// Calls `visit(spring, k)` for these springs; k is that of a lane of `fours_`.
+  template <typename Visit>
+  void forSprings(const SpringSchedule& schedule, const Visit& visit) const;
+  void findBegins(const SpringSchedule& schedule);
   std::vector<std::int32_t> listParticles(const SpringSchedule& schedule,
                                           const PackedScalars& inverseMass);
   void gather(const PackedParticles& particles);

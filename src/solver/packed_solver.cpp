@@ -44,10 +44,7 @@ void PackedSolver::save(StateWriter& archive) const {
 void PackedSolver::load(StateReader& archive, const Model& model) {
   archive(particles_);
   particles_.resize();
-  SpringChanges all;
-  all.modified.resize(model.springs.slots().size());
-  std::iota(all.modified.begin(), all.modified.end(), 0);
-  followModel(model, all);
+  followModel(model, model.springs.allModified());
   loadMemory(archive);
 }
 

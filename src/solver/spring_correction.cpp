@@ -206,33 +206,22 @@ template <bool kDamped>
   scatterEnds(s.b, p, springs.b);
 }
 
-/// Fewer than four springs, and the last of them again in the lanes that are left.
-struct FilledFour {
-  std::int32_t a[kLanes], b[kLanes];
-  double rest[kLanes], alpha[kLanes], lag[kLanes];
-};
-
-/// \param count  1 to 3
-template <bool kDamped>
-[[gnu::always_inline]] inline FilledFour filledFour(const Springs& springs, std::int32_t count) {
-  FilledFour four;
-  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
-    const std::int32_t k = std::min(lane, count - 1);
-    four.a[lane] = springs.a[k];
-    four.b[lane] = springs.b[k];
-    four.rest[lane] = springs.rest[k];
-    four.alpha[lane] = springs.alpha[k];
-    if (kDamped) four.lag[lane] = springs.lag[k];
-  }
-  return four;
-}
-
-/// Fewer than four springs; what is done twice to the same positions is written twice.
+/// Fewer than four springs, and the last of them again: what is done twice to the same positions is
+/// written twice.
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctRest(const Springs& springs, std::int32_t count,
                                                const Points& p) {
-  const FilledFour four = filledFour<kDamped>(springs, count);
-  correctFour<kDamped>({four.a, four.b, four.rest, four.alpha, four.lag}, p);
+  std::int32_t a[kLanes], b[kLanes];
+  double rest[kLanes], alpha[kLanes], lag[kLanes];
+  for (std::int32_t lane = 0; lane < kLanes; ++lane) {
+    const std::int32_t k = std::min(lane, count - 1);
+    a[lane] = springs.a[k];
+    b[lane] = springs.b[k];
+    rest[lane] = springs.rest[k];
+    alpha[lane] = springs.alpha[k];
+    if (kDamped) lag[lane] = springs.lag[k];
+  }
+  correctFour<kDamped>({a, b, rest, alpha, lag}, p);
 }
 
 /// Springs whose ends are anywhere.
@@ -282,7 +271,7 @@ void SpringCorrection::setMasses(const SpringSchedule& schedule, const PackedSca
 
 void SpringCorrection::setStep(const SpringSchedule& schedule, double h) {
   setCompliances(schedule.laws, h, compliances_);
-  later_.setStep(schedule, h);
+  later_.setStep(schedule, compliances_);
 }
 
 void SpringCorrection::correct(const SpringSchedule& schedule, PackedParticles& particles,

@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-from xmlrpc.client import ServerProxy
 
 import rosbag
 import rospy
@@ -20,7 +19,7 @@ from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, connected, wait_until  # noqa: E402
-from services import ServiceTest  # noqa: E402
+from services import ServiceTest, connections  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
                 set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
@@ -46,9 +45,7 @@ class Recording:
     @staticmethod
     def listens_to():
         """Topics over which the node has a connection to the recorder."""
-        node = ServerProxy(rospy.get_master().lookupNode('/cloth')[2])
-        connections = node.getBusInfo(rospy.get_name())[2]
-        return {topic for _, other, _, _, topic, *_ in connections if other == '/recorder'}
+        return {topic for _, topic, other in connections() if other == '/recorder'}
 
     def stop(self):
         self.process.send_signal(signal.SIGINT)

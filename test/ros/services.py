@@ -1,5 +1,6 @@
 """What the rostests share that drive the node by its services."""
 import unittest
+from xmlrpc.client import ServerProxy
 
 import rospy
 
@@ -14,6 +15,13 @@ def call(name, kind, *arguments):
     reply = rospy.ServiceProxy('/cloth/' + name, kind)(*arguments)
     assert reply.success, reply.message
     return reply
+
+
+def connections():
+    """Of the node, to whom it publishes ('o') and from whom it hears ('i'): direction, topic, who."""
+    node = ServerProxy(rospy.get_master().lookupNode('/cloth')[2])
+    return [(direction, topic, other)
+            for _, other, direction, _, topic, *_ in node.getBusInfo(rospy.get_name())[2]]
 
 
 def state():

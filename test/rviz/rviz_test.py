@@ -6,7 +6,6 @@ import math
 import os
 import sys
 import unittest
-import xmlrpc.client
 
 import numpy
 import rosgraph
@@ -17,7 +16,7 @@ from cloth_sim import msg, srv
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
-from services import call, state  # noqa: E402
+from services import call, connections, state  # noqa: E402
 from screen import Screen, is_near, record_skipped, view_of, what_is_missing  # noqa: E402
 
 wait_until = functools.partial(wait_until, deadline=120.0)  # software GL on a busy machine
@@ -242,7 +241,8 @@ class RvizTest(unittest.TestCase):
                 return numpy.array(frames.messages[-1].positions).reshape(-1, 3)[32, 0]
             self.assertAlmostEqual(lowest_right(), 0.5, delta=1e-3)
             # rviz draws frames before the node has heard of what it publishes.
-            wait_until(lambda: node_is_told('/cloth/drag'), 'the tool to be connected')
+            wait_until(lambda: ('i', '/cloth/drag') in [c[:2] for c in connections()],
+                       'the tool to be connected')
             call('pause', srv.Pause, False)
             path = [view.pixel(x, 0.52) for x in numpy.linspace(0.49, 0.2, 12)]
             self.screen.drag(path)
@@ -251,14 +251,6 @@ class RvizTest(unittest.TestCase):
             held = lowest_right()
             self.screen.release()
             wait_until(lambda: lowest_right() > held + 0.1, 'the corner to swing back')
-
-
-def node_is_told(topic):
-    """Whether someone who publishes on a topic is connected to the node."""
-    node = xmlrpc.client.ServerProxy(rosgraph.Master('/rviz_test').lookupNode('/cloth'))
-    _, _, connections = node.getBusInfo('/rviz_test')
-    return any(direction == 'i' and name == topic
-               for _, _, direction, _, name, *_ in connections)
 
 
 def stroke(height):

@@ -52,6 +52,9 @@ class SpringNetwork {
 
   /// All slots; some may be empty (`!exists()`) after edits.
   const SpringSlots& slots() const { return slots_; }
+  /// As if every one of them had been modified: for who begins to follow a network that has been
+  /// edited.
+  SpringChanges allModified() const;
   Spring operator[](std::int32_t slot) const { return slots_[slot]; }
   /// Slots of the springs that stand on the faces around `v` (see Spring::support).
   IndexSpan standingOn(VertexId v) const;
