@@ -8,14 +8,14 @@ set -euo pipefail
 
 cd "${1:-"$(dirname "${BASH_SOURCE[0]}")/.."}"
 
-core_folders=(threads mesh cloth solver contact clamp surgery scene sim study)
+core_folders=(support threads mesh cloth linalg constraints solver contact clamp surgery scene sim study)
 # ros/..., any *_msgs/... and the ROS libraries; our own generated messages (cloth_sim/Frame.h) and
 # our own ROS-side folders.
 libraries='rosbag|rviz|roslib|tf2?|tf2_[a-z_]+|diagnostic_updater|dynamic_reconfigure'
 libraries+='|interactive_markers|actionlib|message_filters|pluginlib'
 forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
 forbidden+="((ros|[a-z0-9_]+_msgs|std_srvs|$libraries)/"
-forbidden+='|cloth_sim/(ros|rviz|tools|node)/|cloth_sim/[A-Z])'
+forbidden+='|(cloth_sim/)?(ros|rviz|tools|node)/|cloth_sim/[A-Z])'
 
 paths=()
 for folder in "${core_folders[@]}"; do

@@ -7,10 +7,10 @@
 
 #include <cmath>
 
-#include "cloth_sim/solver/cache_aligned.h"
-#include "cloth_sim/solver/vector_clones.h"
+#include "constraints/cache_aligned.h"
+#include "constraints/vector_clones.h"
 #include "packed.h"
-#include "solver/spring_correction.h"
+#include "constraints/spring_projection.h"
 #include "turns.h"
 
 namespace cloth_sim::bench {

@@ -3,12 +3,12 @@
 #include <benchmark/benchmark.h>
 
 #include "packed.h"
-#include "solver/bend_matrix.h"
-#include "solver/bend_sweep.h"
-#include "solver/spring_correction.h"
-#include "solver/spring_forces.h"
-#include "solver/spring_matrix.h"
-#include "solver/updatable_factor.h"
+#include "linalg/bend_matrix.h"
+#include "constraints/bend_projection.h"
+#include "constraints/spring_projection.h"
+#include "constraints/spring_forces.h"
+#include "linalg/spring_matrix.h"
+#include "linalg/updatable_factor.h"
 
 namespace cloth_sim::bench {
 namespace {

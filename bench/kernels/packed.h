@@ -1,8 +1,8 @@
 #pragma once
 /// \file The particles and springs of a hanging cloth, as solvers have them.
 
-#include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/solver/spring_schedule.h"
+#include "constraints/particles.h"
+#include "constraints/spring_schedule.h"
 #include "scenes.h"
 
 namespace cloth_sim::bench {

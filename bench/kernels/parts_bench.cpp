@@ -2,7 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "cloth_sim/solver/packed_particles.h"
+#include "constraints/particles.h"
 #include "scenes.h"
 
 namespace cloth_sim::bench {

@@ -1,6 +1,6 @@
 #include "cloth_sim/cloth/spring.h"
 
-#include "cloth_sim/hash.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <numeric>
 
-#include "cloth_sim/hash.h"
-#include "cloth_sim/threads/parallel_for.h"
+#include "support/hash.h"
+#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {

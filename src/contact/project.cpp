@@ -7,7 +7,7 @@
 #include <numeric>
 #include <optional>
 
-#include "cloth_sim/threads/parallel_for.h"
+#include "threads/parallel_for.h"
 #include "geometry.h"
 
 namespace cloth_sim {

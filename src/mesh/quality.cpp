@@ -1,4 +1,4 @@
-#include "cloth_sim/mesh/quality.h"
+#include "quality.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "cloth_sim/mesh/quality.h"
+#include "quality.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,3 +1,3 @@
-#include "cloth_sim/ros/viewer.h"
+#include "ros/viewer.h"
 
 int main(int argc, char** argv) { return cloth_sim::runViewer(argc, argv); }

@@ -1,10 +1,10 @@
-#include "cloth_sim/ros/actions.h"
+#include "actions.h"
 
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "cloth_sim/hash.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

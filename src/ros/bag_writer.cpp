@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/bag_writer.h"
+#include "bag_writer.h"
 
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cloth_sim/ros/clock_publisher.h"
+#include "clock_publisher.h"
 #include "cloth_sim/ros/conversions.h"
 
 namespace cloth_sim {

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/clamp_ports.h"
+#include "clamp_ports.h"
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <std_msgs/Bool.h>

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/clock_publisher.h"
+#include "clock_publisher.h"
 
 #include <rosgraph_msgs/Clock.h>
 

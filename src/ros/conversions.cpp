@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "cloth_sim/hash.h"
-#include "cloth_sim/sim/command_text.h"
+#include "support/hash.h"
+#include "sim/command_text.h"
 
 namespace cloth_sim {
 namespace {

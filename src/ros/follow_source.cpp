@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/follow_source.h"
+#include "follow_source.h"
 
 #include <ros/names.h>
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/handles.h"
+#include "handles.h"
 
 #include <ros/console.h>
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/inputs.h"
+#include "inputs.h"
 
 #include "submit.h"
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/live_parameters.h"
+#include "live_parameters.h"
 
 #include <ros/console.h>
 

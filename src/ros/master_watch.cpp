@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/master_watch.h"
+#include "master_watch.h"
 
 #include <ros/connection_manager.h>
 #include <ros/console.h>

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/node.h"
+#include "node.h"
 
 #include <ros/callback_queue.h>
 #include <ros/init.h>
@@ -10,19 +10,19 @@
 #include <csignal>
 #include <iostream>
 
-#include "cloth_sim/ros/actions.h"
-#include "cloth_sim/ros/clamp_ports.h"
-#include "cloth_sim/ros/clock_publisher.h"
-#include "cloth_sim/ros/handles.h"
-#include "cloth_sim/ros/inputs.h"
-#include "cloth_sim/ros/live_parameters.h"
-#include "cloth_sim/ros/master_watch.h"
-#include "cloth_sim/ros/obstacle_followers.h"
-#include "cloth_sim/ros/publishers.h"
-#include "cloth_sim/ros/scene_path.h"
-#include "cloth_sim/ros/services.h"
+#include "actions.h"
+#include "clamp_ports.h"
+#include "clock_publisher.h"
+#include "handles.h"
+#include "inputs.h"
+#include "live_parameters.h"
+#include "master_watch.h"
+#include "obstacle_followers.h"
+#include "publishers.h"
+#include "scene_path.h"
+#include "services.h"
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/scene/names.h"
+#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

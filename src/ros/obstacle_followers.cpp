@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/obstacle_followers.h"
+#include "obstacle_followers.h"
 
 #include "submit.h"
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/parameters.h"
+#include "parameters.h"
 
 #include <ros/console.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "cloth_sim/ros/live_parameters.h"
-#include "cloth_sim/scene/names.h"
+#include "live_parameters.h"
+#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/pose_follower.h"
+#include "pose_follower.h"
 
 #include <geometry_msgs/PoseStamped.h>
 #include <nav_msgs/Odometry.h>

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/pose_tracker.h"
+#include "pose_tracker.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/publishers.h"
+#include "publishers.h"
 
 #include <ros/this_node.h>
 #include <std_msgs/String.h>
@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "cloth_sim/ros/bag_writer.h"
-#include "cloth_sim/ros/clock_publisher.h"
+#include "bag_writer.h"
+#include "clock_publisher.h"
 #include "cloth_sim/ros/surface_messages.h"
-#include "cloth_sim/ros/thread_name.h"
+#include "thread_name.h"
 
 namespace cloth_sim {
 namespace {

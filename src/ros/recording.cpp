@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/recording.h"
+#include "recording.h"
 
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
@@ -10,8 +10,8 @@
 
 #include "cloth_sim/ClothCommand.h"
 #include "cloth_sim/ClothState.h"
-#include "cloth_sim/hash.h"
-#include "cloth_sim/sim/command_text.h"
+#include "support/hash.h"
+#include "sim/command_text.h"
 #include "cloth_sim/sim/saved_state.h"
 
 namespace cloth_sim {

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/requests.h"
+#include "requests.h"
 
 #include <algorithm>
 #include <cctype>
@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
-#include "cloth_sim/ros/simulation_thread.h"
-#include "cloth_sim/scene/names.h"
+#include "simulation_thread.h"
+#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/run_job.h"
+#include "run_job.h"
 
 namespace cloth_sim {
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/scene_path.h"
+#include "scene_path.h"
 
 #include <ros/package.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/scene/names.h"
+#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,10 +1,10 @@
-#include "cloth_sim/ros/services.h"
+#include "services.h"
 
 #include <ros/init.h>
 
 #include <utility>
 
-#include "cloth_sim/hash.h"
+#include "support/hash.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/sim/saved_state.h"
 

@@ -1,10 +1,10 @@
-#include "cloth_sim/ros/simulation_thread.h"
+#include "simulation_thread.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "cloth_sim/cpu_clock.h"
-#include "cloth_sim/ros/thread_name.h"
+#include "support/cpu_clock.h"
+#include "thread_name.h"
 #include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {

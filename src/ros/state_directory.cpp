@@ -1,10 +1,10 @@
-#include "cloth_sim/ros/state_directory.h"
+#include "state_directory.h"
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
-#include "cloth_sim/scene/names.h"
+#include "scene/names.h"
 #include "cloth_sim/sim/saved_state.h"
 
 namespace cloth_sim {

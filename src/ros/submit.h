@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "cloth_sim/ros/requests.h"
-#include "cloth_sim/ros/simulation_thread.h"
+#include "requests.h"
+#include "simulation_thread.h"
 
 namespace cloth_sim {
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/surface.h"
+#include "surface.h"
 
 #include <algorithm>
 #include <cmath>

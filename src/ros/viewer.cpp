@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/viewer.h"
+#include "viewer.h"
 
 #include <ros/console.h>
 #include <ros/init.h>

@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/world_frame.h"
+#include "world_frame.h"
 
 #include <stdexcept>
 

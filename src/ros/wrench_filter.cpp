@@ -1,4 +1,4 @@
-#include "cloth_sim/ros/wrench_filter.h"
+#include "wrench_filter.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/rviz/cloth_display.h"
+#include "cloth_display.h"
 
 #include <OgreSceneNode.h>
 #include <ros/message_traits.h>

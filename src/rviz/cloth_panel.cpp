@@ -1,4 +1,4 @@
-#include "cloth_sim/rviz/cloth_panel.h"
+#include "cloth_panel.h"
 
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <ros/service.h>

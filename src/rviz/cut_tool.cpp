@@ -1,4 +1,4 @@
-#include "cloth_sim/rviz/cut_tool.h"
+#include "cut_tool.h"
 
 #include <OgreMaterial.h>
 #include <ros/message_traits.h>

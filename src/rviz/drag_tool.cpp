@@ -1,4 +1,4 @@
-#include "cloth_sim/rviz/drag_tool.h"
+#include "drag_tool.h"
 
 #include <ros/message_traits.h>
 #include <rviz/display_context.h>

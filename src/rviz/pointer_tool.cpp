@@ -1,4 +1,4 @@
-#include "cloth_sim/rviz/pointer_tool.h"
+#include "pointer_tool.h"
 
 #include <OgreCamera.h>
 #include <OgreViewport.h>

@@ -1,4 +1,4 @@
-#include "cloth_sim/rviz/surface_visual.h"
+#include "surface_visual.h"
 
 #include <OgreSceneManager.h>
 #include <OgreSceneNode.h>

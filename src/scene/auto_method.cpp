@@ -1,4 +1,4 @@
-#include "cloth_sim/scene/auto_method.h"
+#include "auto_method.h"
 
 #include <algorithm>
 #include <cmath>

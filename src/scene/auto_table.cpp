@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "built_in_auto_table.h"
-#include "cloth_sim/scene/auto_method.h"
+#include "auto_method.h"
 
 namespace cloth_sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "cloth_sim/hash.h"
-#include "cloth_sim/scene/auto_method.h"
+#include "support/hash.h"
+#include "auto_method.h"
 #include "keys.h"
 #include "readers.h"
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/scene/names.h"
+#include "names.h"
 
 #include <algorithm>
 #include <numeric>

@@ -6,7 +6,7 @@
 #include <map>
 #include <sstream>
 
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/scene/load.h"
 
 namespace cloth_sim {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "cloth_sim/scene/names.h"
+#include "names.h"
 #include "cloth_sim/types.h"
 #include "yaml_tree.h"
 

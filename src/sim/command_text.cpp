@@ -1,8 +1,8 @@
-#include "cloth_sim/sim/command_text.h"
+#include "command_text.h"
 
 #include <sstream>
 
-#include "cloth_sim/sim/archive.h"
+#include "archive.h"
 #include "cloth_sim/sim/saved_state.h"
 
 namespace cloth_sim {

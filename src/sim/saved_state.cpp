@@ -2,8 +2,8 @@
 
 #include <sstream>
 
-#include "cloth_sim/hash.h"
-#include "cloth_sim/sim/archive.h"
+#include "support/hash.h"
+#include "archive.h"
 #include "cloth_sim/solver/solver.h"
 
 namespace cloth_sim {

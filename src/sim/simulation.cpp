@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/scene/build.h"
 
 namespace cloth_sim {

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "cloth_sim/sim/archive.h"
+#include "archive.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
 

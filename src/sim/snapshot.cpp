@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/sim/simulation.h"
 
 namespace cloth_sim {

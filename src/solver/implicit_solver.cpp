@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "methods.h"
-#include "spring_forces.h"
+#include "constraints/spring_forces.h"
 
 namespace cloth_sim {
 namespace {

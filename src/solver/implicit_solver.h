@@ -1,10 +1,10 @@
 #pragma once
 /// \file What the implicit methods share: one stage, solved by Newton's method.
 
-#include "bend_matrix.h"
-#include "cloth_sim/solver/packed_solver.h"
+#include "linalg/bend_matrix.h"
+#include "substep_solver.h"
 #include "cloth_sim/solver/registry.h"
-#include "spring_matrix.h"
+#include "linalg/spring_matrix.h"
 
 namespace cloth_sim {
 

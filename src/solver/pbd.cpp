@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "cloth_sim/solver/packed_solver.h"
+#include "substep_solver.h"
 #include "methods.h"
-#include "packed_ops.h"
+#include "linalg/vector_operations.h"
 
 namespace cloth_sim {
 namespace {

@@ -4,16 +4,16 @@
 #include <limits>
 #include <numeric>
 
-#include "bend_matrix.h"
-#include "cloth_sim/sim/archive.h"
-#include "cloth_sim/solver/packed_solver.h"
-#include "cloth_sim/solver/vector_clones.h"
-#include "cloth_sim/threads/parallel_for.h"
+#include "linalg/bend_matrix.h"
+#include "sim/archive.h"
+#include "substep_solver.h"
+#include "constraints/vector_clones.h"
+#include "threads/parallel_for.h"
 #include "methods.h"
-#include "packed_ops.h"
-#include "spring_forces.h"
-#include "updatable_factor.h"
-#include "warm_contacts.h"
+#include "linalg/vector_operations.h"
+#include "constraints/spring_forces.h"
+#include "linalg/updatable_factor.h"
+#include "contact_memory.h"
 
 namespace cloth_sim {
 namespace {

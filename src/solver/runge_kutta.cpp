@@ -1,9 +1,9 @@
 #include <array>
 #include <cmath>
 
-#include "force_solver.h"
+#include "explicit_solver.h"
 #include "methods.h"
-#include "packed_ops.h"
+#include "linalg/vector_operations.h"
 
 namespace cloth_sim {
 namespace {

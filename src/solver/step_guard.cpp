@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "whole_steps.h"
+#include "step_count.h"
 
 namespace cloth_sim {
 namespace {

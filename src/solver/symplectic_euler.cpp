@@ -1,4 +1,4 @@
-#include "force_solver.h"
+#include "explicit_solver.h"
 #include "methods.h"
 
 namespace cloth_sim {

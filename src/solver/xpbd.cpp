@@ -1,11 +1,11 @@
 #include <cmath>
 
-#include "bend_sweep.h"
-#include "cloth_sim/solver/packed_solver.h"
-#include "cloth_sim/solver/vector_clones.h"
+#include "constraints/bend_projection.h"
+#include "substep_solver.h"
+#include "constraints/vector_clones.h"
 #include "methods.h"
-#include "packed_ops.h"
-#include "spring_correction.h"
+#include "linalg/vector_operations.h"
+#include "constraints/spring_projection.h"
 
 namespace cloth_sim {
 namespace {

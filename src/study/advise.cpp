@@ -1,4 +1,4 @@
-#include "cloth_sim/study/advise.h"
+#include "advise.h"
 
 #include <algorithm>
 #include <cmath>

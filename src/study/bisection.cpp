@@ -1,4 +1,4 @@
-#include "cloth_sim/study/bisection.h"
+#include "bisection.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "cloth_sim/study/jobs.h"
+#include "jobs.h"
 
 #include <algorithm>
 #include <atomic>

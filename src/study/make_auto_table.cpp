@@ -1,4 +1,4 @@
-#include "cloth_sim/study/make_auto_table.h"
+#include "make_auto_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "cloth_sim/study/run.h"
+#include "run.h"
 
 namespace cloth_sim {
 namespace {

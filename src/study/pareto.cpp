@@ -1,4 +1,4 @@
-#include "cloth_sim/study/pareto.h"
+#include "pareto.h"
 
 #include <algorithm>
 #include <cmath>

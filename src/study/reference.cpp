@@ -1,4 +1,4 @@
-#include "cloth_sim/study/reference.h"
+#include "reference.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "cloth_sim/study/resolution.h"
+#include "resolution.h"
 
 #include <algorithm>
 #include <array>
@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "cloth_sim/cpu_clock.h"
+#include "support/cpu_clock.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
-#include "cloth_sim/study/reference.h"
+#include "reference.h"
 
 namespace cloth_sim {
 namespace {

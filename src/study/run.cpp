@@ -1,10 +1,10 @@
-#include "cloth_sim/study/run.h"
+#include "run.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "cloth_sim/cpu_clock.h"
+#include "support/cpu_clock.h"
 #include "cloth_sim/sim/simulation.h"
 
 namespace cloth_sim {

@@ -1,4 +1,4 @@
-#include "cloth_sim/study/scenes.h"
+#include "scenes.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/study/simplify.h"
+#include "simplify.h"
 
 #include <algorithm>
 #include <cmath>

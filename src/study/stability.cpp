@@ -1,11 +1,11 @@
-#include "cloth_sim/study/stability.h"
+#include "stability.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "cloth_sim/scene/build.h"
-#include "cloth_sim/study/run.h"
+#include "run.h"
 
 namespace cloth_sim {
 namespace {

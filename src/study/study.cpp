@@ -1,4 +1,4 @@
-#include "cloth_sim/study/study.h"
+#include "study.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,11 +7,11 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/scene/names.h"
-#include "cloth_sim/study/jobs.h"
-#include "cloth_sim/study/resolution.h"
-#include "cloth_sim/study/stability.h"
-#include "cloth_sim/study/tables.h"
+#include "scene/names.h"
+#include "jobs.h"
+#include "resolution.h"
+#include "stability.h"
+#include "tables.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,4 +1,4 @@
-#include "cloth_sim/study/tables.h"
+#include "tables.h"
 
 #include <cmath>
 #include <iomanip>

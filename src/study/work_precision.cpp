@@ -1,11 +1,11 @@
-#include "cloth_sim/study/work_precision.h"
+#include "work_precision.h"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <sstream>
 
-#include "cloth_sim/study/pareto.h"
+#include "pareto.h"
 
 namespace cloth_sim {
 namespace {

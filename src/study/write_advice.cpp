@@ -4,7 +4,7 @@
 #include <ostream>
 #include <sstream>
 
-#include "cloth_sim/study/advise.h"
+#include "advise.h"
 
 namespace cloth_sim {
 namespace {

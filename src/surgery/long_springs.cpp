@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "cloth_sim/solver/vector_clones.h"
-#include "cloth_sim/threads/parallel_for.h"
+#include "constraints/vector_clones.h"
+#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {

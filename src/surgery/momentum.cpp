@@ -1,4 +1,4 @@
-#include "cloth_sim/surgery/momentum.h"
+#include "momentum.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

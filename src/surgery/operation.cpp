@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "cloth_sim/surgery/material_path.h"
-#include "cloth_sim/surgery/momentum.h"
+#include "momentum.h"
 #include "cloth_sim/surgery/refine.h"
 
 namespace cloth_sim {

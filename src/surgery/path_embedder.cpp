@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/surgery/material_path.h"
 
 namespace cloth_sim {

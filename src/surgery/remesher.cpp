@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,10 +1,10 @@
-#include "cloth_sim/surgery/tear_line.h"
+#include "tear_line.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/surgery/remesher.h"
 
 namespace cloth_sim {

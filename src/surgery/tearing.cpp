@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "cloth_sim/mesh/quality.h"
-#include "cloth_sim/surgery/tear_line.h"
+#include "mesh/quality.h"
+#include "tear_line.h"
 
 namespace cloth_sim {
 namespace {

@@ -12,9 +12,9 @@
 #include <optional>
 #include <stdexcept>
 
-#include "cloth_sim/ros/bag_writer.h"
-#include "cloth_sim/ros/recording.h"
-#include "cloth_sim/ros/scene_path.h"
+#include "ros/bag_writer.h"
+#include "ros/recording.h"
+#include "ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"

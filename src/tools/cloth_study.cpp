@@ -14,12 +14,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "cloth_sim/ros/scene_path.h"
+#include "ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/study/advise.h"
-#include "cloth_sim/study/exact.h"
-#include "cloth_sim/study/make_auto_table.h"
-#include "cloth_sim/study/study.h"
+#include "study/advise.h"
+#include "study/exact.h"
+#include "study/make_auto_table.h"
+#include "study/study.h"
 #include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {

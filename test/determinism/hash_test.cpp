@@ -5,8 +5,8 @@
 
 #include <set>
 
-#include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/solver/spring_schedule.h"
+#include "constraints/particles.h"
+#include "constraints/spring_schedule.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "determinism/busy_scene.h"
 #include "unit/core_support.h"

@@ -8,7 +8,7 @@
 #include <functional>
 #include <set>
 
-#include "cloth_sim/hash.h"
+#include "support/hash.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/sim/summary.h"

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "cloth_sim/threads/parallel_for.h"
+#include "threads/parallel_for.h"
 #include "cloth_sim/threads/team.h"
 #include "cloth_sim/threads/thread_limit.h"
 

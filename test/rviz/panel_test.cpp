@@ -16,7 +16,7 @@
 #include "cloth_sim/GetState.h"
 #include "cloth_sim/Pause.h"
 #include "cloth_sim/ResetScene.h"
-#include "cloth_sim/rviz/cloth_panel.h"
+#include "rviz/cloth_panel.h"
 
 namespace cloth_sim {
 namespace {

@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/study/make_auto_table.h"
-#include "cloth_sim/study/reference.h"
+#include "study/make_auto_table.h"
+#include "study/reference.h"
 
 namespace cloth_sim {
 namespace {

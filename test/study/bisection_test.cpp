@@ -1,4 +1,4 @@
-#include "cloth_sim/study/bisection.h"
+#include "study/bisection.h"
 
 #include <gtest/gtest.h>
 

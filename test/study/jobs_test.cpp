@@ -1,4 +1,4 @@
-#include "cloth_sim/study/jobs.h"
+#include "study/jobs.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/study/pareto.h"
+#include "study/pareto.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

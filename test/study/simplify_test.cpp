@@ -1,4 +1,4 @@
-#include "cloth_sim/study/simplify.h"
+#include "study/simplify.h"
 
 #include <gmock/gmock.h>
 

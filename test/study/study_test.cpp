@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/study/exact.h"
-#include "cloth_sim/study/stability.h"
-#include "cloth_sim/study/work_precision.h"
+#include "study/exact.h"
+#include "study/stability.h"
+#include "study/work_precision.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/surgery/operation.h"
 #include "unit/core_support.h"
 

@@ -1,4 +1,4 @@
-#include "cloth_sim/scene/auto_method.h"
+#include "scene/auto_method.h"
 
 #include <gmock/gmock.h>
 

@@ -9,8 +9,8 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/sim/summary.h"
-#include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/solver/spring_schedule.h"
+#include "constraints/particles.h"
+#include "constraints/spring_schedule.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

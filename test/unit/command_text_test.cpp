@@ -1,6 +1,6 @@
 /// \file Commands as bytes and as words; scenes as text.
 
-#include "cloth_sim/sim/command_text.h"
+#include "sim/command_text.h"
 
 #include <gtest/gtest.h>
 

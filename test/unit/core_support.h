@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cloth_sim/mesh/mesh_editor.h"
-#include "cloth_sim/mesh/quality.h"
+#include "mesh/quality.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/scene/scene.h"
 #include "cloth_sim/solver/registry.h"

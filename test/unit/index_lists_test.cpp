@@ -9,7 +9,7 @@
 #include <random>
 #include <sstream>
 
-#include "cloth_sim/sim/archive.h"
+#include "sim/archive.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,6 +1,6 @@
 /// \file Momentum of some particles, and giving it back to them.
 
-#include "cloth_sim/surgery/momentum.h"
+#include "surgery/momentum.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "../../src/scene/obj_mesh.h"
+#include "scene/obj_mesh.h"
 #include "cloth_sim/mesh/grid.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"

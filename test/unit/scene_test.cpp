@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "../../src/scene/keys.h"
+#include "scene/keys.h"
 #include "cloth_sim/scene/load.h"
 
 #ifndef CLOTH_SIM_SOURCE_DIR

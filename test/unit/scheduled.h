@@ -1,8 +1,8 @@
 #pragma once
 /// \file Springs of a cloth in the order of sweeps, over edits.
 
-#include "cloth_sim/solver/packed_particles.h"
-#include "cloth_sim/solver/spring_schedule.h"
+#include "constraints/particles.h"
+#include "constraints/spring_schedule.h"
 #include "cloth_sim/surgery/operation.h"
 #include "unit/core_support.h"
 

@@ -1,6 +1,6 @@
 /// \file Corrections along springs, four at a time, are those of one spring after the other.
 
-#include "../../src/solver/spring_correction.h"
+#include "constraints/spring_projection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// \file The order of sweeps: complete, without conflicts, mostly contiguous.
 
-#include "cloth_sim/solver/spring_schedule.h"
+#include "constraints/spring_schedule.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 
 #include <sstream>
 
-#include "cloth_sim/sim/archive.h"
-#include "cloth_sim/solver/spring_laws.h"
+#include "sim/archive.h"
+#include "constraints/spring_parameters.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

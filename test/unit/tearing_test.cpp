@@ -8,7 +8,7 @@
 #include <set>
 #include <tuple>
 
-#include "cloth_sim/surgery/tear_line.h"
+#include "surgery/tear_line.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

@@ -1,5 +1,5 @@
 // A factorisation that follows its matrix, against one made anew.
-#include "../../src/solver/updatable_factor.h"
+#include "linalg/updatable_factor.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "cloth_sim/sim/archive.h"
+#include "sim/archive.h"
 
 namespace cloth_sim {
 namespace {

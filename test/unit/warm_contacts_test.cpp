@@ -1,4 +1,4 @@
-#include "../../src/solver/warm_contacts.h"
+#include "solver/contact_memory.h"
 
 #include <gtest/gtest.h>
 

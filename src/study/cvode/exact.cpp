@@ -1,4 +1,4 @@
-#include "cloth_sim/study/exact.h"
+#include "study/exact.h"
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>

@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "cloth_sim/study/exact.h"
+#include "study/exact.h"
 
 namespace cloth_sim {
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "cloth_sim/ros/follow_source.h"
-#include "cloth_sim/ros/pose_tracker.h"
-#include "cloth_sim/ros/wrench_filter.h"
+#include "ros/follow_source.h"
+#include "ros/pose_tracker.h"
+#include "ros/wrench_filter.h"
 
 namespace cloth_sim {
 namespace {

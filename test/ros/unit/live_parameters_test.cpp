@@ -1,6 +1,6 @@
 /// \file Configurations <-> commands, without a node and without a master.
 
-#include "cloth_sim/ros/live_parameters.h"
+#include "ros/live_parameters.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

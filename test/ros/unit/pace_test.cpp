@@ -1,6 +1,6 @@
 /// \file What comes at most at a rate.
 
-#include "cloth_sim/ros/pace.h"
+#include "ros/pace.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 /// \file What the border lets in, without a node and without a master.
 
-#include "cloth_sim/ros/requests.h"
+#include "ros/requests.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <functional>
 #include <limits>
 
-#include "cloth_sim/scene/names.h"
+#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,6 +1,6 @@
 /// \file The mailbox and the pace of the simulation thread.
 
-#include "cloth_sim/ros/simulation_thread.h"
+#include "ros/simulation_thread.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

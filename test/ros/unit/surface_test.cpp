@@ -1,6 +1,6 @@
 /// \file Topology and frame -> vertices and colours, without a node, a master and rviz.
 
-#include "cloth_sim/ros/surface.h"
+#include "ros/surface.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 /// \file What is drawn from messages is what is drawn from the simulation, to the float.
 
-#include "cloth_sim/ros/viewer.h"
+#include "ros/viewer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,137 @@
+#include "spring_forces.h"
+
+#include <cmath>
+
+#include "vector_clones.h"
+
+namespace cloth_sim {
+namespace {
+
+/// One spring from a to b: the force that a gets.
+struct Pull {
+  double x, y, z;
+};
+
+[[gnu::always_inline]] inline Pull elasticPull(double dx, double dy, double dz, double rest,
+                                               double stiffness) {
+  const double length = std::sqrt(dx * dx + dy * dy + dz * dz + kTinySquare);
+  const double f = stiffness * (length - rest) / length;
+  return {f * dx, f * dy, f * dz};
+}
+
+[[gnu::always_inline]] inline Pull dampedPull(double dx, double dy, double dz, double rx, double ry,
+                                              double rz, double rest, double stiffness,
+                                              double damping) {
+  const double length = std::sqrt(dx * dx + dy * dy + dz * dz + kTinySquare);
+  const double rate = (dx * rx + dy * ry + dz * rz) / length;
+  const double f = (stiffness * (length - rest) + damping * rate) / length;
+  return {f * dx, f * dy, f * dz};
+}
+
+/// Constants of the springs of a run, `kStride` apart: 0 if all have the same.
+template <int kStride, bool kDamped>
+[[gnu::always_inline]] inline void pullAll(const SpringSchedule::Span& span, const SpringLaws& laws,
+                                           const PackedVectors& x, const PackedVectors& v,
+                                           PackedVectors& force) {
+  const std::int32_t a = span.ends.a;
+  const std::int32_t b = span.ends.b;
+  const double* const ax = x.x.data() + a;
+  const double* const ay = x.y.data() + a;
+  const double* const az = x.z.data() + a;
+  const double* const bx = x.x.data() + b;
+  const double* const by = x.y.data() + b;
+  const double* const bz = x.z.data() + b;
+  const double* const au = v.x.data() + a;
+  const double* const av = v.y.data() + a;
+  const double* const aw = v.z.data() + a;
+  const double* const bu = v.x.data() + b;
+  const double* const bv = v.y.data() + b;
+  const double* const bw = v.z.data() + b;
+  const double* const rest = laws.restLength().data() + span.laws;
+  const double* const stiffness = laws.stiffness().data() + span.laws;
+  const double* const damping = kDamped ? laws.damping().data() + span.laws : nullptr;
+  double* const fax = force.x.data() + a;
+  double* const fay = force.y.data() + a;
+  double* const faz = force.z.data() + a;
+  double* const fbx = force.x.data() + b;
+  double* const fby = force.y.data() + b;
+  double* const fbz = force.z.data() + b;
+  const std::int32_t count = span.count;
+#pragma GCC ivdep
+  for (std::int32_t k = 0; k < count; ++k) {
+    const double dx = bx[k] - ax[k];
+    const double dy = by[k] - ay[k];
+    const double dz = bz[k] - az[k];
+    const std::int32_t law = kStride * k;
+    const Pull pull = kDamped ? dampedPull(dx, dy, dz, bu[k] - au[k], bv[k] - av[k], bw[k] - aw[k],
+                                           rest[law], stiffness[law], damping[law])
+                              : elasticPull(dx, dy, dz, rest[law], stiffness[law]);
+    fax[k] += pull.x;
+    fay[k] += pull.y;
+    faz[k] += pull.z;
+    fbx[k] -= pull.x;
+    fby[k] -= pull.y;
+    fbz[k] -= pull.z;
+  }
+}
+
+CLOTH_SIM_VECTOR_CLONES
+void pullRun(const SpringSchedule::Span& span, const SpringLaws& laws, const PackedVectors& x,
+             const PackedVectors& v, PackedVectors& force) {
+  span.isUniform ? pullAll<0, false>(span, laws, x, v, force)
+                 : pullAll<1, false>(span, laws, x, v, force);
+}
+
+CLOTH_SIM_VECTOR_CLONES
+void pullDampedRun(const SpringSchedule::Span& span, const SpringLaws& laws, const PackedVectors& x,
+                   const PackedVectors& v, PackedVectors& force) {
+  span.isUniform ? pullAll<0, true>(span, laws, x, v, force)
+                 : pullAll<1, true>(span, laws, x, v, force);
+}
+
+}  // namespace
+
+double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
+                       const PackedVectors& v, double tau) {
+  double sum = 0.0;
+  schedule.forEach([&](const SpringSchedule::Element& spring) {
+    const auto a = static_cast<std::size_t>(spring.a);
+    const auto b = static_cast<std::size_t>(spring.b);
+    const Vec3 d = x.at(b) - x.at(a);
+    const double length = std::sqrt(d.squaredNorm() + kTinySquare);
+    const double rate = d.dot(v.at(b) - v.at(a)) / length;
+    const double extension = length - spring.law.restLength;
+    sum += 0.5 * spring.law.stiffness * extension * extension +
+           0.5 * tau * spring.law.damping * rate * rate;
+  });
+  return sum;
+}
+
+void addSpringForce(const SpringSchedule::Element& spring, const PackedVectors& x,
+                    const PackedVectors& v, PackedVectors& force) {
+  const auto a = static_cast<std::size_t>(spring.a);
+  const auto b = static_cast<std::size_t>(spring.b);
+  const auto& [rest, stiffness, damping] = spring.law;
+  const double dx = x.x[b] - x.x[a];
+  const double dy = x.y[b] - x.y[a];
+  const double dz = x.z[b] - x.z[a];
+  const Pull pull = damping > 0.0 ? dampedPull(dx, dy, dz, v.x[b] - v.x[a], v.y[b] - v.y[a],
+                                               v.z[b] - v.z[a], rest, stiffness, damping)
+                                  : elasticPull(dx, dy, dz, rest, stiffness);
+  force.x[a] += pull.x;
+  force.y[a] += pull.y;
+  force.z[a] += pull.z;
+  force.x[b] -= pull.x;
+  force.y[b] -= pull.y;
+  force.z[b] -= pull.z;
+}
+
+void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
+                     PackedVectors& force) {
+  const auto pull = schedule.laws.damped() ? pullDampedRun : pullRun;
+  schedule.sweep(
+      [&](const SpringSchedule::Span& span) { pull(span, schedule.laws, x, v, force); },
+      [&](const SpringSchedule::Element& spring) { addSpringForce(spring, x, v, force); });
+}
+
+}  // namespace cloth_sim

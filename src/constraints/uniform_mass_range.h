@@ -1,0 +1,20 @@
+#pragma once
+/// \file Where masses need not be read.
+
+#include "particles.h"
+#include "spring_schedule.h"
+
+namespace cloth_sim {
+
+/// Springs [from, end) of a run, whole fours from its first on, whose ends all have one mass.
+struct EvenStretch {
+  std::int32_t from = 0;
+  std::int32_t end = 0;
+};
+
+/// The longest one of each span; none where that is no run.
+/// \param inverseMass  by slot.
+void findEvenStretches(const SpringSchedule& schedule, const PackedScalars& inverseMass,
+                       std::vector<EvenStretch>& stretches);
+
+}  // namespace cloth_sim

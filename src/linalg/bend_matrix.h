@@ -1,0 +1,52 @@
+#pragma once
+/// \file The stiffness matrix of a bending energy, for methods that integrate forces.
+
+#include "cloth_sim/cloth/model.h"
+#include "constraints/particles.h"
+
+namespace cloth_sim {
+
+/// K of the energy 1/2 x^T K x of a BendNetwork: one row per particle slot, the same for the three
+/// coordinates, in compressed rows. Constant until the model changes.
+class BendMatrix {
+ public:
+  void build(const Model& model, const PackedParticles& particles);
+
+  bool empty() const { return column_.empty(); }
+  /// out += s K x, on several threads where that pays.
+  void addProduct(double s, const PackedVectors& x, PackedVectors& out) const;
+  /// force -= K (x + retardation v) [N].
+  void addForces(const PackedVectors& x, const PackedVectors& v, PackedVectors& force) const;
+  /// The same for one slot.
+  void addForce(std::size_t slot, const PackedVectors& x, const PackedVectors& v,
+                PackedVectors& force) const;
+  /// 1/2 x^T K x + tau/2 retardation v^T K v: see springPotential [J].
+  double potential(const PackedVectors& x, const PackedVectors& v, double tau) const;
+  double retardation() const { return retardation_; }
+  /// The entry of a slot on the diagonal [N/m].
+  double diagonal(std::size_t slot) const {
+    return slot < diagonal_.size() ? diagonal_[slot] : 0.0;
+  }
+
+  /// Calls `visit(row, column, value)` for every entry on and below the diagonal.
+  template <typename Visit>
+  void forLower(const Visit& visit) const {
+    for (std::size_t row = 0; row + 1 < start_.size(); ++row) {
+      for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
+        if (static_cast<std::size_t>(column_[k]) <= row) visit(row, column_[k], value_[k]);
+      }
+    }
+  }
+
+ private:
+  Vec3 rowProduct(std::size_t row, const PackedVectors& x) const;
+  double quadraticForm(const PackedVectors& x) const;
+
+  std::vector<std::size_t> start_;  ///< by slot, and one more
+  std::vector<std::int32_t> column_;
+  std::vector<double> value_;  ///< [N/m]
+  std::vector<double> diagonal_;
+  double retardation_ = 0.0;  ///< dashpot over stiffness [s]
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,84 @@
+#include "vector_operations.h"
+
+#include <algorithm>
+#include <array>
+
+#include "constraints/vector_clones.h"
+
+namespace cloth_sim {
+namespace {
+
+CLOTH_SIM_VECTOR_CLONES
+void sumAxis(std::size_t n, const double* b, double s, const double* c, double* a) {
+  for (std::size_t k = 0; k < n; ++k) a[k] = b[k] + s * c[k];
+}
+
+CLOTH_SIM_VECTOR_CLONES
+void differenceAxis(std::size_t n, const double* b, const double* c, double s, double* a) {
+  for (std::size_t k = 0; k < n; ++k) a[k] = s * (b[k] - c[k]);
+}
+
+/// Eight partial sums, so that it can be vectorised without changing the order.
+CLOTH_SIM_VECTOR_CLONES
+double dotAxis(std::size_t n, const double* a, const double* b) {
+  constexpr std::size_t kLanes = 8;
+  std::array<double, kLanes> part{};
+  std::size_t k = 0;
+  for (; k + kLanes <= n; k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) part[lane] += a[k + lane] * b[k + lane];
+  }
+  double sum = 0.0;
+  for (; k < n; ++k) sum += a[k] * b[k];
+  for (double value : part) sum += value;
+  return sum;
+}
+
+}  // namespace
+
+void setZero(std::size_t n, PackedVectors& a) {
+  a.resize(n);
+  forParts(n, [&](std::size_t first, std::size_t count) {
+    forAxes([&](PackedScalars& axis) { std::fill_n(axis.data() + first, count, 0.0); }, a);
+  });
+}
+
+void copy(const PackedVectors& b, PackedVectors& a) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes([&](const auto& from,
+                auto& to) { std::copy_n(from.data() + first, count, to.data() + first); },
+            b, a);
+  });
+}
+
+void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVectors& a) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes(
+        [&](auto& p, const auto& q, const auto& r) {
+          sumAxis(count, q.data() + first, s, r.data() + first, p.data() + first);
+        },
+        a, b, c);
+  });
+}
+
+void setDifference(const PackedVectors& b, const PackedVectors& c, double s, PackedVectors& a) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes(
+        [&](auto& p, const auto& q, const auto& r) {
+          differenceAxis(count, q.data() + first, r.data() + first, s, p.data() + first);
+        },
+        a, b, c);
+  });
+}
+
+void addScaled(double s, const PackedVectors& b, PackedVectors& a) { setSum(a, s, b, a); }
+
+double dot(const PackedVectors& a, const PackedVectors& b) {
+  const std::size_t n = a.x.size();
+  return dotAxis(n, a.x.data(), b.x.data()) + dotAxis(n, a.y.data(), b.y.data()) +
+         dotAxis(n, a.z.data(), b.z.data());
+}
+
+}  // namespace cloth_sim

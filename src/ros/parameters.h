@@ -1,0 +1,49 @@
+#pragma once
+/// \file The node's private parameters.
+
+#include <ros/node_handle.h>
+
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "follow_source.h"
+
+namespace cloth_sim {
+
+/// One line: which parameter, what was expected, what came.
+class ParameterError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Defaults are the documented ones (docs/ros_api.md).
+struct NodeParameters {
+  std::string scene = "tear_seam";   ///< file, or name under config/scenes
+  std::vector<std::string> set;      ///< "dotted.key=value" overrides of the scene
+  std::string worldFrame = "world";  ///< tf frame of all world quantities
+  double rateMarkers = 30.0;         ///< of ~markers, >= 0; 0: never [Hz]
+  double rateFrame = 60.0;           ///< of ~frame, >= 0; 0: never [Hz]
+  double rateSurface = 30.0;         ///< of ~points and ~mesh, >= 0; 0: never [Hz]
+  double rateState = 30.0;           ///< of ~state and tf, > 0 [Hz]
+  double rateWrench = 60.0;          ///< of the clamps' wrenches, >= 0; 0: never [Hz]
+  double rateFollow = 100.0;         ///< at which tf is looked at for what is followed, > 0 [Hz]
+  double wrenchCutoff = 0.0;         ///< of the low-pass over the wrenches, >= 0; 0: none [Hz]
+  double realTimeFactor = 1.0;       ///< simulated over wall time, >= 0; 0: as fast as it can
+  int threads = 0;                   ///< of the simulation, >= 0; 0: one per processor
+  bool paused = false;               ///< at the start
+  bool publishClock = false;         ///< simulated time on /clock
+  std::string stateDirectory = "~/.ros/cloth_sim";  ///< of ~save_state and ~load_state
+  double strainRange = 0.2;  ///< strain of the last colour of the markers, > 0 [-]
+  bool handles = false;      ///< interactive markers on clamps and obstacles
+  bool twoSided = false;     ///< markers show the back of the cloth in its own colour
+  std::map<std::string, FollowSource> follow;          ///< by clamp: what it follows
+  std::map<std::string, FollowSource> followObstacle;  ///< by obstacle: what it follows
+};
+
+/// Reads and checks the private parameters. Unknown ones are warned about.
+/// \throws ParameterError
+NodeParameters readParameters(const ros::NodeHandle& privateNode);
+
+}  // namespace cloth_sim

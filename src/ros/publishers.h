@@ -1,0 +1,123 @@
+#pragma once
+/// \file What the node sends, from a thread of its own: stepping never waits for it.
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <std_msgs/String.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include "clamp_ports.h"
+#include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/ros/markers.h"
+#include "obstacle_followers.h"
+#include "parameters.h"
+#include "simulation_thread.h"
+
+namespace cloth_sim {
+
+/// What moves by commands from outside: for its topics, and to report how it gets on.
+struct Followers {
+  ClampPorts& clamps;
+  const ObstacleFollowers& obstacles;
+};
+
+/// Sends every topic of the node, tf and diagnostics, each at its rate. What nobody subscribes to
+/// is not computed.
+class Publishers {
+ public:
+  /// \param scene  its text, for whoever records.
+  Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
+             const std::string& scene, SimulationThread& simulation, const Followers& followers);
+  ~Publishers();
+  Publishers(const Publishers&) = delete;
+  Publishers& operator=(const Publishers&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// When something is to be sent: at most at its rate, and only if there is something new or
+  /// someone new, or nothing was sent for a second.
+  struct Schedule {
+    explicit Schedule(double hz) : rate(hz) {}
+    bool due(Clock::time_point now, std::uint64_t observation, std::uint32_t subscribers);
+
+    double rate = 0.0;       ///< [Hz]; 0: never
+    Clock::time_point last;  ///< when it was sent
+    Pace pace;
+    std::uint64_t lastObservation = 0;  ///< what was sent
+    std::uint32_t lastSubscribers = 0;
+  };
+
+  void run();
+  void tick();
+  ros::Time stampOf(const Snapshot& snapshot) const;
+  void repeatLatched();
+  void sendCommands();
+  void sendTopology(const Observation& observation);
+  void sendEvents(const Observation& observation);
+  void sendGraspEvents();
+  void sendPhase(const Observation& observation);
+  void sendState(const Observation& observation);
+  void sendClamps(const Observation& observation);
+  void sendFrame(const Observation& observation);
+  void sendSurfaces(const Observation& observation, Clock::time_point now);
+  void sendMarkers(const Observation& observation);
+  void sendSceneMarkers(const Observation& observation);
+  void diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  double wantedRate() const;
+  double wantedFigures() const;
+
+  NodeParameters parameters_;
+  SimulationThread& simulation_;
+  Followers followers_;
+  std::string nodeName_;
+  ros::Publisher markers_;
+  ros::Publisher sceneMarkers_;
+  ros::Publisher topology_;
+  ros::Publisher frame_;
+  ros::Publisher state_;
+  ros::Publisher brokenSprings_;
+  ros::Publisher tearEvents_;
+  ros::Publisher phase_;
+  ros::Publisher commands_;
+  ros::Publisher scene_;
+  ros::Publisher graspEvents_;
+  ros::Publisher points_;
+  ros::Publisher mesh_;
+  tf2_ros::TransformBroadcaster broadcaster_;
+  diagnostic_updater::Updater updater_;
+
+  Schedule markersSchedule_;
+  Schedule sceneMarkersSchedule_;
+  Schedule frameSchedule_;
+  Schedule transformsSchedule_;
+  Schedule stateSchedule_;
+  Schedule wrenchSchedule_;
+  Schedule pointsSchedule_;
+  Schedule meshSchedule_;
+  MarkerBuilder builder_;
+  MarkerBuilder sceneBuilder_;
+  ClothFrame frameMessage_;
+  FailureLog failures_;
+  std_msgs::Header header_;  ///< of everything sent in this tick
+  std::shared_ptr<const Topology> sentTopology_;
+  std::optional<std::string> sentPhase_;
+  std_msgs::String sceneText_;
+  std::optional<Clock::time_point> repeated_;  ///< when everything latched was sent last
+  ros::Time sentTransforms_;
+  int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
+  std::uint64_t resetsSeen_ = 0;
+  Observation diagnosed_;  ///< the last one that was looked at
+
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;  // last: starts when everything above is there
+};
+
+}  // namespace cloth_sim

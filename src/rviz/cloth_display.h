@@ -1,0 +1,87 @@
+#pragma once
+/// \file rviz display of a cloth, straight from ~topology and ~frame.
+
+#include <ros/subscriber.h>
+#include <rviz/display.h>
+
+#include <memory>
+
+#include "ros/surface.h"
+#include "surface_visual.h"
+
+namespace rviz {
+class BoolProperty;
+class ColorProperty;
+class EnumProperty;
+class FloatProperty;
+class RosTopicProperty;
+}  // namespace rviz
+
+namespace cloth_sim {
+
+class StrainLegend;
+
+/// Draws the newest frame whose topology is known, once per frame of rviz. Frames of another
+/// revision are dropped; one that is ahead of its topology waits for it.
+class ClothDisplay : public rviz::Display {
+ public:
+  ClothDisplay();
+  ~ClothDisplay() override;
+
+  void setTopic(const QString& topic, const QString& datatype) override;
+  void reset() override;
+  void update(float wallDt, float rosDt) override;
+
+ protected:
+  void onInitialize() override;
+  void onEnable() override;
+  void onDisable() override;
+  void fixedFrameChanged() override { reset(); }
+
+ private:
+  /// Since the last report.
+  struct Statistics {
+    int frames = 0;        ///< drawn
+    int dropped = 0;       ///< of another revision
+    double busy = 0.0;     ///< time in computing and writing what is drawn [s]
+    double slowest = 0.0;  ///< of it, in one frame [s]
+    double elapsed = 0.0;  ///< [s]
+  };
+
+  void subscribe();
+  void unsubscribe();
+  void onTopology(const ClothTopology::ConstPtr& topology);
+  void onFrame(const ClothFrame::ConstPtr& frame);
+  void drawWaiting();
+  bool placeInScene(const std::string& frame);
+  void applyStyle();
+  SurfaceStyle style() const;
+  SurfaceLook look() const;
+  void report(double elapsed);
+
+  Surface surface_;
+  std::unique_ptr<SurfaceVisual> visual_;
+  std::unique_ptr<StrainLegend> legend_;
+  ros::Subscriber topologySubscriber_;
+  ros::Subscriber frameSubscriber_;
+  ClothFrame::ConstPtr waiting_;  ///< came, not drawn yet
+  ClothFrame::ConstPtr counted_;  ///< the last one that was dropped
+  ClothFrame::ConstPtr drawn_;
+  bool visualIsStale_ = true;  ///< its triangles are those of another revision
+  Statistics statistics_;
+
+  // Owned by rviz.
+  rviz::RosTopicProperty* topic_ = nullptr;
+  rviz::EnumProperty* mode_ = nullptr;
+  rviz::BoolProperty* strain_ = nullptr;
+  rviz::FloatProperty* strainRange_ = nullptr;
+  rviz::BoolProperty* showLegend_ = nullptr;
+  rviz::ColorProperty* frontColour_ = nullptr;
+  rviz::BoolProperty* showBack_ = nullptr;
+  rviz::ColorProperty* backColour_ = nullptr;
+  rviz::ColorProperty* wireColour_ = nullptr;
+  rviz::ColorProperty* tornColour_ = nullptr;
+  rviz::FloatProperty* tornWidth_ = nullptr;
+};
+
+}  // namespace cloth_sim

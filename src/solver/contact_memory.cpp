@@ -1,0 +1,81 @@
+#include "contact_memory.h"
+
+#include <cmath>
+#include <utility>
+
+namespace cloth_sim {
+namespace {
+
+/// What remains of a force from one substep to the next. With all of it a cloth that falls on a
+/// sphere is thrown up again; below 0.9 the strain is back (docs/performance.md).
+constexpr double kKeep = 0.95;
+
+/// Instead of an index: has been listed.
+constexpr std::int32_t kListed = -2;
+static_assert(kListed != kNone, "a mark of its own");
+
+}  // namespace
+
+void WarmContacts::begin(const Contacts& contacts, const PackedParticles& particles, double time,
+                         double h) {
+  if (std::abs(time - startTime_) < 0.5 * h) {
+    now_ = atStart_;
+  } else {
+    atStart_ = now_;
+  }
+  startTime_ = time;
+  if (contacts.empty() && now_.slots.empty()) return;
+  indexOf_.resize(static_cast<std::size_t>(particles.slots), kNone);
+  for (std::size_t k = 0; k < now_.slots.size(); ++k) {
+    indexOf_[static_cast<std::size_t>(now_.slots[k])] = static_cast<std::int32_t>(k);
+  }
+  listed_.slots.clear();
+  listed_.acceleration.clear();
+  for (const ContactCandidates& near : contacts.candidates) {
+    for (const VertexId v : near.vertices) {
+      const std::int32_t slot = particles.slotOf[v];
+      if (particles.mass[static_cast<std::size_t>(slot)] > 0.0) list(slot);
+    }
+  }
+  for (const Forces* forces : {&now_, &listed_}) {
+    for (const std::int32_t slot : forces->slots) indexOf_[static_cast<std::size_t>(slot)] = kNone;
+  }
+  std::swap(now_, listed_);
+}
+
+/// A particle near two obstacles comes by twice.
+void WarmContacts::list(std::int32_t slot) {
+  std::int32_t& index = indexOf_[static_cast<std::size_t>(slot)];
+  if (index == kListed) return;
+  const bool isKnown = index != kNone;
+  listed_.slots.push_back(slot);
+  listed_.acceleration.push_back(isKnown ? now_.acceleration[static_cast<std::size_t>(index)]
+                                         : Vec3::Zero());
+  index = kListed;
+}
+
+void WarmContacts::addForces(const PackedScalars& mass, PackedVectors& force) const {
+  for (std::size_t k = 0; k < now_.slots.size(); ++k) {
+    const auto slot = static_cast<std::size_t>(now_.slots[k]);
+    force.set(slot, force.at(slot) + mass[slot] * now_.acceleration[k]);
+  }
+}
+
+void WarmContacts::enforce(double time, double h, Contacts& contacts, PackedParticles& particles) {
+  if (contacts.empty()) return;
+  PackedVectors& x = particles.x;
+  for (std::size_t k = 0; k < now_.slots.size(); ++k) {
+    const auto slot = static_cast<std::size_t>(now_.slots[k]);
+    const Vec3 without = x.at(slot) - h * h * now_.acceleration[k];
+    x.set(slot, without);
+    now_.acceleration[k] = without;
+  }
+  contacts.project(particles.view(), time, h);
+  for (std::size_t k = 0; k < now_.slots.size(); ++k) {
+    const auto slot = static_cast<std::size_t>(now_.slots[k]);
+    now_.acceleration[k] = kKeep / (h * h) * (x.at(slot) - now_.acceleration[k]);
+    particles.v.set(slot, (x.at(slot) - particles.start.at(slot)) / h);
+  }
+}
+
+}  // namespace cloth_sim

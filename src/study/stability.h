@@ -1,0 +1,41 @@
+#pragma once
+/// \file How long a substep each method stays stable with, measured.
+
+#include <string>
+#include <vector>
+
+#include "cloth_sim/cloth/state.h"
+#include "cloth_sim/solver/registry.h"
+#include "bisection.h"
+
+namespace cloth_sim {
+
+/// A cloth that vibrates in its fastest mode, without damping or gravity.
+struct VibratingSystem {
+  std::string name;        ///< "oscillator" or "cloth"
+  double stiffness = 0.0;  ///< of its springs, or of its fabric along warp [N/m]
+  double omega = 0.0;      ///< largest angular frequency of small vibrations [rad/s]
+  Model model;
+  State start;  ///< displaced along the mode
+};
+
+/// Two masses on a spring.
+VibratingSystem makeOscillator();
+/// A small flat cloth, free, in the plane; its mode by dense eigenvalues of the stiffness.
+VibratingSystem makeVibratingCloth();
+
+/// Whether the energy in the springs stays bounded with substeps of `h` [s].
+bool staysBounded(const SolverInfo& method, const VibratingSystem& system, double h);
+
+struct StabilityLimit {
+  const SolverInfo* method = nullptr;
+  std::string system;
+  double stiffness = 0.0;  ///< [N/m]
+  double omega = 0.0;      ///< [rad/s]
+  Bisection inOmegaH;      ///< probes and limit, in omega h
+};
+
+/// Of one method on one system, in omega h from 0.02 to 1000 to half a per cent.
+StabilityLimit measureStability(const SolverInfo& method, const VibratingSystem& system);
+
+}  // namespace cloth_sim
