@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "constraints/cache_aligned.h"
+#include "constraints/spring_projection.h"
 #include "constraints/vector_clones.h"
 #include "packed.h"
-#include "constraints/spring_projection.h"
 #include "turns.h"
 
 namespace cloth_sim::bench {
@@ -159,7 +159,7 @@ class AnySweep {
  public:
   /// \param first  of the spans.
   AnySweep(const Packed& packed, std::size_t first) {
-    const PackedVectors& x = packed.particles.x;
+    const VectorArray& x = packed.particles.x;
     for (std::size_t k = 0; k < x.x.size(); ++k) {
       const Vec3 wavy = x.at(k) + 0.01 * Vec3(x.x[k], std::sin(20.0 * x.x[k]), 2.0 * x.z[k]);
       points_.push_back({static_cast<Real>(wavy.x()), static_cast<Real>(wavy.y()),
@@ -171,7 +171,7 @@ class AnySweep {
       packed.schedule.visit(span, [&](const SpringSchedule::Element& spring) {
         a_.push_back(spring.a);
         b_.push_back(spring.b);
-        rest_.push_back(static_cast<Real>(spring.law.restLength));
+        rest_.push_back(static_cast<Real>(spring.parameters.restLength));
       });
     }
   }
@@ -192,14 +192,14 @@ class AnySweep {
   std::vector<Real> rest_;
 };
 
-void makeReady(const Packed& packed, SpringCorrection& correction) {
+void makeReady(const Packed& packed, SpringProjection& correction) {
   correction.setMasses(packed.schedule, packed.particles.inverseMass);
   correction.setStep(packed.schedule, kSubstep);
 }
 
-void makeReady(const Packed& packed, LaterCorrection& correction) {
+void makeReady(const Packed& packed, OverflowProjection& correction) {
   Compliances compliances;
-  setCompliances(packed.schedule.laws, kSubstep, compliances);
+  setCompliances(packed.schedule.parameters, kSubstep, compliances);
   correction.setMasses(packed.schedule, packed.particles.inverseMass);
   correction.setStep(packed.schedule, compliances);
 }
@@ -256,19 +256,19 @@ void sweeps(benchmark::State& run, Packed& packed, std::size_t first = 0) {
 
 void grid(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
-  sweeps<SpringCorrection, StructuredSweep>(run, packed);
+  sweeps<SpringProjection, StructuredSweep>(run, packed);
 }
 
 void any(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kAny);
-  sweeps<SpringCorrection, AnySweep>(run, packed);
+  sweeps<SpringProjection, AnySweep>(run, packed);
 }
 
 /// Those that cuts and refinement made, in a sweep of their own.
 void later(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
   packed.slit();
-  sweeps<LaterCorrection, AnySweep>(run, packed, packed.schedule.firstLater());
+  sweeps<OverflowProjection, AnySweep>(run, packed, packed.schedule.firstLater());
 }
 
 const bool registered = [] {

@@ -2,13 +2,13 @@
 
 #include <benchmark/benchmark.h>
 
-#include "packed.h"
-#include "linalg/bend_matrix.h"
 #include "constraints/bend_projection.h"
-#include "constraints/spring_projection.h"
 #include "constraints/spring_forces.h"
+#include "constraints/spring_projection.h"
+#include "linalg/bend_matrix.h"
 #include "linalg/spring_matrix.h"
 #include "linalg/updatable_factor.h"
+#include "packed.h"
 
 namespace cloth_sim::bench {
 namespace {
@@ -29,7 +29,7 @@ BENCHMARK_CAPTURE(springForces, any, Order::kAny)->Name("kernel/spring_forces_an
 
 void springCorrections(benchmark::State& run, Order order) {
   Packed packed(static_cast<int>(run.range(0)), order);
-  SpringCorrection correction;
+  SpringProjection correction;
   correction.setMasses(packed.schedule, packed.particles.inverseMass);
   correction.setStep(packed.schedule, kSubstep);
   for (auto _ : run) {
@@ -53,7 +53,7 @@ void springProduct(benchmark::State& run) {
   const SpringMatrix::Elements elements{packed.schedule, noBending};
   SpringMatrix matrix;
   matrix.linearise(elements, packed.particles.x, kFrame * kFrame, kFrame, packed.particles.mass);
-  PackedVectors product;
+  VectorArray product;
   for (auto _ : run) {
     matrix.multiply(elements, packed.particles.x, product);
     benchmark::ClobberMemory();
@@ -94,7 +94,7 @@ UpdatableFactor::Matrix globalMatrix(const Packed& packed) {
     entries.emplace_back(k, k, packed.particles.mass[static_cast<std::size_t>(k)]);
   }
   packed.schedule.forEach([&](const SpringSchedule::Element& spring) {
-    const double w = kFrame * kFrame * spring.law.stiffness;
+    const double w = kFrame * kFrame * spring.parameters.stiffness;
     entries.emplace_back(spring.a, spring.a, w);
     entries.emplace_back(spring.b, spring.b, w);
     entries.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b), -w);
@@ -120,7 +120,7 @@ void solve(benchmark::State& run) {
   const Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
   UpdatableFactor factor;
   factor.compute(globalMatrix(packed));
-  PackedVectors x;
+  VectorArray x;
   factor.solve(packed.particles.x, x);  // what the first one alone makes
   for (auto _ : run) factor.solve(packed.particles.x, x);
   tellPerSpring(packed.schedule.size(), run);

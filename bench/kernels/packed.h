@@ -12,7 +12,7 @@ constexpr double kSubstep = kFrame / 20.0;  ///< of `xpbd`
 
 /// Of the slots of particles.
 enum class Order {
-  kGrid,  ///< as PackedParticles chooses for a grid
+  kGrid,  ///< as Particles chooses for a grid
   kAny,   ///< along a Z curve: neighbours are near, but no two springs of a colour are in a row
 };
 
@@ -23,9 +23,9 @@ struct Packed {
   void slit();
 
   Simulation simulation;
-  PackedParticles particles;
+  Particles particles;
   SpringSchedule schedule;
-  PackedVectors force;
+  VectorArray force;
 
  private:
   void load();

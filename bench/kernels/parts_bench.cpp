@@ -28,7 +28,7 @@ void projectContacts(benchmark::State& run) {
   Contacts contacts;
   contacts.clear();
   simulation.colliders().detect(simulation.state(), 1.0 / 60.0, 1e-3, contacts);
-  PackedParticles particles;
+  Particles particles;
   particles.layOut(simulation.model());
   particles.resize();
   particles.load(simulation.state());

@@ -37,7 +37,7 @@ const char* toString(SpringKind kind) {
 
 bool Spring::operator==(const Spring& other) const {
   return a == other.a && b == other.b && support == other.support && kind == other.kind &&
-         direction == other.direction && law() == other.law();
+         direction == other.direction && parameters() == other.parameters();
 }
 
 void SpringSlots::append(const Spring& spring) {
@@ -66,7 +66,7 @@ std::int32_t SpringSlots::enter(const Spring& spring) {
     if (make.springs == 0) {
       place = at;
     } else if (make.kind == spring.kind && make.direction == spring.direction &&
-               make.law == spring.law()) {
+               make.parameters == spring.parameters()) {
       ++make.springs;
       return known;
     }
@@ -77,8 +77,8 @@ std::int32_t SpringSlots::enter(const Spring& spring) {
   }
   known_[place] = unused_.back();
   unused_.pop_back();
-  makes_[static_cast<std::size_t>(known_[place])] = {spring.law(), spring.kind, spring.direction,
-                                                     1};
+  makes_[static_cast<std::size_t>(known_[place])] = {spring.parameters(), spring.kind,
+                                                     spring.direction, 1};
   return known_[place];
 }
 

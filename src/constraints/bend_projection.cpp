@@ -43,7 +43,7 @@ std::vector<BendElement> joined(const BendNetwork& bending) {
 
 }  // namespace
 
-void BendSweep::build(const BendNetwork& bending, const PackedParticles& particles) {
+void BendSweep::build(const BendNetwork& bending, const Particles& particles) {
   const std::vector<BendElement> all = joined(bending);
   // Greedily, the smallest colour that no particle of the element has yet.
   std::vector<std::vector<bool>> seen;  // by colour, by slot
@@ -86,7 +86,7 @@ void BendSweep::build(const BendNetwork& bending, const PackedParticles& particl
   }
 }
 
-void BendSweep::setStep(double h, double retardation, const PackedScalars& inverseMass) {
+void BendSweep::setStep(double h, double retardation, const ScalarArray& inverseMass) {
   lag_ = retardation / h;
   held_.clear();
   for (std::size_t e = 0; e < elements_.size(); ++e) {
@@ -104,7 +104,7 @@ void BendSweep::setStep(double h, double retardation, const PackedScalars& inver
   }
 }
 
-Vec3 BendSweep::apply(const Element& element, PackedParticles& p) const {
+Vec3 BendSweep::apply(const Element& element, Particles& p) const {
   Vec3 curvature = Vec3::Zero();
   for (int k = 0; k < element.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -127,7 +127,7 @@ Vec3 BendSweep::apply(const Element& element, PackedParticles& p) const {
   return multiplier;
 }
 
-void BendSweep::projectFree(PackedParticles& particles) const {
+void BendSweep::projectFree(Particles& particles) const {
   for (std::size_t colour = 0; colour + 1 < firstOfColour_.size(); ++colour) {
     const std::int32_t first = firstOfColour_[colour];
     parallelFor(firstOfColour_[colour + 1] - first, kGrainElements,

@@ -11,18 +11,18 @@ namespace cloth_sim {
 /// alone.
 class BendSweep {
  public:
-  void build(const BendNetwork& bending, const PackedParticles& particles);
+  void build(const BendNetwork& bending, const Particles& particles);
 
   bool empty() const { return elements_.empty(); }
 
   /// Gains for substeps of length h, as the XPBD update of Macklin et al. 2016, eq. 26, has them.
   /// \param retardation  dashpot over stiffness [s].
-  void setStep(double h, double retardation, const PackedScalars& inverseMass);
+  void setStep(double h, double retardation, const ScalarArray& inverseMass);
 
   /// Projects every element once. `onHeld(slot, impulse * h)` is called, in order, for particles of
   /// no inverse mass.
   template <typename OnHeld>
-  void project(PackedParticles& particles, const OnHeld& onHeld) const {
+  void project(Particles& particles, const OnHeld& onHeld) const {
     projectFree(particles);
     for (const std::size_t e : held_) {
       const Vec3 multiplier = apply(elements_[e], particles);
@@ -44,10 +44,10 @@ class BendSweep {
     bool held;           ///< some particle of it has prescribed motion
   };
 
-  void projectFree(PackedParticles& particles) const;
+  void projectFree(Particles& particles) const;
   /// Moves the particles of an element; returns the multiplier: times a weight, what mass times
   /// displacement that particle gets [kg m^3].
-  Vec3 apply(const Element& element, PackedParticles& particles) const;
+  Vec3 apply(const Element& element, Particles& particles) const;
 
   std::vector<Element> elements_;            ///< colour by colour
   std::vector<std::int32_t> firstOfColour_;  ///< and one more

@@ -4,12 +4,12 @@
 
 namespace cloth_sim {
 
-Compliance complianceOf(const SpringLaw& law, double h) {
+Compliance complianceOf(const SpringParameters& law, double h) {
   if (law.stiffness <= 0.0) return {std::numeric_limits<double>::infinity(), 0.0};
   return {1.0 / (law.stiffness * h * h), law.damping / (law.stiffness * h)};
 }
 
-void setCompliances(const SpringLaws& laws, double h, Compliances& compliances) {
+void setCompliances(const SpringParameterTable& laws, double h, Compliances& compliances) {
   compliances.alpha.resize(laws.size());
   compliances.lag.resize(laws.damped() ? laws.size() : 0);
   for (std::size_t k = 0; k < laws.size(); ++k) {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "vector_clones.h"
 #include "compliance.h"
 #include "linalg/vector_operations.h"
 #include "spring_factor.h"
+#include "vector_clones.h"
 
 namespace cloth_sim {
 namespace {
@@ -107,7 +107,7 @@ void correctDampedLater(const FourLater* four, const FourLater* end, const doubl
 }  // namespace
 
 template <typename Visit>
-void LaterCorrection::forSprings(const SpringSchedule& schedule, const Visit& visit) const {
+void OverflowProjection::forSprings(const SpringSchedule& schedule, const Visit& visit) const {
   const LaterSpan* span = schedule.spans().data() + schedule.firstLater();
   for (std::size_t s = 0; s + 1 < begins_.size(); ++s, ++span) {
     std::size_t k = kLanes * begins_[s];
@@ -115,22 +115,22 @@ void LaterCorrection::forSprings(const SpringSchedule& schedule, const Visit& vi
   }
 }
 
-void LaterCorrection::setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass) {
+void OverflowProjection::setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
   findBegins(schedule);
   const std::vector<std::int32_t> places = listParticles(schedule, inverseMass);
   fours_.resize(begins_.back());
-  lag_.assign(schedule.laws.damped() ? kLanes * fours_.size() : 0, 0.0);
+  lag_.assign(schedule.parameters.damped() ? kLanes * fours_.size() : 0, 0.0);
   forSprings(schedule, [&](const SpringSchedule::Element& spring, std::size_t k) {
     FourLater& four = fours_[k / kLanes];
     const std::size_t lane = k % kLanes;
     if (lane == 0) four = doingNothing(places[spring.a], places[spring.b]);
     four.a[lane] = places[spring.a];
     four.b[lane] = places[spring.b];
-    four.rest[lane] = spring.law.restLength;
+    four.rest[lane] = spring.parameters.restLength;
   });
 }
 
-void LaterCorrection::findBegins(const SpringSchedule& schedule) {
+void OverflowProjection::findBegins(const SpringSchedule& schedule) {
   begins_ = {0};
   for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
     begins_.push_back(begins_.back() + (schedule.spans()[s].count + kLanes - 1) / kLanes);
@@ -138,8 +138,8 @@ void LaterCorrection::findBegins(const SpringSchedule& schedule) {
 }
 
 /// By slot where the numbers of a particle begin, if it is one of theirs.
-std::vector<std::int32_t> LaterCorrection::listParticles(const SpringSchedule& schedule,
-                                                         const PackedScalars& inverseMass) {
+std::vector<std::int32_t> OverflowProjection::listParticles(const SpringSchedule& schedule,
+                                                            const ScalarArray& inverseMass) {
   const std::size_t slots = inverseMass.size();
   std::vector<std::int32_t> places(slots, kNone);
   forSprings(schedule, [&](const SpringSchedule::Element& spring, std::size_t /*k*/) {
@@ -153,12 +153,12 @@ std::vector<std::int32_t> LaterCorrection::listParticles(const SpringSchedule& s
   }
   x_.assign(kNumbers * slots_.size(), 0.0);
   for (std::size_t k = 0; k < slots_.size(); ++k) x_[kNumbers * k + kMass] = inverseMass[slots_[k]];
-  start_.assign(schedule.laws.damped() ? x_.size() : 0, 0.0);
+  start_.assign(schedule.parameters.damped() ? x_.size() : 0, 0.0);
   return places;
 }
 
 /// Each of these springs has a law of its own; they follow each other as the springs do.
-void LaterCorrection::setStep(const SpringSchedule& schedule, const Compliances& compliances) {
+void OverflowProjection::setStep(const SpringSchedule& schedule, const Compliances& compliances) {
   if (slots_.empty()) return;
   auto law = static_cast<std::size_t>(schedule.spans()[schedule.firstLater()].laws);
   forSprings(schedule, [&](const SpringSchedule::Element& /*spring*/, std::size_t k) {
@@ -172,7 +172,7 @@ void LaterCorrection::setStep(const SpringSchedule& schedule, const Compliances&
   });
 }
 
-void LaterCorrection::correct(const SpringSchedule& schedule, PackedParticles& particles) {
+void OverflowProjection::correct(const SpringSchedule& schedule, Particles& particles) {
   if (slots_.empty()) return;
   gather(particles);
   const auto correctFours = lag_.empty() ? correctElasticLater : correctDampedLater;
@@ -185,8 +185,8 @@ void LaterCorrection::correct(const SpringSchedule& schedule, PackedParticles& p
   scatter(particles);
 }
 
-void LaterCorrection::gather(const PackedParticles& p) {
-  const auto copy = [this](const PackedVectors& from, PackedScalars& to) {
+void OverflowProjection::gather(const Particles& p) {
+  const auto copy = [this](const VectorArray& from, ScalarArray& to) {
     forParts(slots_.size(), [&](std::size_t first, std::size_t count) {
       for (std::size_t k = first; k < first + count; ++k) {
         double* const at = to.data() + kNumbers * k;
@@ -200,7 +200,7 @@ void LaterCorrection::gather(const PackedParticles& p) {
   if (!start_.empty()) copy(p.start, start_);
 }
 
-void LaterCorrection::scatter(PackedParticles& p) const {
+void OverflowProjection::scatter(Particles& p) const {
   forParts(slots_.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       const double* const at = x_.data() + kNumbers * k;

@@ -1,10 +1,10 @@
 #pragma once
 /// \file Corrections along springs that edits made.
 
-#include "particles.h"
-#include "spring_schedule.h"
 #include "compliance.h"
+#include "particles.h"
 #include "simd.h"
+#include "spring_schedule.h"
 
 namespace cloth_sim {
 
@@ -17,16 +17,16 @@ struct alignas(32) FourLater {
 
 /// Springs that cuts and refinement made are in no run. Their particles are copied, coordinates
 /// side by side, before they are swept, and back after it.
-class LaterCorrection {
+class OverflowProjection {
  public:
   /// To be called when springs or masses have changed ...
   /// \param inverseMass  by slot.
-  void setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass);
+  void setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass);
   /// ... and then, and when the length of the substeps has.
   /// \param compliances  by law of the schedule.
   void setStep(const SpringSchedule& schedule, const Compliances& compliances);
   /// Moves the ends of these springs, in the order of the schedule.
-  void correct(const SpringSchedule& schedule, PackedParticles& particles);
+  void correct(const SpringSchedule& schedule, Particles& particles);
 
  private:
   /// Calls `visit(spring, k)` for these springs; k is that of a lane of `fours_`.
@@ -34,13 +34,13 @@ class LaterCorrection {
   void forSprings(const SpringSchedule& schedule, const Visit& visit) const;
   void findBegins(const SpringSchedule& schedule);
   std::vector<std::int32_t> listParticles(const SpringSchedule& schedule,
-                                          const PackedScalars& inverseMass);
-  void gather(const PackedParticles& particles);
-  void scatter(PackedParticles& particles) const;
+                                          const ScalarArray& inverseMass);
+  void gather(const Particles& particles);
+  void scatter(Particles& particles) const;
 
   std::vector<std::int32_t> slots_;  ///< of the particles, ascending
-  PackedScalars x_;                  ///< x, y, z and the inverse mass of each
-  PackedScalars start_;              ///< the same at the start of the substep; of dashpots
+  ScalarArray x_;                    ///< x, y, z and the inverse mass of each
+  ScalarArray start_;                ///< the same at the start of the substep; of dashpots
   std::vector<FourLater> fours_;     ///< a span that is no multiple of them is filled up
   std::vector<double> lag_;          ///< of each spring of them, see `Compliance`; of dashpots
   std::vector<std::size_t> begins_;  ///< by span: its first four; and after the last

@@ -3,13 +3,13 @@
 #include <atomic>
 #include <numeric>
 
-#include "vector_clones.h"
 #include "linalg/vector_operations.h"
+#include "vector_clones.h"
 
 namespace cloth_sim {
 namespace {
 
-/// See PackedParticles: spans of one and two columns both map to contiguous stretches.
+/// See Particles: spans of one and two columns both map to contiguous stretches.
 constexpr int kInterleave = 4;
 
 /// Place of column i within a stored row.
@@ -23,8 +23,8 @@ int packedColumn(int i, int columns) {
 
 /// Counts instead of leaving early, so that it can be vectorised.
 CLOTH_SIM_VECTOR_CLONES
-bool partIsSlower(std::size_t first, std::size_t count, const PackedVectors& x,
-                  const PackedVectors& v, double square) {
+bool partIsSlower(std::size_t first, std::size_t count, const VectorArray& x, const VectorArray& v,
+                  double square) {
   const double* const px = x.x.data() + first;
   const double* const py = x.y.data() + first;
   const double* const pz = x.z.data() + first;
@@ -42,7 +42,7 @@ bool partIsSlower(std::size_t first, std::size_t count, const PackedVectors& x,
 
 }  // namespace
 
-void PackedParticles::layOut(const Model& model) {
+void Particles::layOut(const Model& model) {
   slotOf.resize(static_cast<std::size_t>(model.particleCount()));
   std::iota(slotOf.begin(), slotOf.end(), 0);
   for (const ClothPart& cloth : model.cloths) {
@@ -57,7 +57,7 @@ void PackedParticles::layOut(const Model& model) {
   resize();
 }
 
-void PackedParticles::follow(const MeshChanges& changes) {
+void Particles::follow(const MeshChanges& changes) {
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.isNew()) {
       slotOf.push_back(slots++);
@@ -69,14 +69,14 @@ void PackedParticles::follow(const MeshChanges& changes) {
   resize();
 }
 
-void PackedParticles::resize() {
+void Particles::resize() {
   const auto n = static_cast<std::size_t>(slots);
-  for (PackedVectors* vectors : {&x, &start, &v}) vectors->resize(n);
+  for (VectorArray* vectors : {&x, &start, &v}) vectors->resize(n);
   mass.assign(n, 0.0);
   inverseMass.assign(n, 0.0);
 }
 
-void PackedParticles::load(const State& state) {
+void Particles::load(const State& state) {
   forParts(slotOf.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       x.set(slotOf[k], state.x[k]);
@@ -85,7 +85,7 @@ void PackedParticles::load(const State& state) {
   });
 }
 
-void PackedParticles::store(State& state) const {
+void Particles::store(State& state) const {
   forParts(slotOf.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       state.x[k] = x.at(slotOf[k]);
@@ -94,7 +94,7 @@ void PackedParticles::store(State& state) const {
   });
 }
 
-bool PackedParticles::areSlowerThan(double speed) const {
+bool Particles::areSlowerThan(double speed) const {
   std::atomic<bool> all = true;
   forParts(static_cast<std::size_t>(slots), [&](std::size_t first, std::size_t count) {
     if (!partIsSlower(first, count, x, v, speed * speed)) all = false;
@@ -102,8 +102,7 @@ bool PackedParticles::areSlowerThan(double speed) const {
   return all;
 }
 
-void PackedParticles::loadMasses(const Model& model,
-                                 const std::vector<KinematicTarget>& kinematic) {
+void Particles::loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic) {
   // Slots of particles that were taken away keep a mass of zero.
   for (VertexId k = 0; k < count(); ++k) mass[slotOf[k]] = model.mass[k];
   for (const KinematicTarget& target : kinematic) mass[slotOf[target.vertex]] = 0.0;
@@ -112,7 +111,7 @@ void PackedParticles::loadMasses(const Model& model,
   }
 }
 
-ParticleView PackedParticles::view() {
+ParticleView Particles::view() {
   ParticleView view;
   view.x = x.x.data();
   view.y = x.y.data();

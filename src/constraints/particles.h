@@ -2,19 +2,19 @@
 /// \file A solver's own copy of the particles, as structure of arrays in an order that suits
 /// sweeps.
 
+#include "cache_aligned.h"
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
-#include "cache_aligned.h"
 #include "cloth_sim/solver/solver.h"
 
 namespace cloth_sim {
 
 /// One number per particle.
-using PackedScalars = CacheAlignedVector<double>;
+using ScalarArray = CacheAlignedVector<double>;
 
 /// Three coordinates per particle.
-struct PackedVectors {
-  PackedScalars x, y, z;
+struct VectorArray {
+  ScalarArray x, y, z;
 
   void resize(std::size_t n) {
     x.resize(n);
@@ -33,12 +33,12 @@ struct PackedVectors {
 /// then 1, 5, ..., 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a
 /// colouring lets run together, have their ends in two contiguous stretches, and a sweep needs no
 /// gathers.
-struct PackedParticles {
-  PackedVectors x;                   ///< [m]
-  PackedVectors start;               ///< positions at the start of the substep [m]
-  PackedVectors v;                   ///< [m/s]
-  PackedScalars mass;                ///< [kg]; 0: prescribed motion
-  PackedScalars inverseMass;         ///< [1/kg]; 0: prescribed motion
+struct Particles {
+  VectorArray x;                     ///< [m]
+  VectorArray start;                 ///< positions at the start of the substep [m]
+  VectorArray v;                     ///< [m/s]
+  ScalarArray mass;                  ///< [kg]; 0: prescribed motion
+  ScalarArray inverseMass;           ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
 
   std::int32_t slots = 0;  ///< some may be empty, with mass 0

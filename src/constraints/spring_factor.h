@@ -1,8 +1,8 @@
 #pragma once
 /// \file How far four springs are from what they allow.
 
-#include "spring_parameters.h"
 #include "simd.h"
+#include "spring_parameters.h"
 
 namespace cloth_sim {
 

@@ -30,9 +30,9 @@ struct Pull {
 
 /// Constants of the springs of a run, `kStride` apart: 0 if all have the same.
 template <int kStride, bool kDamped>
-[[gnu::always_inline]] inline void pullAll(const SpringSchedule::Span& span, const SpringLaws& laws,
-                                           const PackedVectors& x, const PackedVectors& v,
-                                           PackedVectors& force) {
+[[gnu::always_inline]] inline void pullAll(const SpringSchedule::Span& span,
+                                           const SpringParameterTable& laws, const VectorArray& x,
+                                           const VectorArray& v, VectorArray& force) {
   const std::int32_t a = span.ends.a;
   const std::int32_t b = span.ends.b;
   const double* const ax = x.x.data() + a;
@@ -76,23 +76,23 @@ template <int kStride, bool kDamped>
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullRun(const SpringSchedule::Span& span, const SpringLaws& laws, const PackedVectors& x,
-             const PackedVectors& v, PackedVectors& force) {
+void pullRun(const SpringSchedule::Span& span, const SpringParameterTable& laws,
+             const VectorArray& x, const VectorArray& v, VectorArray& force) {
   span.isUniform ? pullAll<0, false>(span, laws, x, v, force)
                  : pullAll<1, false>(span, laws, x, v, force);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullDampedRun(const SpringSchedule::Span& span, const SpringLaws& laws, const PackedVectors& x,
-                   const PackedVectors& v, PackedVectors& force) {
+void pullDampedRun(const SpringSchedule::Span& span, const SpringParameterTable& laws,
+                   const VectorArray& x, const VectorArray& v, VectorArray& force) {
   span.isUniform ? pullAll<0, true>(span, laws, x, v, force)
                  : pullAll<1, true>(span, laws, x, v, force);
 }
 
 }  // namespace
 
-double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
-                       const PackedVectors& v, double tau) {
+double springPotential(const SpringSchedule& schedule, const VectorArray& x, const VectorArray& v,
+                       double tau) {
   double sum = 0.0;
   schedule.forEach([&](const SpringSchedule::Element& spring) {
     const auto a = static_cast<std::size_t>(spring.a);
@@ -100,18 +100,18 @@ double springPotential(const SpringSchedule& schedule, const PackedVectors& x,
     const Vec3 d = x.at(b) - x.at(a);
     const double length = std::sqrt(d.squaredNorm() + kTinySquare);
     const double rate = d.dot(v.at(b) - v.at(a)) / length;
-    const double extension = length - spring.law.restLength;
-    sum += 0.5 * spring.law.stiffness * extension * extension +
-           0.5 * tau * spring.law.damping * rate * rate;
+    const double extension = length - spring.parameters.restLength;
+    sum += 0.5 * spring.parameters.stiffness * extension * extension +
+           0.5 * tau * spring.parameters.damping * rate * rate;
   });
   return sum;
 }
 
-void addSpringForce(const SpringSchedule::Element& spring, const PackedVectors& x,
-                    const PackedVectors& v, PackedVectors& force) {
+void addSpringForce(const SpringSchedule::Element& spring, const VectorArray& x,
+                    const VectorArray& v, VectorArray& force) {
   const auto a = static_cast<std::size_t>(spring.a);
   const auto b = static_cast<std::size_t>(spring.b);
-  const auto& [rest, stiffness, damping] = spring.law;
+  const auto& [rest, stiffness, damping] = spring.parameters;
   const double dx = x.x[b] - x.x[a];
   const double dy = x.y[b] - x.y[a];
   const double dz = x.z[b] - x.z[a];
@@ -126,11 +126,11 @@ void addSpringForce(const SpringSchedule::Element& spring, const PackedVectors& 
   force.z[b] -= pull.z;
 }
 
-void addSpringForces(const SpringSchedule& schedule, const PackedVectors& x, const PackedVectors& v,
-                     PackedVectors& force) {
-  const auto pull = schedule.laws.damped() ? pullDampedRun : pullRun;
+void addSpringForces(const SpringSchedule& schedule, const VectorArray& x, const VectorArray& v,
+                     VectorArray& force) {
+  const auto pull = schedule.parameters.damped() ? pullDampedRun : pullRun;
   schedule.sweep(
-      [&](const SpringSchedule::Span& span) { pull(span, schedule.laws, x, v, force); },
+      [&](const SpringSchedule::Span& span) { pull(span, schedule.parameters, x, v, force); },
       [&](const SpringSchedule::Element& spring) { addSpringForce(spring, x, v, force); });
 }
 

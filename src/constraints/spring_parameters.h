@@ -14,10 +14,10 @@ constexpr double kTinySquare = 1e-300;
 
 /// Laws as structure of arrays; without stiffness where a spring is gone. Dashpots take no memory
 /// where there are none.
-class SpringLaws {
+class SpringParameterTable {
  public:
   std::size_t size() const { return restLength_.size(); }
-  SpringLaw operator[](std::int32_t k) const {
+  SpringParameters operator[](std::int32_t k) const {
     return {restLength_[k], stiffness_[k], damped() ? damping_[k] : 0.0};
   }
   /// Some spring has or had a dashpot.
@@ -27,11 +27,11 @@ class SpringLaws {
   /// Nothing unless `damped()`.
   const std::vector<double>& damping() const { return damping_; }
 
-  void append(const SpringLaw& law) {
+  void append(const SpringParameters& law) {
     resize(size() + 1);
     set(static_cast<std::int32_t>(size()) - 1, law);
   }
-  void set(std::int32_t k, const SpringLaw& law) {
+  void set(std::int32_t k, const SpringParameters& law) {
     restLength_[k] = law.restLength;
     stiffness_[k] = law.stiffness;
     if (law.damping > 0.0 && !damped_) {
@@ -52,13 +52,13 @@ class SpringLaws {
 };
 
 /// Sequences of laws that several runs of springs have, and that are there once.
-class LawPatterns {
+class ParameterPatterns {
  public:
   /// \param lawAt  of spring k in [0, count)
   /// \return where in `all` a run has its laws: with those of another run, or added for others to
   /// come; or kNone if it is too long for that, or there are many sequences already.
   template <typename LawAt>
-  std::int32_t place(std::int32_t count, const LawAt& lawAt, SpringLaws& all) {
+  std::int32_t place(std::int32_t count, const LawAt& lawAt, SpringParameterTable& all) {
     if (count > kLongest) return kNone;
     const auto isSame = [&](const Pattern& pattern) {
       std::int32_t k = 0;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "vector_clones.h"
 #include "spring_factor.h"
+#include "vector_clones.h"
 
 namespace cloth_sim {
 namespace {
@@ -14,7 +14,7 @@ using Span = SpringSchedule::Span;
 struct Spans {
   const Span* begin;
   const Span* end;
-  const EvenStretch* even;  ///< of the first and those after it
+  const UniformMassRange* even;  ///< of the first and those after it
 };
 
 /// Particles from some slot on.
@@ -28,7 +28,7 @@ struct Points {
   const double* w;
 };
 
-Points allPoints(PackedParticles& p) {
+Points allPoints(Particles& p) {
   return {p.x.x.data(),     p.x.y.data(),     p.x.z.data(),        p.start.x.data(),
           p.start.y.data(), p.start.z.data(), p.inverseMass.data()};
 }
@@ -137,7 +137,7 @@ template <bool kDamped>
 
 /// Springs whose ends follow each other; of one law if `kUniform`.
 template <bool kUniform, bool kDamped>
-[[gnu::always_inline]] inline void correctRun(const Span& span, const EvenStretch& even,
+[[gnu::always_inline]] inline void correctRun(const Span& span, const UniformMassRange& even,
                                               const Springs& springs, const Points& points) {
   static_assert(SpringSchedule::kShortestRun >= kLanes);
   const Points a = from(points, span.ends.a);
@@ -239,7 +239,7 @@ template <bool kDamped>
 template <bool kDamped>
 [[gnu::always_inline]] inline void correctSpans(const Spans& spans, const Springs& springs,
                                                 const Points& points) {
-  const EvenStretch* even = spans.even;
+  const UniformMassRange* even = spans.even;
   for (const Span* span = spans.begin; span != spans.end; ++span, ++even) {
     const Springs of = after<kDamped>(springs, span->others, span->laws);
     if (span->isUniform) {
@@ -264,23 +264,23 @@ void sweepDamped(const Spans& spans, const Springs& springs, const Points& point
 
 }  // namespace
 
-void SpringCorrection::setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass) {
-  findEvenStretches(schedule, inverseMass, even_);
+void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
+  findUniformMassRanges(schedule, inverseMass, even_);
   later_.setMasses(schedule, inverseMass);
 }
 
-void SpringCorrection::setStep(const SpringSchedule& schedule, double h) {
-  setCompliances(schedule.laws, h, compliances_);
+void SpringProjection::setStep(const SpringSchedule& schedule, double h) {
+  setCompliances(schedule.parameters, h, compliances_);
   later_.setStep(schedule, compliances_);
 }
 
-void SpringCorrection::correct(const SpringSchedule& schedule, PackedParticles& particles,
+void SpringProjection::correct(const SpringSchedule& schedule, Particles& particles,
                                const Prepare& prepare) {
   const Springs springs{schedule.endA.data(), schedule.endB.data(),
-                        schedule.laws.restLength().data(), compliances_.alpha.data(),
+                        schedule.parameters.restLength().data(), compliances_.alpha.data(),
                         compliances_.lag.data()};
   const Points points = allPoints(particles);
-  const auto sweep = schedule.laws.damped() ? sweepDamped : sweepElastic;
+  const auto sweep = schedule.parameters.damped() ? sweepDamped : sweepElastic;
   const auto visit = [&](const Span* first, const Span* end) {
     sweep({first, end, even_.data() + (first - schedule.spans().data())}, springs, points);
   };

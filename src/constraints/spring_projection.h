@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "compliance.h"
-#include "uniform_mass_range.h"
 #include "overflow_projection.h"
+#include "uniform_mass_range.h"
 
 namespace cloth_sim {
 
@@ -13,23 +13,22 @@ namespace cloth_sim {
 using Prepare = std::function<void(std::size_t first, std::size_t last)>;
 
 /// Moves the ends of springs, in the order of a schedule; see `Compliance`.
-class SpringCorrection {
+class SpringProjection {
  public:
   /// To be called when springs or masses have changed ...
   /// \param inverseMass  by slot [1/kg]; they have to be the same when springs are corrected.
-  void setMasses(const SpringSchedule& schedule, const PackedScalars& inverseMass);
+  void setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass);
   /// ... and then, and when the length of the substeps has.
   /// \param h  that length [s].
   void setStep(const SpringSchedule& schedule, double h);
   /// \param prepare  if any: called for all slots, part by part, each as late as may be, so that
   ///                 what it has written is still in the cache.
-  void correct(const SpringSchedule& schedule, PackedParticles& particles,
-               const Prepare& prepare = {});
+  void correct(const SpringSchedule& schedule, Particles& particles, const Prepare& prepare = {});
 
  private:
-  Compliances compliances_;        ///< by law of the schedule
-  std::vector<EvenStretch> even_;  ///< by span of the schedule
-  LaterCorrection later_;
+  Compliances compliances_;             ///< by law of the schedule
+  std::vector<UniformMassRange> even_;  ///< by span of the schedule
+  OverflowProjection later_;
 };
 
 }  // namespace cloth_sim

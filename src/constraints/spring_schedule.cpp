@@ -50,11 +50,11 @@ std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::End
 }
 
 /// The first spring from `begin` on that has another law than that one, or the end.
-const std::int32_t* endOfLaw(const SpringNetwork& springs, const std::int32_t* begin,
-                             const std::int32_t* end) {
-  const SpringLaw law = springs[*begin].law();
+const std::int32_t* endOfEqualParameters(const SpringNetwork& springs, const std::int32_t* begin,
+                                         const std::int32_t* end) {
+  const SpringParameters law = springs[*begin].parameters();
   return std::find_if(begin + 1, end,
-                      [&](std::int32_t slot) { return !(springs[slot].law() == law); });
+                      [&](std::int32_t slot) { return !(springs[slot].parameters() == law); });
 }
 
 /// Which strand a set of springs goes to.
@@ -132,7 +132,7 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
     for (std::int32_t slot : *slots) settle(model.springs[slot], slot, slotOf);
   }
   // Where nearly all have changed, runs may have one law as before.
-  if (2 * changes.modified.size() > isAppended_.size()) gatherLaws();
+  if (2 * changes.modified.size() > isAppended_.size()) gatherParameters();
   original_ = extent();
   std::vector<std::int32_t> appended;
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(isAppended_.size()); ++slot) {
@@ -150,42 +150,42 @@ void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
     Span& span = *(std::upper_bound(spans_.begin(), spans_.end(), home, before) - 1);
     const Ends ends = endsOf(span, home - span.first);
     atHome = spring.exists() && ends.a == slotOf[spring.a] && ends.b == slotOf[spring.b];
-    setLaw(atHome ? spring.law() : SpringLaw{}, span, home - span.first);
+    setParameters(atHome ? spring.parameters() : SpringParameters{}, span, home - span.first);
   }
   isAppended_[slot] = spring.exists() && !atHome;
 }
 
-void SpringSchedule::setLaw(const SpringLaw& law, Span& span, std::int32_t k) {
-  if (lawOf(span, k) == law) return;
-  if (span.isUniform || span.sharesLaws) separateLaws(span);
+void SpringSchedule::setParameters(const SpringParameters& law, Span& span, std::int32_t k) {
+  if (parametersOf(span, k) == law) return;
+  if (span.isUniform || span.sharesParameters) separateParameters(span);
   laws.set(span.laws + k, law);
 }
 
 /// Gives every spring of a run a law of its own.
-void SpringSchedule::separateLaws(Span& span) {
+void SpringSchedule::separateParameters(Span& span) {
   const Span before = span;
   span.laws = static_cast<std::int32_t>(laws.size());
   span.isUniform = false;
-  span.sharesLaws = false;
-  for (std::int32_t k = 0; k < span.count; ++k) laws.append(lawOf(before, k));
+  span.sharesParameters = false;
+  for (std::int32_t k = 0; k < span.count; ++k) laws.append(parametersOf(before, k));
 }
 
 /// Keeps one law for every run that has no other, and none that nobody has.
-void SpringSchedule::gatherLaws() {
-  SpringLaws gathered;
+void SpringSchedule::gatherParameters() {
+  SpringParameterTable gathered;
   patterns_ = {};
   for (Span& span : spans_) {
     const Span before = span;
-    const auto lawAt = [&](std::int32_t k) { return lawOf(before, k); };
+    const auto lawAt = [&](std::int32_t k) { return parametersOf(before, k); };
     span.isUniform = span.isRun;
     for (std::int32_t k = 1; k < span.count; ++k) {
       span.isUniform = span.isUniform && lawAt(k) == lawAt(0);
     }
     const bool mayShare = span.isRun && !span.isUniform;
     const std::int32_t shared = mayShare ? patterns_.place(span.count, lawAt, gathered) : kNone;
-    span.sharesLaws = shared != kNone;
-    span.laws = span.sharesLaws ? shared : static_cast<std::int32_t>(gathered.size());
-    if (span.sharesLaws) continue;
+    span.sharesParameters = shared != kNone;
+    span.laws = span.sharesParameters ? shared : static_cast<std::int32_t>(gathered.size());
+    if (span.sharesParameters) continue;
     for (std::int32_t k = 0; k < (span.isUniform ? 1 : span.count); ++k) gathered.append(lawAt(k));
   }
   laws = std::move(gathered);
@@ -333,7 +333,7 @@ void SpringSchedule::orderRounds(const std::vector<Reach>& reaches) {
     Round& round = rounds_.back();
     round.endStrand = batch.endStrand;
     round.springs += batch.springs;
-    PartOrder& order = round.order;
+    TaskGraph& order = round.order;
     order.groupEnds.push_back(batch.endStrand - round.firstStrand);
     for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
       const std::vector<std::int32_t> waits = waitsOf(s);
@@ -372,19 +372,19 @@ void SpringSchedule::appendColour(const SpringNetwork& springs, const std::vecto
   };
   const auto appendRunLikeOthers = [&](const std::int32_t* begin, const std::int32_t* end) {
     const auto count = static_cast<std::int32_t>(end - begin);
-    if (count < kShortestRun || endOfLaw(springs, begin, end) == end) return false;
+    if (count < kShortestRun || endOfEqualParameters(springs, begin, end) == end) return false;
     Span run;
     run.laws = patterns_.place(
-        count, [&](std::int32_t k) { return springs[begin[k]].law(); }, laws);
+        count, [&](std::int32_t k) { return springs[begin[k]].parameters(); }, laws);
     run.isRun = true;
-    run.sharesLaws = run.laws != kNone;
-    if (run.sharesLaws) appendSpan(springs, endsOf, begin, end, run);
-    return run.sharesLaws;
+    run.sharesParameters = run.laws != kNone;
+    if (run.sharesParameters) appendSpan(springs, endsOf, begin, end, run);
+    return run.sharesParameters;
   };
   const auto appendRunsByLaw = [&](const std::int32_t* at, const std::int32_t* end) {
     const std::int32_t* mixed = at;  // up to where laws change too often for uniform runs
     while (at != end) {
-      const std::int32_t* const same = endOfLaw(springs, at, end);
+      const std::int32_t* const same = endOfEqualParameters(springs, at, end);
       if (same - at >= kShortestRun) {
         appendRun(mixed, at, false);
         appendRun(at, same, true);
@@ -412,12 +412,12 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& ends
   span.first = size();
   span.count = static_cast<std::int32_t>(end - slot);
   span.others = static_cast<std::int32_t>(endA.size());
-  if (!span.sharesLaws) span.laws = static_cast<std::int32_t>(laws.size());
+  if (!span.sharesParameters) span.laws = static_cast<std::int32_t>(laws.size());
   if (span.isRun) span.ends = endsOf(*slot);
-  if (span.isUniform) laws.append(springs[*slot].law());
+  if (span.isUniform) laws.append(springs[*slot].parameters());
   for (std::int32_t position = span.first; slot != end; ++slot, ++position) {
     if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;  // where it is first
-    if (!span.isUniform && !span.sharesLaws) laws.append(springs[*slot].law());
+    if (!span.isUniform && !span.sharesParameters) laws.append(springs[*slot].parameters());
     if (span.isRun) continue;
     const Ends ends = endsOf(*slot);
     endA.push_back(ends.a);

@@ -2,9 +2,9 @@
 /// \file The order in which sweeps visit springs, and their constants in that order.
 
 #include "cloth_sim/cloth/model.h"
+#include "cloth_sim/threads/thread_pool.h"
 #include "spring_parameters.h"
 #include "threads/parallel_for.h"
-#include "cloth_sim/threads/team.h"
 
 namespace cloth_sim {
 
@@ -36,19 +36,19 @@ class SpringSchedule {
   struct Span {
     std::int32_t first = 0;
     std::int32_t count = 0;
-    bool isRun = false;       ///< their ends are consecutive particles
-    bool isUniform = false;   ///< a run of one law
-    bool sharesLaws = false;  ///< with other runs
-    Ends ends;                ///< of the first one of a run
-    std::int32_t others = 0;  ///< of its first one in `endA` and `endB`, if it is no run
-    std::int32_t laws = 0;    ///< of its first one, or of them all, in `laws`
+    bool isRun = false;             ///< their ends are consecutive particles
+    bool isUniform = false;         ///< a run of one law
+    bool sharesParameters = false;  ///< with other runs
+    Ends ends;                      ///< of the first one of a run
+    std::int32_t others = 0;        ///< of its first one in `endA` and `endB`, if it is no run
+    std::int32_t laws = 0;          ///< of its first one, or of them all, in `laws`
   };
   /// A spring as sweeps see it.
   struct Element {
     std::int32_t position = 0;
     std::int32_t a = kNone;  ///< particle slots
     std::int32_t b = kNone;
-    SpringLaw law;
+    SpringParameters parameters;
   };
   /// Consecutive spans, to be visited in order.
   struct Strand {
@@ -121,7 +121,7 @@ class SpringSchedule {
     for (std::int32_t k = 0; k < span.count; ++k) visitor(element(span, k));
   }
 
-  SpringLaws laws;
+  SpringParameterTable parameters;
   std::vector<std::int32_t> endA, endB;  ///< particle slots, of springs that are in no run
 
  private:
@@ -148,7 +148,7 @@ class SpringSchedule {
     std::int32_t firstStrand = 0;
     std::int32_t endStrand = 0;
     std::int32_t springs = 0;
-    PartOrder order;  ///< of strands, from `firstStrand` on
+    TaskGraph order;  ///< of strands, from `firstStrand` on
   };
   using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
@@ -156,12 +156,12 @@ class SpringSchedule {
     if (span.isRun) return {span.ends.a + k, span.ends.b + k};
     return {endA[span.others + k], endB[span.others + k]};
   }
-  SpringLaw lawOf(const Span& span, std::int32_t k) const {
+  SpringParameters parametersOf(const Span& span, std::int32_t k) const {
     return laws[span.laws + (span.isUniform ? 0 : k)];
   }
   Element element(const Span& span, std::int32_t k) const {
     const Ends ends = endsOf(span, k);
-    return {span.first + k, ends.a, ends.b, lawOf(span, k)};
+    return {span.first + k, ends.a, ends.b, parametersOf(span, k)};
   }
   template <typename StrandVisitor>
   void visitOriginals(const StrandVisitor& visit) const;
@@ -176,9 +176,9 @@ class SpringSchedule {
   /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among those
   /// to be appended; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
-  void setLaw(const SpringLaw& law, Span& span, std::int32_t k);
-  void separateLaws(Span& span);
-  void gatherLaws();
+  void setParameters(const SpringParameters& law, Span& span, std::int32_t k);
+  void separateParameters(Span& span);
+  void gatherParameters();
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
   void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
                    const Coloured& colours);
@@ -197,7 +197,7 @@ class SpringSchedule {
   std::vector<Batch> batches_;
   std::vector<Strand> strands_;
   std::vector<Span> spans_;
-  LawPatterns patterns_;
+  ParameterPatterns patterns_;
   // Strands of the undamaged mesh:
   std::vector<std::int32_t> wave_;    ///< for one thread
   std::vector<Round> rounds_;         ///< for several
@@ -224,8 +224,8 @@ void SpringSchedule::sweepOriginals(std::int32_t slots, const Prepare& prepare,
 
 template <typename StrandVisitor>
 void SpringSchedule::visitOriginals(const StrandVisitor& visit) const {
-  Team* const team = Team::ofThisThread();
-  if (team == nullptr) {
+  ThreadPool* const pool = ThreadPool::ofThisThread();
+  if (pool == nullptr) {
     for (const std::int32_t strand : wave_) visit(strand);
     return;
   }
@@ -235,7 +235,7 @@ void SpringSchedule::visitOriginals(const StrandVisitor& visit) const {
         visit(strand);
       }
     } else {
-      parallelInOrder(*team, round.order,
+      parallelInOrder(*pool, round.order,
                       [&](std::int32_t part) { visit(round.firstStrand + part); });
     }
   }

@@ -8,7 +8,7 @@ namespace cloth_sim {
 namespace {
 
 /// For each number the place after the last of those from it on that are equal to it.
-std::vector<std::int32_t> endsOfEqual(const PackedScalars& numbers) {
+std::vector<std::int32_t> endsOfEqual(const ScalarArray& numbers) {
   auto end = static_cast<std::int32_t>(numbers.size());
   std::vector<std::int32_t> ends(numbers.size());
   for (std::int32_t k = end - 1; k >= 0; --k) {
@@ -20,8 +20,8 @@ std::vector<std::int32_t> endsOfEqual(const PackedScalars& numbers) {
 
 }  // namespace
 
-void findEvenStretches(const SpringSchedule& schedule, const PackedScalars& inverseMass,
-                       std::vector<EvenStretch>& stretches) {
+void findUniformMassRanges(const SpringSchedule& schedule, const ScalarArray& inverseMass,
+                           std::vector<UniformMassRange>& stretches) {
   const std::vector<std::int32_t> equalUntil = endsOfEqual(inverseMass);
   const auto evenFrom = [&](const SpringSchedule::Span& run, std::int32_t k) {
     const std::int32_t a = run.ends.a + k;
@@ -32,7 +32,7 @@ void findEvenStretches(const SpringSchedule& schedule, const PackedScalars& inve
   stretches.assign(schedule.spans().size(), {});
   for (std::size_t s = 0; s < stretches.size(); ++s) {
     const SpringSchedule::Span& span = schedule.spans()[s];
-    EvenStretch& longest = stretches[s];
+    UniformMassRange& longest = stretches[s];
     for (std::int32_t k = 0; span.isRun && k + kLanes <= span.count;) {
       const std::int32_t even = evenFrom(span, k);
       if (even > longest.end - longest.from) longest = {k, k + even};

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <optional>
 
-#include "threads/parallel_for.h"
 #include "geometry.h"
+#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {

@@ -15,7 +15,7 @@ struct Incidence {
   std::vector<std::size_t> element;
 };
 
-Incidence incidence(const BendNetwork& bending, const PackedParticles& particles) {
+Incidence incidence(const BendNetwork& bending, const Particles& particles) {
   Incidence result;
   result.start.assign(static_cast<std::size_t>(particles.slots) + 1, 0);
   const auto forAll = [&](const auto& visit) {
@@ -37,7 +37,7 @@ Incidence incidence(const BendNetwork& bending, const PackedParticles& particles
 
 }  // namespace
 
-void BendMatrix::build(const Model& model, const PackedParticles& particles) {
+void BendMatrix::build(const Model& model, const Particles& particles) {
   const BendNetwork& bending = model.bending;
   retardation_ = model.bendRetardation();
   const auto slots = static_cast<std::size_t>(particles.slots);
@@ -79,7 +79,7 @@ void BendMatrix::build(const Model& model, const PackedParticles& particles) {
   }
 }
 
-void BendMatrix::addProduct(double s, const PackedVectors& x, PackedVectors& out) const {
+void BendMatrix::addProduct(double s, const VectorArray& x, VectorArray& out) const {
   if (empty()) return;
   const auto rows = static_cast<std::int32_t>(start_.size() - 1);
   parallelFor(rows, kGrainRows, [&](std::int32_t first, std::int32_t last) {
@@ -102,21 +102,21 @@ void BendMatrix::addProduct(double s, const PackedVectors& x, PackedVectors& out
 
 // Not inlined: profiles, and the test that counts instructions, know what bending costs by its
 // name.
-[[gnu::noinline]] void BendMatrix::addForces(const PackedVectors& x, const PackedVectors& v,
-                                             PackedVectors& force) const {
+[[gnu::noinline]] void BendMatrix::addForces(const VectorArray& x, const VectorArray& v,
+                                             VectorArray& force) const {
   addProduct(-1.0, x, force);
   if (retardation_ > 0.0) addProduct(-retardation_, v, force);
 }
 
-void BendMatrix::addForce(std::size_t slot, const PackedVectors& x, const PackedVectors& v,
-                          PackedVectors& force) const {
+void BendMatrix::addForce(std::size_t slot, const VectorArray& x, const VectorArray& v,
+                          VectorArray& force) const {
   if (slot + 1 >= start_.size()) return;
   Vec3 sum = rowProduct(slot, x);
   if (retardation_ > 0.0) sum += retardation_ * rowProduct(slot, v);
   force.set(slot, force.at(slot) - sum);
 }
 
-Vec3 BendMatrix::rowProduct(std::size_t row, const PackedVectors& x) const {
+Vec3 BendMatrix::rowProduct(std::size_t row, const VectorArray& x) const {
   Vec3 product = Vec3::Zero();
   for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
     product += value_[k] * x.at(static_cast<std::size_t>(column_[k]));
@@ -124,12 +124,12 @@ Vec3 BendMatrix::rowProduct(std::size_t row, const PackedVectors& x) const {
   return product;
 }
 
-double BendMatrix::potential(const PackedVectors& x, const PackedVectors& v, double tau) const {
+double BendMatrix::potential(const VectorArray& x, const VectorArray& v, double tau) const {
   const double viscous = retardation_ > 0.0 ? tau * retardation_ * quadraticForm(v) : 0.0;
   return 0.5 * (quadraticForm(x) + viscous);
 }
 
-double BendMatrix::quadraticForm(const PackedVectors& x) const {
+double BendMatrix::quadraticForm(const VectorArray& x) const {
   double sum = 0.0;
   for (std::size_t row = 0; row + 1 < start_.size(); ++row) {
     sum += x.at(row).dot(rowProduct(row, x));

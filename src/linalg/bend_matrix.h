@@ -10,18 +10,18 @@ namespace cloth_sim {
 /// coordinates, in compressed rows. Constant until the model changes.
 class BendMatrix {
  public:
-  void build(const Model& model, const PackedParticles& particles);
+  void build(const Model& model, const Particles& particles);
 
   bool empty() const { return column_.empty(); }
   /// out += s K x, on several threads where that pays.
-  void addProduct(double s, const PackedVectors& x, PackedVectors& out) const;
+  void addProduct(double s, const VectorArray& x, VectorArray& out) const;
   /// force -= K (x + retardation v) [N].
-  void addForces(const PackedVectors& x, const PackedVectors& v, PackedVectors& force) const;
+  void addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const;
   /// The same for one slot.
-  void addForce(std::size_t slot, const PackedVectors& x, const PackedVectors& v,
-                PackedVectors& force) const;
+  void addForce(std::size_t slot, const VectorArray& x, const VectorArray& v,
+                VectorArray& force) const;
   /// 1/2 x^T K x + tau/2 retardation v^T K v: see springPotential [J].
-  double potential(const PackedVectors& x, const PackedVectors& v, double tau) const;
+  double potential(const VectorArray& x, const VectorArray& v, double tau) const;
   double retardation() const { return retardation_; }
   /// The entry of a slot on the diagonal [N/m].
   double diagonal(std::size_t slot) const {
@@ -39,8 +39,8 @@ class BendMatrix {
   }
 
  private:
-  Vec3 rowProduct(std::size_t row, const PackedVectors& x) const;
-  double quadraticForm(const PackedVectors& x) const;
+  Vec3 rowProduct(std::size_t row, const VectorArray& x) const;
+  double quadraticForm(const VectorArray& x) const;
 
   std::vector<std::size_t> start_;  ///< by slot, and one more
   std::vector<std::int32_t> column_;

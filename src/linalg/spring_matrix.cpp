@@ -16,10 +16,10 @@ struct OutAxes {
   double *x, *y, *z;
 };
 
-Axes axesAt(const PackedVectors& v, std::int32_t k) {
+Axes axesAt(const VectorArray& v, std::int32_t k) {
   return {v.x.data() + k, v.y.data() + k, v.z.data() + k};
 }
-OutAxes axesAt(PackedVectors& v, std::int32_t k) {
+OutAxes axesAt(VectorArray& v, std::int32_t k) {
   return {v.x.data() + k, v.y.data() + k, v.z.data() + k};
 }
 
@@ -56,8 +56,8 @@ void maskAxis(std::size_t n, const double* diagonal, double* q) {
 
 }  // namespace
 
-void SpringMatrix::linearise(const Elements& elements, const PackedVectors& x, double elastic,
-                             double viscous, const PackedScalars& diagonal) {
+void SpringMatrix::linearise(const Elements& elements, const VectorArray& x, double elastic,
+                             double viscous, const ScalarArray& diagonal) {
   const SpringSchedule& schedule = elements.springs;
   bendScale_ = elastic + viscous * elements.bending.retardation();
   const auto count = static_cast<std::size_t>(schedule.size());
@@ -71,9 +71,9 @@ void SpringMatrix::linearise(const Elements& elements, const PackedVectors& x, d
         x.at(static_cast<std::size_t>(spring.b)) - x.at(static_cast<std::size_t>(spring.a));
     const double length = std::sqrt(d.squaredNorm() + kTinySquare);
     direction_.set(p, d / length);
-    const double k = elastic * spring.law.stiffness;
-    across_[p] = k * std::max(0.0, 1.0 - spring.law.restLength / length);
-    along_[p] = k + viscous * spring.law.damping - across_[p];
+    const double k = elastic * spring.parameters.stiffness;
+    across_[p] = k * std::max(0.0, 1.0 - spring.parameters.restLength / length);
+    along_[p] = k + viscous * spring.parameters.damping - across_[p];
   });
   factoriseBlocks(elements);
 }
@@ -105,8 +105,7 @@ void SpringMatrix::factoriseBlocks(const Elements& elements) {
   }
 }
 
-void SpringMatrix::multiply(const Elements& elements, const PackedVectors& p,
-                            PackedVectors& q) const {
+void SpringMatrix::multiply(const Elements& elements, const VectorArray& p, VectorArray& q) const {
   const std::size_t n = diagonal_.size();
   q.resize(n);
   forAxes(
@@ -125,11 +124,11 @@ void SpringMatrix::multiply(const Elements& elements, const PackedVectors& p,
   forAxes([&](auto& axis) { maskAxis(n, diagonal_.data(), axis.data()); }, q);
 }
 
-void SpringMatrix::precondition(const PackedVectors& r, PackedVectors& z) const {
+void SpringMatrix::precondition(const VectorArray& r, VectorArray& z) const {
   const std::size_t n = diagonal_.size();
   z.resize(n);
-  const PackedVectors& d = blockDiagonal_;
-  const PackedVectors& o = blockOffDiagonal_;
+  const VectorArray& d = blockDiagonal_;
+  const VectorArray& o = blockOffDiagonal_;
   for (std::size_t k = 0; k < n; ++k) {
     const double keep = diagonal_[k] > 0.0 ? 1.0 : 0.0;
     z.x[k] = keep * (d.x[k] * r.x[k] + o.x[k] * r.y[k] + o.z[k] * r.z[k]);
@@ -138,8 +137,8 @@ void SpringMatrix::precondition(const PackedVectors& r, PackedVectors& z) const 
   }
 }
 
-int SpringMatrix::solve(const Elements& elements, const PackedVectors& r, double tolerance,
-                        int maxIterations, PackedVectors& p) {
+int SpringMatrix::solve(const Elements& elements, const VectorArray& r, double tolerance,
+                        int maxIterations, VectorArray& p) {
   setZero(diagonal_.size(), p);
   residual_ = r;
   precondition(residual_, preconditioned_);

@@ -24,30 +24,30 @@ class SpringMatrix {
   /// springs are compressed (Choi & Ko 2002).
   /// The bending energy is there as (elastic + viscous retardation) K.
   /// \param diagonal  M, one value for the three coordinates of each particle; 0: prescribed.
-  void linearise(const Elements& elements, const PackedVectors& x, double elastic, double viscous,
-                 const PackedScalars& diagonal);
+  void linearise(const Elements& elements, const VectorArray& x, double elastic, double viscous,
+                 const ScalarArray& diagonal);
 
   /// q = A p.
-  void multiply(const Elements& elements, const PackedVectors& p, PackedVectors& q) const;
+  void multiply(const Elements& elements, const VectorArray& p, VectorArray& q) const;
 
   /// Solves A p = r by conjugate gradients, preconditioned with the 3 x 3 blocks on the diagonal,
   /// to |A p - r| <= tolerance |r|.
   /// \return iterations.
-  int solve(const Elements& elements, const PackedVectors& r, double tolerance, int maxIterations,
-            PackedVectors& p);
+  int solve(const Elements& elements, const VectorArray& r, double tolerance, int maxIterations,
+            VectorArray& p);
 
  private:
   void factoriseBlocks(const Elements& elements);
-  void precondition(const PackedVectors& r, PackedVectors& z) const;
+  void precondition(const VectorArray& r, VectorArray& z) const;
 
-  PackedVectors direction_;         ///< n, by position of the schedule
-  std::vector<double> along_;       ///< a - t
-  std::vector<double> across_;      ///< t
-  double bendScale_ = 0.0;          ///< times the matrix of the bending energy
-  PackedScalars diagonal_;          ///< by particle
-  PackedVectors blockDiagonal_;     ///< of the inverses of the blocks: xx, yy, zz
-  PackedVectors blockOffDiagonal_;  ///< xy, yz, xz
-  PackedVectors residual_, preconditioned_, search_, product_;
+  VectorArray direction_;         ///< n, by position of the schedule
+  std::vector<double> along_;     ///< a - t
+  std::vector<double> across_;    ///< t
+  double bendScale_ = 0.0;        ///< times the matrix of the bending energy
+  ScalarArray diagonal_;          ///< by particle
+  VectorArray blockDiagonal_;     ///< of the inverses of the blocks: xx, yy, zz
+  VectorArray blockOffDiagonal_;  ///< xy, yz, xz
+  VectorArray residual_, preconditioned_, search_, product_;
 };
 
 }  // namespace cloth_sim

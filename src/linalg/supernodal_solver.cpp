@@ -106,7 +106,7 @@ std::vector<std::int32_t> divide(const PanelTree& tree) {
 }  // namespace
 
 /// How the columns of L are put into panels, and these in order.
-struct PanelSolver::Layout {
+struct SupernodalSolver::Layout {
   explicit Layout(const SparseFactor& factor);
 
   std::vector<std::int32_t> first;    ///< column of L, by panel; and the end
@@ -118,7 +118,7 @@ struct PanelSolver::Layout {
   PanelTree treeOf(const SparseFactor& factor) const;
 };
 
-PanelSolver::Layout::Layout(const SparseFactor& factor) {
+SupernodalSolver::Layout::Layout(const SparseFactor& factor) {
   const auto n = static_cast<std::int32_t>(factor.size());
   for (std::int32_t column = 0; column < n; column += widthOfPanel(factor, column)) {
     first.push_back(column);
@@ -143,7 +143,7 @@ PanelSolver::Layout::Layout(const SparseFactor& factor) {
   }
 }
 
-PanelTree PanelSolver::Layout::treeOf(const SparseFactor& factor) const {
+PanelTree SupernodalSolver::Layout::treeOf(const SparseFactor& factor) const {
   PanelTree tree;
   std::vector<std::int32_t> panelOf(factor.size());
   for (std::size_t p = 0; p + 1 < first.size(); ++p) {
@@ -161,7 +161,8 @@ PanelTree PanelSolver::Layout::treeOf(const SparseFactor& factor) const {
   return tree;
 }
 
-void PanelSolver::build(const SparseFactor& factor, const std::vector<std::int32_t>& position) {
+void SupernodalSolver::build(const SparseFactor& factor,
+                             const std::vector<std::int32_t>& position) {
   panels_.clear();
   row_.clear();
   value_.clear();
@@ -197,7 +198,7 @@ void PanelSolver::build(const SparseFactor& factor, const std::vector<std::int32
 
 /// The rows below a panel are those of its last column: those of the others are among them. They
 /// are its ancestors in the tree, so they are ascending in the new order as in the old one.
-void PanelSolver::add(const SparseFactor& factor, const Layout& layout, std::int32_t panel) {
+void SupernodalSolver::add(const SparseFactor& factor, const Layout& layout, std::int32_t panel) {
   const std::int32_t first = layout.first[static_cast<std::size_t>(panel)];
   const std::int32_t width = layout.first[static_cast<std::size_t>(panel) + 1] - first;
   const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(first + width - 1)];
@@ -230,7 +231,7 @@ void PanelSolver::add(const SparseFactor& factor, const Layout& layout, std::int
   }
 }
 
-struct PanelSolver::Kernels {
+struct SupernodalSolver::Kernels {
   /// What a panel is made of: the square on its diagonal, the rows below.
   struct View {
     const float* square;
@@ -301,7 +302,7 @@ struct PanelSolver::Kernels {
     }
   }
 
-  static View view(const PanelSolver& solver, const Panel& panel) {
+  static View view(const SupernodalSolver& solver, const Panel& panel) {
     const float* const square = solver.value_.data() + panel.value;
     return {square, square + panel.width * panel.width, solver.row_.data() + panel.row, panel.rows,
             panel.ownRows};
@@ -309,7 +310,7 @@ struct PanelSolver::Kernels {
 
   /// Panels [begin, end).
   CLOTH_SIM_VECTOR_CLONES
-  static void forwardAll(const PanelSolver& solver, std::size_t begin, std::size_t end,
+  static void forwardAll(const SupernodalSolver& solver, std::size_t begin, std::size_t end,
                          Float4* work, Float4* toTop) {
     for (std::size_t k = begin; k < end; ++k) {
       const Panel& panel = solver.panels_[k];
@@ -321,7 +322,7 @@ struct PanelSolver::Kernels {
   }
 
   CLOTH_SIM_VECTOR_CLONES
-  static void backwardAll(const PanelSolver& solver, std::size_t begin, std::size_t end,
+  static void backwardAll(const SupernodalSolver& solver, std::size_t begin, std::size_t end,
                           Float4* work) {
     for (std::size_t k = end; k-- > begin;) {
       const Panel& panel = solver.panels_[k];
@@ -335,7 +336,7 @@ struct PanelSolver::Kernels {
   }
 };
 
-void PanelSolver::forward() {
+void SupernodalSolver::forward() {
   Float4* const work = work_.data();
   parallelForEach(groups_.size(), [&](std::size_t k) {
     Group& group = groups_[k];
@@ -348,14 +349,14 @@ void PanelSolver::forward() {
   Kernels::forwardAll(*this, firstOfTop_, panels_.size(), work, nullptr);
 }
 
-void PanelSolver::backward() {
+void SupernodalSolver::backward() {
   Kernels::backwardAll(*this, firstOfTop_, panels_.size(), work_.data());
   parallelForEach(groups_.size(), [&](std::size_t k) {
     Kernels::backwardAll(*this, groups_[k].begin, groups_[k].end, work_.data());
   });
 }
 
-void PanelSolver::solve(const PackedVectors& right, PackedVectors& x) {
+void SupernodalSolver::solve(const VectorArray& right, VectorArray& x) {
   forParts(work_.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       work_[static_cast<std::size_t>(position_[k])] =

@@ -52,13 +52,13 @@ struct SparseFactor {
 /// are gathered into groups of about the same work, and what is above all of them, the top, comes
 /// after (forward) or before (backward). What groups add to the top is summed up group by group.
 /// The division depends on L alone, so the result does not depend on the number of threads.
-class PanelSolver {
+class SupernodalSolver {
  public:
   /// \param position  row of L by row of the matrix.
   void build(const SparseFactor& factor, const std::vector<std::int32_t>& position);
 
   /// x = A^-1 right, of three right-hand sides, to about 1e-7 times the condition of A.
-  void solve(const PackedVectors& right, PackedVectors& x);
+  void solve(const VectorArray& right, VectorArray& x);
 
  private:
   using Float4 = float __attribute__((vector_size(16)));

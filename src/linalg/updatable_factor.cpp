@@ -271,7 +271,7 @@ void UpdatableFactor::widen(std::int32_t j) {
   column.begin = begin;
 }
 
-void UpdatableFactor::solve(const PackedVectors& right, PackedVectors& x) {
+void UpdatableFactor::solve(const VectorArray& right, VectorArray& x) {
   if (!panelsFollow_) panels_.build(factor_, position_);
   panelsFollow_ = true;
   panels_.solve(right, x);

@@ -31,8 +31,8 @@ class UpdatableFactor {
   /// indefinite; then compute it.
   bool follow(const Matrix& matrix);
 
-  /// x = A^-1 right, of three right-hand sides; see PanelSolver::solve.
-  void solve(const PackedVectors& right, PackedVectors& x);
+  /// x = A^-1 right, of three right-hand sides; see SupernodalSolver::solve.
+  void solve(const VectorArray& right, VectorArray& x);
 
   std::size_t rows() const { return factor_.size(); }
   const SparseFactor& factor() const { return factor_; }
@@ -89,7 +89,7 @@ class UpdatableFactor {
   std::vector<char> isOnPath_;         ///< by column of L; zeros between changes
   std::vector<std::int32_t> support_;  ///< rows below the current one that a change reaches
   std::vector<std::int32_t> merged_;   ///< for takeIn
-  PanelSolver panels_;                 ///< of factor_ ...
+  SupernodalSolver panels_;            ///< of factor_ ...
   bool panelsFollow_ = false;          ///< ... as it is now
 };
 

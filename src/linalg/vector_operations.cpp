@@ -35,14 +35,14 @@ double dotAxis(std::size_t n, const double* a, const double* b) {
 
 }  // namespace
 
-void setZero(std::size_t n, PackedVectors& a) {
+void setZero(std::size_t n, VectorArray& a) {
   a.resize(n);
   forParts(n, [&](std::size_t first, std::size_t count) {
-    forAxes([&](PackedScalars& axis) { std::fill_n(axis.data() + first, count, 0.0); }, a);
+    forAxes([&](ScalarArray& axis) { std::fill_n(axis.data() + first, count, 0.0); }, a);
   });
 }
 
-void copy(const PackedVectors& b, PackedVectors& a) {
+void copy(const VectorArray& b, VectorArray& a) {
   a.resize(b.x.size());
   forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
     forAxes([&](const auto& from,
@@ -51,7 +51,7 @@ void copy(const PackedVectors& b, PackedVectors& a) {
   });
 }
 
-void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVectors& a) {
+void setSum(const VectorArray& b, double s, const VectorArray& c, VectorArray& a) {
   a.resize(b.x.size());
   forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
     forAxes(
@@ -62,7 +62,7 @@ void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVect
   });
 }
 
-void setDifference(const PackedVectors& b, const PackedVectors& c, double s, PackedVectors& a) {
+void setDifference(const VectorArray& b, const VectorArray& c, double s, VectorArray& a) {
   a.resize(b.x.size());
   forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
     forAxes(
@@ -73,9 +73,9 @@ void setDifference(const PackedVectors& b, const PackedVectors& c, double s, Pac
   });
 }
 
-void addScaled(double s, const PackedVectors& b, PackedVectors& a) { setSum(a, s, b, a); }
+void addScaled(double s, const VectorArray& b, VectorArray& a) { setSum(a, s, b, a); }
 
-double dot(const PackedVectors& a, const PackedVectors& b) {
+double dot(const VectorArray& a, const VectorArray& b) {
   const std::size_t n = a.x.size();
   return dotAxis(n, a.x.data(), b.x.data()) + dotAxis(n, a.y.data(), b.y.data()) +
          dotAxis(n, a.z.data(), b.z.data());

@@ -24,16 +24,16 @@ void forParts(std::size_t n, const Body& body) {
 }
 
 /// All coordinates of `n` particles zero.
-void setZero(std::size_t n, PackedVectors& a);
+void setZero(std::size_t n, VectorArray& a);
 /// a = b.
-void copy(const PackedVectors& b, PackedVectors& a);
+void copy(const VectorArray& b, VectorArray& a);
 /// a = b + s c.
-void setSum(const PackedVectors& b, double s, const PackedVectors& c, PackedVectors& a);
+void setSum(const VectorArray& b, double s, const VectorArray& c, VectorArray& a);
 /// a = s (b - c).
-void setDifference(const PackedVectors& b, const PackedVectors& c, double s, PackedVectors& a);
+void setDifference(const VectorArray& b, const VectorArray& c, double s, VectorArray& a);
 /// a += s b.
-void addScaled(double s, const PackedVectors& b, PackedVectors& a);
+void addScaled(double s, const VectorArray& b, VectorArray& a);
 /// Sum over all coordinates of a b, in an order that depends on nothing but the size.
-double dot(const PackedVectors& a, const PackedVectors& b);
+double dot(const VectorArray& a, const VectorArray& b);
 
 }  // namespace cloth_sim

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "support/hash.h"
 #include "sim/command_text.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

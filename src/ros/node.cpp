@@ -13,16 +13,16 @@
 #include "actions.h"
 #include "clamp_ports.h"
 #include "clock_publisher.h"
+#include "cloth_sim/scene/load.h"
 #include "handles.h"
 #include "inputs.h"
 #include "live_parameters.h"
 #include "master_watch.h"
 #include "obstacle_followers.h"
 #include "publishers.h"
+#include "scene/names.h"
 #include "scene_path.h"
 #include "services.h"
-#include "cloth_sim/scene/load.h"
-#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "cloth_sim/ClothCommand.h"
 #include "cloth_sim/ClothState.h"
-#include "support/hash.h"
-#include "sim/command_text.h"
 #include "cloth_sim/sim/saved_state.h"
+#include "sim/command_text.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
-#include "simulation_thread.h"
 #include "scene/names.h"
+#include "simulation_thread.h"
 
 namespace cloth_sim {
 namespace {

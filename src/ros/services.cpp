@@ -4,9 +4,9 @@
 
 #include <utility>
 
-#include "support/hash.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/sim/saved_state.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

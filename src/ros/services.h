@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "clamp_ports.h"
 #include "cloth_sim/AddClamp.h"
 #include "cloth_sim/Cut.h"
 #include "cloth_sim/Follow.h"
@@ -21,7 +22,6 @@
 #include "cloth_sim/SetRealTimeFactor.h"
 #include "cloth_sim/StartPhase.h"
 #include "cloth_sim/Step.h"
-#include "clamp_ports.h"
 #include "requests.h"
 #include "simulation_thread.h"
 #include "state_directory.h"

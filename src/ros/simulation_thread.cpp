@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "cloth_sim/threads/thread_limit.h"
 #include "support/cpu_clock.h"
 #include "thread_name.h"
-#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {
 namespace {

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "cloth_sim/ros/observation.h"
+#include "cloth_sim/sim/simulation.h"
 #include "pace.h"
 #include "run_job.h"
-#include "cloth_sim/sim/simulation.h"
 
 namespace cloth_sim {
 

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "scene/names.h"
 #include "cloth_sim/sim/saved_state.h"
+#include "scene/names.h"
 
 namespace cloth_sim {
 namespace {

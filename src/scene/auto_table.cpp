@@ -8,8 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "built_in_auto_table.h"
 #include "auto_method.h"
+#include "built_in_auto_table.h"
 
 namespace cloth_sim {
 namespace {

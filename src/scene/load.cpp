@@ -7,10 +7,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "support/hash.h"
 #include "auto_method.h"
 #include "keys.h"
 #include "readers.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 

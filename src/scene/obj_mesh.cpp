@@ -6,8 +6,8 @@
 #include <map>
 #include <sstream>
 
-#include "mesh/quality.h"
 #include "cloth_sim/scene/load.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "names.h"
 #include "cloth_sim/types.h"
+#include "names.h"
 #include "yaml_tree.h"
 
 namespace cloth_sim {

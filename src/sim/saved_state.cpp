@@ -2,9 +2,9 @@
 
 #include <sstream>
 
-#include "support/hash.h"
 #include "archive.h"
 #include "cloth_sim/solver/solver.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

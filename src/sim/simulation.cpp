@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "mesh/quality.h"
 #include "cloth_sim/scene/build.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {
@@ -69,11 +69,11 @@ void Simulation::step() {
   runScript();
   if (failed()) return;
   if (isAsleep()) return sleepOn();
-  const Team::Shift shift(team_);
+  const ThreadPool::ParallelRegion shift(pool_);
   const int brokenBefore = broken_.total;
   moveClamps(scene_.solver.dt);
   guides_.steer(time(), scene_.solver.dt, colliders_);
-  for (double done = 0.0; done < 1.0 && !failed(); done = report_.share) advance(done);
+  for (double done = 0.0; done < 1.0 && !failed(); done = report_.fraction) advance(done);
   if (failed()) return;
   watchGrips();
   ++stepCount_;
@@ -114,7 +114,7 @@ void Simulation::advance(double done) {
   gatherControls();
   solve({dt, 1.0, done});
   if (failed()) return;
-  const double share = report_.share - done;
+  const double share = report_.fraction - done;
   readClamps(share);
   tear(report_.passedLimit ? report_.substep : share * dt);
 }

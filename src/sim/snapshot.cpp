@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "mesh/quality.h"
 #include "cloth_sim/sim/simulation.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "support/hash.h"
 #include "mesh/quality.h"
+#include "support/hash.h"
 
 namespace cloth_sim {
 namespace {

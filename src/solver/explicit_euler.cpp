@@ -10,9 +10,9 @@ namespace {
 /// sqrt(1 + (omega h)^2) per substep; with the damping ratio zeta it is stable for
 /// h < 2 zeta / omega only (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I,
 /// 1993, ch. I.7; Baraff & Witkin 1998 for why cloth needs better).
-class ExplicitEuler final : public ForceSolver {
+class ExplicitEuler final : public ExplicitSolver {
  public:
-  ExplicitEuler(const Model& model, int substeps) : ForceSolver(model, substeps) {}
+  ExplicitEuler(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
 
  private:
   void substep(const Substep& now) override {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "constraints/spring_forces.h"
 #include "constraints/vector_clones.h"
 #include "linalg/vector_operations.h"
-#include "constraints/spring_forces.h"
 #include "step_count.h"
 
 namespace cloth_sim {
@@ -43,23 +43,23 @@ void draggedAccelerationAxis(std::size_t count, double g, double drag, const dou
 
 }  // namespace
 
-ForceSolver::ForceSolver(const Model& model, int substeps)
-    : PackedSolver(model, substeps), stableAtFirst_(stableStep(model)) {}
+ExplicitSolver::ExplicitSolver(const Model& model, int substeps)
+    : SubstepSolver(model, substeps), stableAtFirst_(stableStep(model)) {}
 
-int ForceSolver::substepsFor(const Model& model, int configured) {
+int ExplicitSolver::substepsFor(const Model& model, int configured) {
   const double now = stableStep(model);
   if (!(now < stableAtFirst_) || !std::isfinite(stableAtFirst_)) return configured;
-  return wholeSteps(configured * stableAtFirst_ / now);
+  return stepCount(configured * stableAtFirst_ / now);
 }
 
-void ForceSolver::evaluateForces(const Substep& now) {
+void ExplicitSolver::evaluateForces(const Substep& now) {
   setZero(particles_.mass.size(), force_);
   addSpringForces(schedule_, particles_.x, particles_.v, force_);
   bending_.addForces(particles_.x, particles_.v, force_);
   if (now.controls.hasLoads()) addLoads(now.model, now.controls);
 }
 
-void ForceSolver::kick(const Substep& now) {
+void ExplicitSolver::kick(const Substep& now) {
   const auto n = static_cast<std::size_t>(particles_.slots);
   const Vec3& g = now.controls.gravity;
   const double* w = particles_.inverseMass.data();
@@ -69,11 +69,10 @@ void ForceSolver::kick(const Substep& now) {
   addForcesToReactions(now.h);
 }
 
-void ForceSolver::evaluateAccelerations(const Controls& controls, PackedVectors& out) const {
+void ExplicitSolver::evaluateAccelerations(const Controls& controls, VectorArray& out) const {
   const auto n = static_cast<std::size_t>(particles_.slots);
   out.resize(n);
-  const auto axis = [&](double g, const PackedScalars& f, const PackedScalars& v,
-                        PackedScalars& a) {
+  const auto axis = [&](double g, const ScalarArray& f, const ScalarArray& v, ScalarArray& a) {
     const double* const w = particles_.inverseMass.data();
     if (controls.drag != 0.0) {
       draggedAccelerationAxis(n, g, controls.drag, f.data(), v.data(), w, a.data());
@@ -86,9 +85,9 @@ void ForceSolver::evaluateAccelerations(const Controls& controls, PackedVectors&
   axis(controls.gravity.z(), force_.z, particles_.v.z, out.z);
 }
 
-void ForceSolver::drift(double h) { addScaled(h, particles_.v, particles_.x); }
+void ExplicitSolver::drift(double h) { addScaled(h, particles_.v, particles_.x); }
 
-void ForceSolver::damp(const Controls& controls, double h) {
+void ExplicitSolver::damp(const Controls& controls, double h) {
   if (controls.drag == 0.0) return;
   const double keep = std::exp(-controls.drag * h);
   for (std::size_t k = 0; k < particles_.inverseMass.size(); ++k) {

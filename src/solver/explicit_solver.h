@@ -10,16 +10,16 @@ namespace cloth_sim {
 ///
 /// Surgery makes edges shorter, and shorter steps are stable then. Substeps are divided further in
 /// the same proportion, so that a scene keeps the margin to the limit that it began with.
-class ForceSolver : public PackedSolver {
+class ExplicitSolver : public SubstepSolver {
  protected:
-  ForceSolver(const Model& model, int substeps);
+  ExplicitSolver(const Model& model, int substeps);
 
   /// `force_` = springs, dashpots and wind at the current positions and velocities.
   void evaluateForces(const Substep& now);
   /// v += h (f / m + g) for free particles; reactions for the others.
   void kick(const Substep& now);
   /// f / m + g - drag v for free particles, 0 for the others, with the forces last evaluated.
-  void evaluateAccelerations(const Controls& controls, PackedVectors& out) const;
+  void evaluateAccelerations(const Controls& controls, VectorArray& out) const;
   /// x += h v.
   void drift(double h);
   /// v *= exp(-drag h): exact for linear drag.

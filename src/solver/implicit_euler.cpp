@@ -23,7 +23,7 @@ class ImplicitEuler final : public ImplicitSolver {
     enforceContacts(now);
   }
 
-  PackedVectors velocity_;  ///< at the start of the substep [m/s]
+  VectorArray velocity_;  ///< at the start of the substep [m/s]
 };
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "methods.h"
 #include "constraints/spring_forces.h"
+#include "methods.h"
 
 namespace cloth_sim {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kSlack = 1e-12;
 }  // namespace
 
 ImplicitSolver::ImplicitSolver(const Model& model, const SolverParameters& parameters)
-    : PackedSolver(model, static_cast<int>(parameters.at("substeps"))),
+    : SubstepSolver(model, static_cast<int>(parameters.at("substeps"))),
       iterations_(static_cast<int>(parameters.at("iterations"))),
       tolerance_(parameters.at("tolerance")) {}
 
@@ -39,13 +39,13 @@ void ImplicitSolver::evaluateForces(const Substep& now) {
   addInternalForces();
 }
 
-void ImplicitSolver::place(double tau, double fraction, const PackedVectors& fromX) {
+void ImplicitSolver::place(double tau, double fraction, const VectorArray& fromX) {
   setSum(fromX, tau, particles_.v, particles_.x);
   placeKinematic(fraction);
 }
 
 /// residual = m (v* - v) + tau (f + m (g - drag v)); its root mean square as an acceleration.
-double ImplicitSolver::findResidual(const Substep& now, double tau, const PackedVectors& fromV) {
+double ImplicitSolver::findResidual(const Substep& now, double tau, const VectorArray& fromV) {
   force_ = wind_;
   addInternalForces();
   const std::size_t n = particles_.mass.size();
@@ -65,7 +65,7 @@ double ImplicitSolver::findResidual(const Substep& now, double tau, const Packed
 }
 
 /// Its gradient by the velocities is the residual, but for the way in which dashpots turn [J].
-double ImplicitSolver::potential(const Substep& now, double tau, const PackedVectors& fromV) const {
+double ImplicitSolver::potential(const Substep& now, double tau, const VectorArray& fromV) const {
   double sum = 0.0;
   const double drag = 1.0 + tau * now.controls.drag;
   for (std::size_t k = 0; k < particles_.mass.size(); ++k) {
@@ -80,7 +80,7 @@ double ImplicitSolver::potential(const Substep& now, double tau, const PackedVec
 }
 
 void ImplicitSolver::search(const Substep& now, double tau, double fraction,
-                            const PackedVectors& fromX, const PackedVectors& fromV) {
+                            const VectorArray& fromX, const VectorArray& fromV) {
   const double start = potential(now, tau, fromV);
   const double allowance = kSlack * std::abs(start);
   before_ = particles_.v;
@@ -93,7 +93,7 @@ void ImplicitSolver::search(const Substep& now, double tau, double fraction,
 }
 
 /// Moves the particles by what is left of the residual: momentum is then kept to round-off.
-void ImplicitSolver::balance(double tau, double fraction, const PackedVectors& fromX) {
+void ImplicitSolver::balance(double tau, double fraction, const VectorArray& fromX) {
   for (std::size_t k = 0; k < particles_.mass.size(); ++k) {
     const Vec3 change = residual_.at(k) * particles_.inverseMass[k];
     particles_.v.set(k, particles_.v.at(k) + change);
@@ -102,7 +102,7 @@ void ImplicitSolver::balance(double tau, double fraction, const PackedVectors& f
 }
 
 void ImplicitSolver::solveStage(const Substep& now, double tau, double fraction,
-                                const PackedVectors& fromX, const PackedVectors& fromV) {
+                                const VectorArray& fromX, const VectorArray& fromV) {
   findWind(now);
   diagonal_ = particles_.mass;
   for (double& m : diagonal_) m *= 1.0 + tau * now.controls.drag;

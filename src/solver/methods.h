@@ -15,7 +15,7 @@ SolverInfo trBdf2Info();
 SolverInfo verletInfo();
 SolverInfo xpbdInfo();
 
-/// The parameter that every method of PackedSolver has.
+/// The parameter that every method of SubstepSolver has.
 SolverParameter substepsParameter(int defaultValue);
 
 }  // namespace cloth_sim

@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "substep_solver.h"
-#include "methods.h"
 #include "linalg/vector_operations.h"
+#include "methods.h"
+#include "substep_solver.h"
 
 namespace cloth_sim {
 namespace {
@@ -13,10 +13,10 @@ namespace {
 ///
 /// `stiffness` is that part. How stiff the cloth is follows from it, the passes and the step, not
 /// from the fabric, of which only masses count; dashpots act as impulses after the passes.
-class Pbd final : public PackedSolver {
+class Pbd final : public SubstepSolver {
  public:
   Pbd(const Model& model, const SolverParameters& parameters)
-      : PackedSolver(model, static_cast<int>(parameters.at("substeps"))),
+      : SubstepSolver(model, static_cast<int>(parameters.at("substeps"))),
         passes_(static_cast<int>(parameters.at("iterations"))),
         stiffness_(parameters.at("stiffness")),
         keep_(parameters.at("velocity_factor")) {}
@@ -39,7 +39,7 @@ class Pbd final : public PackedSolver {
           for (double& v : axis) v /= now.h;
         },
         particles_.v);
-    if (schedule_.laws.damped()) {
+    if (schedule_.parameters.damped()) {
       schedule_.sweep([&](const SpringSchedule::Element& spring) { damp(spring, now.h); });
     }
     noteIterations(passes_, 0.0);
@@ -64,12 +64,12 @@ class Pbd final : public PackedSolver {
     const auto b = static_cast<std::size_t>(spring.b);
     const double wa = particles_.inverseMass[a];
     const double wb = particles_.inverseMass[b];
-    if (wa + wb == 0.0 || spring.law.stiffness <= 0.0) return;
+    if (wa + wb == 0.0 || spring.parameters.stiffness <= 0.0) return;
     const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
     const double length = d.norm();
     if (length == 0.0) return;
     const Vec3 correction =
-        stiffness_ * (length - spring.law.restLength) / (length * (wa + wb)) * d;
+        stiffness_ * (length - spring.parameters.restLength) / (length * (wa + wb)) * d;
     if (wa > 0.0) particles_.x.set(a, particles_.x.at(a) + wa * correction);
     if (wb > 0.0) particles_.x.set(b, particles_.x.at(b) - wb * correction);
     if (wa == 0.0) bear(a, correction / h);
@@ -84,7 +84,7 @@ class Pbd final : public PackedSolver {
     const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
     const double square = d.squaredNorm();
     if (w == 0.0 || square == 0.0) return;
-    const double c = h * spring.law.damping;
+    const double c = h * spring.parameters.damping;
     const double rate = d.dot(particles_.v.at(b) - particles_.v.at(a)) / square;
     const Vec3 impulse = c * rate / (1.0 + c * w) * d;
     if (particles_.inverseMass[a] > 0.0) {

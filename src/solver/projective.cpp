@@ -4,16 +4,16 @@
 #include <limits>
 #include <numeric>
 
+#include "constraints/spring_forces.h"
+#include "constraints/vector_clones.h"
+#include "contact_warm_start.h"
 #include "linalg/bend_matrix.h"
+#include "linalg/updatable_factor.h"
+#include "linalg/vector_operations.h"
+#include "methods.h"
 #include "sim/archive.h"
 #include "substep_solver.h"
-#include "constraints/vector_clones.h"
 #include "threads/parallel_for.h"
-#include "methods.h"
-#include "linalg/vector_operations.h"
-#include "constraints/spring_forces.h"
-#include "linalg/updatable_factor.h"
-#include "contact_memory.h"
 
 namespace cloth_sim {
 namespace {
@@ -69,10 +69,10 @@ double residualAxis(std::size_t n, double h, double g, double drag, const Terms&
 ///
 /// After cuts and tears, and when clamps take or leave particles, the factorisation is updated
 /// (UpdatableFactor); only when that would cost more is it made anew.
-class Projective final : public PackedSolver {
+class Projective final : public SubstepSolver {
  public:
   Projective(const Model& model, const SolverParameters& parameters)
-      : PackedSolver(model, static_cast<int>(parameters.at("substeps"))),
+      : SubstepSolver(model, static_cast<int>(parameters.at("substeps"))),
         iterations_(static_cast<int>(parameters.at("iterations"))),
         tolerance_(parameters.at("tolerance")) {}
 
@@ -133,7 +133,7 @@ class Projective final : public PackedSolver {
     }
     obstacles_.addForces(particles_.mass, force_);
     // Dashpots: of the motion in the substep.
-    if (schedule_.laws.damped() || bending_.retardation() > 0.0) findVelocity(now.h);
+    if (schedule_.parameters.damped() || bending_.retardation() > 0.0) findVelocity(now.h);
     addSpringForces(schedule_, particles_.x, particles_.v, force_);
     bending_.addForces(particles_.x, particles_.v, force_);
     const std::size_t n = particles_.mass.size();
@@ -168,7 +168,7 @@ class Projective final : public PackedSolver {
   /// solution, which is in single precision: so linear momentum is right to round-off.
   void moveBySolution() {
     const bool isFree = kinematicSlots_.empty();
-    const PackedScalars& mass = particles_.mass;
+    const ScalarArray& mass = particles_.mass;
     const double inertia = freeMass_ * (1.0 + step_ * drag_);
     std::array<double, 3> mean{};
     int axis = 0;
@@ -197,7 +197,7 @@ class Projective final : public PackedSolver {
   }
 
   /// The step is then refused.
-  static void setNaN(PackedVectors& q) {
+  static void setNaN(VectorArray& q) {
     forAxes(
         [](auto& axis) {
           std::fill(axis.begin(), axis.end(), std::numeric_limits<double>::quiet_NaN());
@@ -238,14 +238,14 @@ class Projective final : public PackedSolver {
     double largest = 0.0;
     for (double m : particles_.mass) largest = std::max(largest, m);
     schedule_.forEach([&](const SpringSchedule::Element& spring) {
-      largest = std::max(largest, weight(spring.law));
+      largest = std::max(largest, weight(spring.parameters));
     });
     holdWeight_ = kHold * (largest > 0.0 ? largest : 1.0);
     isSolvable_ = factor_.compute(globalMatrix());
   }
 
   /// What a spring counts in the global step's matrix [kg].
-  double weight(const SpringLaw& law) const {
+  double weight(const SpringParameters& law) const {
     return step_ * step_ * law.stiffness + step_ * law.damping;
   }
 
@@ -259,7 +259,7 @@ class Projective final : public PackedSolver {
       entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
     }
     schedule_.forEach([&](const SpringSchedule::Element& spring) {
-      const double w = weight(spring.law);
+      const double w = weight(spring.parameters);
       if (w == 0.0) return;
       entries.emplace_back(spring.a, spring.a, w);
       entries.emplace_back(spring.b, spring.b, w);
@@ -290,9 +290,9 @@ class Projective final : public PackedSolver {
   UpdatableFactor factor_;
   bool isSolvable_ = true;  ///< the matrix was positive definite in spite of rounding
   std::vector<SpringSchedule::Element> heldSprings_;  ///< at kinematic particles
-  PackedVectors velocity_;                            ///< at the start of the substep [m/s]
-  WarmContacts obstacles_;
-  PackedVectors wind_, residual_, change_;
+  VectorArray velocity_;                              ///< at the start of the substep [m/s]
+  ContactWarmStart obstacles_;
+  VectorArray wind_, residual_, change_;
   std::vector<double> squares_;  ///< of the residual, by part
 };
 

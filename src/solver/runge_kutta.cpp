@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "explicit_solver.h"
-#include "methods.h"
 #include "linalg/vector_operations.h"
+#include "methods.h"
 
 namespace cloth_sim {
 namespace {
@@ -22,9 +22,9 @@ constexpr std::array<Stage, 4> kStages{
 /// Fourth order on smooth motion; first order where contact or tearing makes it not smooth. Stable
 /// for h below 2 sqrt(2) / omega_max, and damps what is fast a little (Hairer, Norsett & Wanner
 /// 1993, ch. II.1 and IV.2).
-class RungeKutta final : public ForceSolver {
+class RungeKutta final : public ExplicitSolver {
  public:
-  RungeKutta(const Model& model, int substeps) : ForceSolver(model, substeps) {}
+  RungeKutta(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
 
  private:
   void substep(const Substep& now) override {
@@ -55,10 +55,10 @@ class RungeKutta final : public ForceSolver {
     addForcesToReactions(stage.weight * now.h);
   }
 
-  PackedVectors velocity_;      ///< at the start of the substep [m/s]
-  PackedVectors acceleration_;  ///< of the last stage [m/s^2]
-  PackedVectors displacement_;  ///< weighted sum of the stages' velocities [m/s]
-  PackedVectors change_;        ///< weighted sum of the stages' accelerations [m/s^2]
+  VectorArray velocity_;      ///< at the start of the substep [m/s]
+  VectorArray acceleration_;  ///< of the last stage [m/s^2]
+  VectorArray displacement_;  ///< weighted sum of the stages' velocities [m/s]
+  VectorArray change_;        ///< weighted sum of the stages' accelerations [m/s^2]
 };
 
 }  // namespace

@@ -23,7 +23,7 @@ int stableSubsteps(const SolverInfo& info, const FastestMode& mode, double dt) {
     throw std::invalid_argument("solver.method: " + info.name +
                                 " is stable at no step where anything is undamped");
   }
-  return wholeSteps(dt / longest);
+  return stepCount(dt / longest);
 }
 
 SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const FastestMode& mode,

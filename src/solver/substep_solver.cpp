@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "cloth_sim/contact/collider.h"
-#include "sim/archive.h"
 #include "linalg/vector_operations.h"
+#include "sim/archive.h"
 #include "step_count.h"
 
 namespace cloth_sim {
@@ -17,39 +17,39 @@ constexpr double kFastest = 1e4;
 
 }  // namespace
 
-PackedSolver::PackedSolver(const Model& model, int substeps)
+SubstepSolver::SubstepSolver(const Model& model, int substeps)
     : configured_(substeps), substeps_(substeps) {
   particles_.layOut(model);
   schedule_.build(model, particles_.slotOf);
 }
 
-void PackedSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
+void SubstepSolver::onModelChanged(const Model& model, const ModelChanges& changes) {
   particles_.follow(changes.mesh);
   followModel(model, changes.springs);
 }
 
-void PackedSolver::followModel(const Model& model, const SpringChanges& changes) {
+void SubstepSolver::followModel(const Model& model, const SpringChanges& changes) {
   schedule_.follow(model, changes, particles_.slotOf);
   substeps_ = substepsFor(model, configured_);
   layoutChanged_ = true;
   bendingChanged_ = true;
 }
 
-void PackedSolver::save(StateWriter& archive) const {
+void SubstepSolver::save(StateWriter& archive) const {
   archive(particles_);
   saveMemory(archive);
 }
 
 /// The schedule follows from the undamaged model and the springs there are now.
-void PackedSolver::load(StateReader& archive, const Model& model) {
+void SubstepSolver::load(StateReader& archive, const Model& model) {
   archive(particles_);
   particles_.resize();
   followModel(model, model.springs.allModified());
   loadMemory(archive);
 }
 
-const StepReport& PackedSolver::step(const Model& model, State& state, const Controls& controls,
-                                     Contacts& contacts, const StepLength& length) {
+const StepReport& SubstepSolver::step(const Model& model, State& state, const Controls& controls,
+                                      Contacts& contacts, const StepLength& length) {
   const Rest rest = restOf(length, state.t);
   particles_.load(state);
   begin(model, contacts, controls, rest);
@@ -71,16 +71,16 @@ const StepReport& PackedSolver::step(const Model& model, State& state, const Con
   const bool isWhole = done == rest.substeps;
   const double dt = isWhole ? rest.dt : done * rest.h;
   report_.substeps = static_cast<int>(std::lround(length.dt / rest.h));
-  report_.share = isWhole ? 1.0 : length.done + dt / length.dt;
+  report_.fraction = isWhole ? 1.0 : length.done + dt / length.dt;
   state.t += dt;
   finishReactions(model, controls, dt);
   return report_;
 }
 
-PackedSolver::Rest PackedSolver::restOf(const StepLength& length, double time) const {
+SubstepSolver::Rest SubstepSolver::restOf(const StepLength& length, double time) const {
   constexpr double kRounding = 1e-9;
   const double share = 1.0 - length.done;
-  const int substeps = wholeSteps(share * substeps_ * length.substepFactor);
+  const int substeps = stepCount(share * substeps_ * length.substepFactor);
   // As long as those before to the bit, where they are as long: matrices are made for a length.
   const double all = std::round(substeps / share);
   const bool goesOn = std::abs(all * share - substeps) < kRounding;
@@ -88,8 +88,8 @@ PackedSolver::Rest PackedSolver::restOf(const StepLength& length, double time) c
   return {length.left(), time + length.left(), substeps, h};
 }
 
-void PackedSolver::begin(const Model& model, const Contacts& contacts, const Controls& controls,
-                         const Rest& rest) {
+void SubstepSolver::begin(const Model& model, const Contacts& contacts, const Controls& controls,
+                          const Rest& rest) {
   loadKinematics(model, controls);
   keepOutOf(contacts, controls, rest);
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
@@ -106,7 +106,7 @@ void PackedSolver::begin(const Model& model, const Contacts& contacts, const Con
   prepare(controls, rest.h);
 }
 
-void PackedSolver::loadLimits(const Controls& controls) {
+void SubstepSolver::loadLimits(const Controls& controls) {
   limits_.clear();
   for (const LengthLimit& limit : controls.limits) {
     limits_.push_back({static_cast<std::size_t>(particles_.slotOf[limit.a]),
@@ -115,13 +115,13 @@ void PackedSolver::loadLimits(const Controls& controls) {
   }
 }
 
-bool PackedSolver::passesLimit() const {
+bool SubstepSolver::passesLimit() const {
   return std::any_of(limits_.begin(), limits_.end(), [this](const Limit& limit) {
     return (particles_.x.at(limit.b) - particles_.x.at(limit.a)).squaredNorm() > limit.square;
   });
 }
 
-void PackedSolver::loadKinematics(const Model& model, const Controls& controls) {
+void SubstepSolver::loadKinematics(const Model& model, const Controls& controls) {
   kinematicSlots_.clear();
   kinematicFrom_.resize(controls.kinematic.size());
   kinematicTo_.resize(controls.kinematic.size());
@@ -147,7 +147,8 @@ void PackedSolver::loadKinematics(const Model& model, const Controls& controls) 
 }
 
 /// Nobody can hold a particle inside an obstacle: the target is then where it leaves it again.
-void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls, const Rest& rest) {
+void SubstepSolver::keepOutOf(const Contacts& contacts, const Controls& controls,
+                              const Rest& rest) {
   ParticleView view;
   view.x = kinematicTo_.x.data();
   view.y = kinematicTo_.y.data();
@@ -169,7 +170,7 @@ void PackedSolver::keepOutOf(const Contacts& contacts, const Controls& controls,
   }
 }
 
-void PackedSolver::finishReactions(const Model& model, const Controls& controls, double dt) {
+void SubstepSolver::finishReactions(const Model& model, const Controls& controls, double dt) {
   for (std::size_t k = 0; k < controls.kinematic.size(); ++k) {
     const KinematicTarget& target = controls.kinematic[k];
     const double mass = model.mass[target.vertex];
@@ -178,13 +179,13 @@ void PackedSolver::finishReactions(const Model& model, const Controls& controls,
   }
 }
 
-void PackedSolver::markStart() { copy(particles_.x, particles_.start); }
+void SubstepSolver::markStart() { copy(particles_.x, particles_.start); }
 
-void PackedSolver::placeKinematic(double fraction) {
+void SubstepSolver::placeKinematic(double fraction) {
   placeKinematic(fraction, 0, particles_.mass.size());
 }
 
-void PackedSolver::placeKinematic(double fraction, std::size_t first, std::size_t last) {
+void SubstepSolver::placeKinematic(double fraction, std::size_t first, std::size_t last) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     const auto slot = static_cast<std::size_t>(kinematicSlots_[k]);
     if (slot < first || slot >= last) continue;
@@ -193,13 +194,13 @@ void PackedSolver::placeKinematic(double fraction, std::size_t first, std::size_
   }
 }
 
-void PackedSolver::addForcesToReactions(double h) {
+void SubstepSolver::addForcesToReactions(double h) {
   for (std::size_t k = 0; k < kinematicSlots_.size(); ++k) {
     addReaction(k, h * force_.at(static_cast<std::size_t>(kinematicSlots_[k])));
   }
 }
 
-void PackedSolver::addLoads(const Model& model, const Controls& controls) {
+void SubstepSolver::addLoads(const Model& model, const Controls& controls) {
   if (controls.wind) addWind(model, *controls.wind);
   for (const PointForce& load : controls.forces) {
     const auto k = static_cast<std::size_t>(particles_.slotOf[load.vertex]);
@@ -207,9 +208,9 @@ void PackedSolver::addLoads(const Model& model, const Controls& controls) {
   }
 }
 
-void PackedSolver::addWind(const Model& model, const Wind& wind) {
-  const PackedVectors& x = particles_.x;
-  const PackedVectors& v = particles_.v;
+void SubstepSolver::addWind(const Model& model, const Wind& wind) {
+  const VectorArray& x = particles_.x;
+  const VectorArray& v = particles_.v;
   for (const Face& face : model.mesh.faces()) {
     std::array<std::size_t, 3> p;
     for (int k = 0; k < 3; ++k) p[k] = static_cast<std::size_t>(particles_.slotOf[face[k]]);
@@ -225,9 +226,9 @@ void PackedSolver::addWind(const Model& model, const Wind& wind) {
   }
 }
 
-void PackedSolver::enforceContacts(const Substep& now) {
+void SubstepSolver::enforceContacts(const Substep& now) {
   if (now.contacts.empty()) return;
-  PackedParticles& p = particles_;
+  Particles& p = particles_;
   before_.resize(p.mass.size());
   forFreeCandidates(now.contacts, [&](std::size_t k) { before_.set(k, p.x.at(k)); });
   now.contacts.project(p.view(), now.time, now.h);
@@ -238,9 +239,9 @@ void PackedSolver::enforceContacts(const Substep& now) {
   });
 }
 
-void PackedSolver::enforceContactVelocities(const Substep& now) {
+void SubstepSolver::enforceContactVelocities(const Substep& now) {
   if (now.contacts.empty()) return;
-  PackedParticles& p = particles_;
+  Particles& p = particles_;
   before_.resize(p.mass.size());
   forFreeCandidates(now.contacts, [&](std::size_t k) {
     p.start.set(k, p.x.at(k));
@@ -257,7 +258,7 @@ void PackedSolver::enforceContactVelocities(const Substep& now) {
 }
 
 template <typename Visit>
-void PackedSolver::forFreeCandidates(const Contacts& contacts, const Visit& visit) const {
+void SubstepSolver::forFreeCandidates(const Contacts& contacts, const Visit& visit) const {
   for (const ContactCandidates& touching : contacts.candidates) {
     for (VertexId v : touching.vertices) {
       const auto k = static_cast<std::size_t>(particles_.slotOf[v]);

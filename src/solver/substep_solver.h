@@ -1,15 +1,15 @@
 #pragma once
 /// \file What the methods that sweep over packed springs have in common.
 
-#include "constraints/particles.h"
 #include "cloth_sim/solver/solver.h"
+#include "constraints/particles.h"
 #include "constraints/spring_schedule.h"
 
 namespace cloth_sim {
 
 /// Packs the state, divides the step into substeps, moves the kinematic particles, sums up
 /// reactions and checks the result. A method on top of it says how one substep goes.
-class PackedSolver : public Solver {
+class SubstepSolver : public Solver {
  public:
   const StepReport& step(const Model& model, State& state, const Controls& controls,
                          Contacts& contacts, const StepLength& length) final;
@@ -19,7 +19,7 @@ class PackedSolver : public Solver {
   void load(StateReader& archive, const Model& model) final;
 
  protected:
-  PackedSolver(const Model& model, int substeps);
+  SubstepSolver(const Model& model, int substeps);
 
   /// What a substep may look at.
   struct Substep {
@@ -78,9 +78,9 @@ class PackedSolver : public Solver {
   /// that friction then stops. Positions stay.
   void enforceContactVelocities(const Substep& now);
 
-  PackedParticles particles_;
+  Particles particles_;
   SpringSchedule schedule_;
-  PackedVectors force_;  ///< [N]; of the last substep that needed it
+  VectorArray force_;  ///< [N]; of the last substep that needed it
   /// Slots of the kinematic targets of this step, in their order.
   std::vector<std::int32_t> kinematicSlots_;
   /// True in `prepare` if the set of kinematic particles or the schedule is not that of the last
@@ -120,9 +120,9 @@ class PackedSolver : public Solver {
   int substeps_;
   StepReport report_;
   std::vector<Limit> limits_;
-  PackedVectors before_;  ///< positions before contacts are enforced [m]
-  PackedVectors kinematicFrom_;
-  PackedVectors kinematicTo_;
+  VectorArray before_;  ///< positions before contacts are enforced [m]
+  VectorArray kinematicFrom_;
+  VectorArray kinematicTo_;
   std::vector<double> kinematicMass_;  ///< zeros
   std::vector<VertexId> touching_;     ///< which kinematic targets are near an obstacle
   std::vector<Vec3> kinematicStartVelocity_;

@@ -8,9 +8,9 @@ namespace {
 ///
 /// First order; stable for h below 2 / omega_max without damping (Hairer, Lubich & Wanner 2006,
 /// ch. VI.3). Cheap per substep, but stiff fabric needs very many of them.
-class SymplecticEuler final : public ForceSolver {
+class SymplecticEuler final : public ExplicitSolver {
  public:
-  SymplecticEuler(const Model& model, int substeps) : ForceSolver(model, substeps) {}
+  SymplecticEuler(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
 
  private:
   void substep(const Substep& now) override {

@@ -52,7 +52,7 @@ class TrBdf2 final : public ImplicitSolver {
   }
 
   /// out = (middle - (1 - gamma)^2 start) / (gamma (2 - gamma)).
-  static void combine(const PackedVectors& middle, const PackedVectors& start, PackedVectors& out) {
+  static void combine(const VectorArray& middle, const VectorArray& start, VectorArray& out) {
     const double past = (1.0 - kGamma) * (1.0 - kGamma);
     out.resize(middle.x.size());
     for (std::size_t k = 0; k < middle.x.size(); ++k) {
@@ -60,8 +60,8 @@ class TrBdf2 final : public ImplicitSolver {
     }
   }
 
-  PackedVectors velocity_;       ///< at the start of the substep [m/s]
-  PackedVectors fromX_, fromV_;  ///< what a stage starts from [m], [m/s]
+  VectorArray velocity_;       ///< at the start of the substep [m/s]
+  VectorArray fromX_, fromV_;  ///< what a stage starts from [m], [m/s]
 };
 
 }  // namespace

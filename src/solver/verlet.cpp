@@ -11,9 +11,9 @@ namespace {
 /// damping, and only that, first order. A displacement at the end of the substep stands for an
 /// impulse at its middle of twice its size over h; contacts bring one half of it, a second pass
 /// over the velocities the other, so that impacts do not bounce.
-class Verlet final : public ForceSolver {
+class Verlet final : public ExplicitSolver {
  public:
-  Verlet(const Model& model, int substeps) : ForceSolver(model, substeps) {}
+  Verlet(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
 
  private:
   void substep(const Substep& now) override {

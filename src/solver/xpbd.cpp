@@ -1,11 +1,11 @@
 #include <cmath>
 
 #include "constraints/bend_projection.h"
-#include "substep_solver.h"
-#include "constraints/vector_clones.h"
-#include "methods.h"
-#include "linalg/vector_operations.h"
 #include "constraints/spring_projection.h"
+#include "constraints/vector_clones.h"
+#include "linalg/vector_operations.h"
+#include "methods.h"
+#include "substep_solver.h"
 
 namespace cloth_sim {
 namespace {
@@ -39,9 +39,9 @@ void predictAxis(std::size_t count, double fall, const double* w, double* x, dou
 /// Macklin, Mueller & Chentanez 2016 (eq. 18, and 26 for damping); small steps with one iteration:
 /// Macklin et al. 2019. Unconditionally stable; too few substeps make stiff cloth stretch more than
 /// its fabric says, and damp its motion.
-class Xpbd final : public PackedSolver {
+class Xpbd final : public SubstepSolver {
  public:
-  Xpbd(const Model& model, int substeps) : PackedSolver(model, substeps) {}
+  Xpbd(const Model& model, int substeps) : SubstepSolver(model, substeps) {}
 
  private:
   /// A spring between a free and a prescribed particle; solved after the others, one by one, so
@@ -71,7 +71,7 @@ class Xpbd final : public PackedSolver {
 
   double decay_ = 1.0;           ///< what drag leaves of a velocity in a substep
   double complianceStep_ = 0.0;  ///< the h that springs give way for
-  SpringCorrection springs_;
+  SpringProjection springs_;
   std::vector<Attachment> attachments_;
   BendSweep bending_;
   double retardation_ = 0.0;  ///< of bending [s]
@@ -106,9 +106,9 @@ void Xpbd::listAttachments() {
     const bool heldB = targetOf()[spring.b] != kNone;
     if (heldA == heldB) return;
     const std::int32_t held = heldA ? spring.a : spring.b;
-    attachments_.push_back({heldA ? spring.b : spring.a, held,
-                            static_cast<std::size_t>(targetOf()[held]), spring.law.restLength,
-                            complianceOf(spring.law, complianceStep_)});
+    attachments_.push_back(
+        {heldA ? spring.b : spring.a, held, static_cast<std::size_t>(targetOf()[held]),
+         spring.parameters.restLength, complianceOf(spring.parameters, complianceStep_)});
   });
 }
 

@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "cloth_sim/cloth/stable_step.h"
-#include "support/cpu_clock.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
 #include "reference.h"
+#include "support/cpu_clock.h"
 
 namespace cloth_sim {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "support/cpu_clock.h"
 #include "cloth_sim/sim/simulation.h"
+#include "support/cpu_clock.h"
 
 namespace cloth_sim {
 namespace {

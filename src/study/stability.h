@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "bisection.h"
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/solver/registry.h"
-#include "bisection.h"
 
 namespace cloth_sim {
 

@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
-#include "scene/names.h"
 #include "jobs.h"
 #include "resolution.h"
+#include "scene/names.h"
 #include "stability.h"
 #include "tables.h"
 

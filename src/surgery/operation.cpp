@@ -5,8 +5,8 @@
 #include <unordered_map>
 
 #include "cloth_sim/surgery/material_path.h"
-#include "momentum.h"
 #include "cloth_sim/surgery/refine.h"
+#include "momentum.h"
 
 namespace cloth_sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <optional>
 
-#include "mesh/quality.h"
 #include "cloth_sim/surgery/material_path.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {

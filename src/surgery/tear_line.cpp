@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh/quality.h"
 #include "cloth_sim/surgery/remesher.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {

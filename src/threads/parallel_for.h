@@ -5,20 +5,20 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "cloth_sim/threads/team.h"
+#include "cloth_sim/threads/thread_pool.h"
 
 namespace cloth_sim {
 
 /// Calls `body(first, last)` on consecutive parts of [0, count) that together cover it, shared with
-/// the Team of this thread, if there is one. Parts have at least `grain` items; a count below two
-/// grains runs in the calling thread at no cost. `body` must not throw and must write nothing that
-/// another part reads.
+/// the ThreadPool of this thread, if there is one. Parts have at least `grain` items; a count below
+/// two grains runs in the calling thread at no cost. `body` must not throw and must write nothing
+/// that another part reads.
 template <typename Body>
 void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
   /// So that who comes late, or has the slower core, finds some left to take.
   constexpr std::int32_t kPartsPerMember = 4;
-  Team* const team = count < 2 * grain ? nullptr : Team::ofThisThread();
-  if (team == nullptr) {
+  ThreadPool* const pool = count < 2 * grain ? nullptr : ThreadPool::ofThisThread();
+  if (pool == nullptr) {
     if (count > 0) body(0, count);
     return;
   }
@@ -30,9 +30,9 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
       return static_cast<std::int32_t>(count * part / parts);
     }
   };
-  const std::int32_t parts = std::min(count / grain, kPartsPerMember * team->size());
+  const std::int32_t parts = std::min(count / grain, kPartsPerMember * pool->size());
   const Loop loop{body, count, parts};
-  team->run(
+  pool->run(
       parts,
       [](const void* context, std::int32_t part) {
         const Loop& shared = *static_cast<const Loop*>(context);
@@ -41,10 +41,10 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
       &loop);
 }
 
-/// Calls `body(part)` for each part of `order`, shared with `team`: Team::run.
+/// Calls `body(part)` for each part of `order`, shared with `pool`: ThreadPool::run.
 template <typename Body>
-void parallelInOrder(Team& team, const PartOrder& order, const Body& body) {
-  team.run(
+void parallelInOrder(ThreadPool& pool, const TaskGraph& order, const Body& body) {
+  pool.run(
       order,
       [](const void* context, std::int32_t part) { (*static_cast<const Body*>(context))(part); },
       &body);

@@ -12,13 +12,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "ros/bag_writer.h"
-#include "ros/recording.h"
-#include "ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "ros/bag_writer.h"
+#include "ros/recording.h"
+#include "ros/scene_path.h"
 
 namespace cloth_sim {
 namespace {

@@ -14,13 +14,13 @@
 #include <set>
 #include <stdexcept>
 
-#include "ros/scene_path.h"
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/threads/thread_limit.h"
+#include "ros/scene_path.h"
 #include "study/advise.h"
 #include "study/exact.h"
 #include "study/make_auto_table.h"
 #include "study/study.h"
-#include "cloth_sim/threads/thread_limit.h"
 
 namespace cloth_sim {
 namespace {

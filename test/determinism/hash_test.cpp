@@ -5,9 +5,9 @@
 
 #include <set>
 
+#include "cloth_sim/threads/thread_limit.h"
 #include "constraints/particles.h"
 #include "constraints/spring_schedule.h"
-#include "cloth_sim/threads/thread_limit.h"
 #include "determinism/busy_scene.h"
 #include "unit/core_support.h"
 
@@ -33,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, Determinism,
 TEST_P(Determinism, OneThreadOrTwoOrFour) {
   // 64 x 64 has enough springs for more than one strand of 2048, so that sweeps split over threads.
   const Model model = buildModel(busyScene(GetParam()).cloths[0]);
-  PackedParticles particles;
+  Particles particles;
   particles.layOut(model);
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);

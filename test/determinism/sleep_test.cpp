@@ -8,11 +8,11 @@
 #include <functional>
 #include <set>
 
-#include "support/hash.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/sim/summary.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "support/hash.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {

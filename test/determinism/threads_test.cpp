@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "threads/parallel_for.h"
-#include "cloth_sim/threads/team.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "cloth_sim/threads/thread_pool.h"
+#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
@@ -22,10 +22,10 @@ int processors() {
 }
 
 TEST(ParallelFor, CoversEveryItemOnceAndInOneThreadIfLimited) {
-  Team team;
+  ThreadPool pool;
   for (const int threads : {1, 2, 3, 1, 2}) {
     const ThreadLimit limit(threads);
-    const Team::Shift shift(team);
+    const ThreadPool::ParallelRegion shift(pool);
     for (const std::int32_t count : {0, 1, 63, 64, 128, 1000}) {
       std::vector<std::atomic<int>> visits(static_cast<std::size_t>(count));
       std::atomic<bool> elsewhere{false};
@@ -52,8 +52,8 @@ TEST(ParallelFor, RunsInTheCallingThreadOutsideOfAShift) {
 
 TEST(ParallelFor, InAnotherOneIsNotShared) {
   const ThreadLimit limit(2);
-  Team team;
-  const Team::Shift shift(team);
+  ThreadPool pool;
+  const ThreadPool::ParallelRegion shift(pool);
   std::vector<std::atomic<int>> visits(64 * 64);
   parallelFor(64, 1, [&](std::int32_t first, std::int32_t last) {
     for (std::int32_t j = first; j < last; ++j) {
@@ -66,14 +66,14 @@ TEST(ParallelFor, InAnotherOneIsNotShared) {
 }
 
 /// Polled: a helper comes when the machine lets it.
-TEST(Team, HelpersComeAndTakeParts) {
+TEST(ThreadPool, HelpersComeAndTakeParts) {
   const ThreadLimit limit(2);
-  Team team;
+  ThreadPool pool;
   const std::thread::id here = std::this_thread::get_id();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   std::atomic<bool> helped{false};
   for (int shifts = 0; shifts < 3; ++shifts) {  // ... in each shift
-    const Team::Shift shift(team);
+    const ThreadPool::ParallelRegion shift(pool);
     helped = false;
     while (!helped && std::chrono::steady_clock::now() < deadline) {
       parallelFor(8, 1, [&](std::int32_t, std::int32_t) {
@@ -86,15 +86,15 @@ TEST(Team, HelpersComeAndTakeParts) {
 
 /// Loops follow each other at once, so that helpers meet the end of one and the beginning of the
 /// next at any moment.
-TEST(Team, ManyShortLoopsLoseNoPart) {
+TEST(ThreadPool, ManyShortLoopsLoseNoPart) {
   for (const int threads : {2, 3}) {
     const ThreadLimit limit(threads);
-    Team team;
+    ThreadPool pool;
     std::vector<std::int64_t> sums(16, 0);
     constexpr std::int64_t kLoops = 20000;
     for (std::int64_t loop = 0; loop < kLoops; ++loop) {
       if (loop % 100 == 0) std::this_thread::yield();
-      const Team::Shift shift(team);
+      const ThreadPool::ParallelRegion shift(pool);
       for (int again = 0; again < 3; ++again) {
         parallelFor(16, 1, [&](std::int32_t first, std::int32_t last) {
           for (std::int32_t k = first; k < last; ++k) sums[k] += loop + k;
@@ -108,8 +108,8 @@ TEST(Team, ManyShortLoopsLoseNoPart) {
 }
 
 /// Groups of parts, each of which waits for some of earlier groups.
-PartOrder someOrder() {
-  PartOrder order;
+TaskGraph someOrder() {
+  TaskGraph order;
   std::uint32_t random = 1;
   std::int32_t part = 0;
   for (const std::int32_t parts : {5, 1, 8, 2, 2, 16}) {
@@ -126,19 +126,19 @@ PartOrder someOrder() {
   return order;
 }
 
-TEST(Team, DoesEveryPartOnceAndAfterThoseItWaitsFor) {
-  const PartOrder order = someOrder();
+TEST(ThreadPool, DoesEveryPartOnceAndAfterThoseItWaitsFor) {
+  const TaskGraph order = someOrder();
   const auto parts = static_cast<std::size_t>(order.groupEnds.back());
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
-    Team team;
+    ThreadPool pool;
     for (int shift = 0; shift < 200; ++shift) {
-      const Team::Shift now(team);
+      const ThreadPool::ParallelRegion now(pool);
       for (std::int64_t loop = 1; loop <= 20; ++loop) {
         // Not atomic: a part that does not wait is a data race.
         std::vector<std::int64_t> done(parts, 0);
         std::atomic<int> early{0};
-        parallelInOrder(team, order, [&](std::int32_t part) {
+        parallelInOrder(pool, order, [&](std::int32_t part) {
           const std::int32_t begin = part == 0 ? 0 : order.waitEnds[part - 1];
           for (std::int32_t k = begin; k < order.waitEnds[part]; ++k) {
             if (done[order.waits[k]] != 1) ++early;

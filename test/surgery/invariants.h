@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "mesh/quality.h"
 #include "cloth_sim/surgery/operation.h"
+#include "mesh/quality.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim::surgery_support {

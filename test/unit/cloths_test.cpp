@@ -254,7 +254,7 @@ TEST(Cloths, DrawTheirRandomOffsetsOneAfterTheOther) {
 
 int springsInRuns(const std::vector<ClothSpec>& cloths) {
   const Model model = buildModel(cloths);
-  PackedParticles particles;
+  Particles particles;
   particles.layOut(model);
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);

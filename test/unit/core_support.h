@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "cloth_sim/mesh/mesh_editor.h"
-#include "mesh/quality.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/scene/scene.h"
 #include "cloth_sim/solver/registry.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim::testing_support {
 

@@ -65,7 +65,7 @@ TEST_P(LimitedStep, EndsAfterTheSubstepInWhichItIsPassed) {
   limitAt(0.5);
   const StepReport report = step(state, 0.0);
   EXPECT_TRUE(report.passedLimit);
-  EXPECT_NEAR(report.share, 4.0 / kSubsteps, 1e-12);
+  EXPECT_NEAR(report.fraction, 4.0 / kSubsteps, 1e-12);
   EXPECT_NEAR(state.t, 4.0 / kSubsteps * kDt, 1e-15);
   EXPECT_EQ(report.substeps, kSubsteps);
   EXPECT_NEAR(length(state), length(apart()) * (1.0 + state.t), 1e-6);
@@ -75,15 +75,15 @@ TEST_P(LimitedStep, GoesOnAsIfItHadNotEnded) {
   State whole = apart();
   const StepReport unbroken = step(whole, 0.0);
   EXPECT_FALSE(unbroken.passedLimit);
-  EXPECT_EQ(unbroken.share, 1.0);
+  EXPECT_EQ(unbroken.fraction, 1.0);
 
   State state = apart();
   limitAt(0.5);
   const StepReport first = step(state, 0.0);
   controls_.limits.clear();
-  const StepReport second = step(state, first.share);
+  const StepReport second = step(state, first.fraction);
   EXPECT_FALSE(second.passedLimit);
-  EXPECT_EQ(second.share, 1.0);
+  EXPECT_EQ(second.fraction, 1.0);
   EXPECT_EQ(second.substeps, kSubsteps);
   // To the bit: factorisations are made for it.
   EXPECT_EQ(first.substep, unbroken.substep);
@@ -115,9 +115,9 @@ TEST_P(LimitedStep, HeldParticlesComeToTheirPlacesAtTheEndOfTheStep) {
   limitAt(0.5);
   const StepReport first = step(state, 0.0);
   ASSERT_TRUE(first.passedLimit);
-  EXPECT_NEAR(state.x[15].z(), 0.001 * first.share, 1e-12);
+  EXPECT_NEAR(state.x[15].z(), 0.001 * first.fraction, 1e-12);
   controls_.limits.clear();
-  step(state, first.share);
+  step(state, first.fraction);
   EXPECT_NEAR(state.x[15].z(), 0.001, 1e-15);
 }
 

@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <fstream>
 
-#include "scene/obj_mesh.h"
 #include "cloth_sim/mesh/grid.h"
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
+#include "scene/obj_mesh.h"
 
 namespace cloth_sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "scene/keys.h"
 #include "cloth_sim/scene/load.h"
+#include "scene/keys.h"
 
 #ifndef CLOTH_SIM_SOURCE_DIR
 #define CLOTH_SIM_SOURCE_DIR "."

@@ -1,9 +1,9 @@
 #pragma once
 /// \file Springs of a cloth in the order of sweeps, over edits.
 
+#include "cloth_sim/surgery/operation.h"
 #include "constraints/particles.h"
 #include "constraints/spring_schedule.h"
-#include "cloth_sim/surgery/operation.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim::testing_support {
@@ -42,7 +42,7 @@ struct Scheduled {
 
   Model model;
   State state;
-  PackedParticles particles;
+  Particles particles;
   SpringSchedule schedule;
 };
 

@@ -35,16 +35,17 @@ std::vector<SpringSchedule::Element> elementsOf(const SpringSchedule& schedule) 
 void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedule,
                                 const std::vector<std::int32_t>& slotOf) {
   using Row = std::tuple<std::int32_t, std::int32_t, double, double, double>;
-  const auto row = [](std::int32_t a, std::int32_t b, const SpringLaw& law) {
+  const auto row = [](std::int32_t a, std::int32_t b, const SpringParameters& law) {
     return Row(a, b, law.restLength, law.stiffness, law.damping);
   };
   std::multiset<Row> expected, found;
   for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
-    expected.insert(row(slotOf[spring.a], slotOf[spring.b], spring.law()));
+    expected.insert(row(slotOf[spring.a], slotOf[spring.b], spring.parameters()));
   }
   for (const SpringSchedule::Element& spring : elementsOf(schedule)) {
-    if (!(spring.law == SpringLaw{})) found.insert(row(spring.a, spring.b, spring.law));
+    if (!(spring.parameters == SpringParameters{}))
+      found.insert(row(spring.a, spring.b, spring.parameters));
   }
   EXPECT_TRUE(found == expected);
 }
@@ -82,7 +83,7 @@ void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
 /// Of a model that has nothing but a mesh.
 void expectGoodSchedule(Model model) {
   model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
-  PackedParticles particles;
+  Particles particles;
   particles.layOut(model);
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);
@@ -125,10 +126,10 @@ TEST(SpringSchedule, OfAGridHasTheLawOfARunOnceAndThatOfARowOnceForAllRows) {
   for (const double spacing : {1.0 / 63.0, 0.1, 0.7 / 63.0}) {
     const Scheduled grid(clothOf(64, 50, spacing));
     const double uniform = shareIn(&SpringSchedule::Span::isUniform, grid.schedule);
-    const double shared = shareIn(&SpringSchedule::Span::sharesLaws, grid.schedule);
+    const double shared = shareIn(&SpringSchedule::Span::sharesParameters, grid.schedule);
     EXPECT_GT(uniform, 0.6) << spacing;
     EXPECT_EQ(uniform + shared, 1.0) << spacing;
-    EXPECT_LT(grid.schedule.laws.size(), 0.1 * grid.schedule.size()) << spacing;
+    EXPECT_LT(grid.schedule.parameters.size(), 0.1 * grid.schedule.size()) << spacing;
   }
 }
 
@@ -140,22 +141,23 @@ void expectSame(const SpringSchedule& a, const SpringSchedule& b) {
   for (std::size_t p = 0; p < ofA.size(); ++p) {
     EXPECT_EQ(ofA[p].a, ofB[p].a);
     EXPECT_EQ(ofA[p].b, ofB[p].b);
-    EXPECT_TRUE(ofA[p].law == ofB[p].law) << "position " << p;
+    EXPECT_TRUE(ofA[p].parameters == ofB[p].parameters) << "position " << p;
   }
 }
 
 TEST(SpringSchedule, RunsHaveOneLawAgainWhenAllSpringsAreTuned) {
   Scheduled grid(clothOf(64, 50, 0.1));
-  const std::size_t before = grid.schedule.laws.size();
+  const std::size_t before = grid.schedule.parameters.size();
   const SpringChanges changes = grid.model.springs.setScale(grid.model.mesh, 3.0);
   grid.schedule.follow(grid.model, changes, grid.particles.slotOf);
-  EXPECT_EQ(grid.schedule.laws.size(), before);
+  EXPECT_EQ(grid.schedule.parameters.size(), before);
   expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
 }
 
 TEST(SpringSchedule, WhereASpringGoesOnlyItsRunGetsLawsOfItsOwn) {
   const Scheduled whole(clothOf(64, 50, 0.1));
-  for (const auto kind : {&SpringSchedule::Span::isUniform, &SpringSchedule::Span::sharesLaws}) {
+  for (const auto kind :
+       {&SpringSchedule::Span::isUniform, &SpringSchedule::Span::sharesParameters}) {
     for (const SpringSchedule::Span& span : whole.schedule.spans()) {
       if (!(span.*kind)) continue;
       Scheduled grid(clothOf(64, 50, 0.1));
@@ -169,7 +171,7 @@ TEST(SpringSchedule, WhereASpringGoesOnlyItsRunGetsLawsOfItsOwn) {
       while (!isGone(slots[slot])) ++slot;
       const SpringChanges changes = grid.model.springs.clear(std::vector<std::int32_t>{slot});
       grid.schedule.follow(grid.model, changes, grid.particles.slotOf);
-      EXPECT_EQ(grid.schedule.laws.size(), whole.schedule.laws.size() + span.count);
+      EXPECT_EQ(grid.schedule.parameters.size(), whole.schedule.parameters.size() + span.count);
       expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
       break;
     }
@@ -245,8 +247,8 @@ void expectSweepsEachParticleInOrder(const SpringSchedule& schedule) {
 
 /// Every slot is prepared once, before any of its springs, and moved by springs in the order of
 /// their positions: with so many threads.
-void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule,
-                                    const PackedParticles& particles, int threads) {
+void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule, const Particles& particles,
+                                    int threads) {
   const auto slots = static_cast<std::size_t>(particles.slots);
   std::vector<int> prepared(slots, 0);
   std::vector<std::int32_t> last(slots, -1);
@@ -256,8 +258,8 @@ void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule,
     last[slot] = position;
   };
   const ThreadLimit limit(threads);
-  Team team;
-  const Team::Shift shift(team);
+  ThreadPool pool;
+  const ThreadPool::ParallelRegion shift(pool);
   const auto visit = [&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
     for (; span != end; ++span) {
       schedule.visit(*span, [&](const SpringSchedule::Element& spring) {
@@ -304,7 +306,7 @@ TEST(SpringSchedule, PreparesParticlesInAnyOrderBeforeTheirSprings) {
   model = Model();
   model.mesh = TriangleMesh(material, faces);
   model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
-  PackedParticles particles;
+  Particles particles;
   particles.layOut(model);
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);
@@ -373,10 +375,10 @@ TEST(SpringSchedule, DependsOnTheSlotsAloneAndNotOnTheOrderOfEdits) {
   expectSame(atOnce.schedule, stepwise.schedule);
 }
 
-TEST(PackedParticles, LayOutIsAPermutationOfTheGrid) {
+TEST(Particles, LayOutIsAPermutationOfTheGrid) {
   for (const int columns : {2, 3, 4, 5, 6, 7, 8, 13}) {
     const Model model = buildModel(clothOf(columns, 3, 0.1));
-    PackedParticles particles;
+    Particles particles;
     particles.layOut(model);
     const std::set<std::int32_t> slots(particles.slotOf.begin(), particles.slotOf.end());
     EXPECT_EQ(slots.size(), static_cast<std::size_t>(model.particleCount()));

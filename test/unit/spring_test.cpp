@@ -1,4 +1,5 @@
-/// \file Springs in slots are what was put there, in little memory; laws of springs side by side.
+/// \file Springs in slots are what was put there, in little memory; parameters of springs side by
+/// side.
 
 #include "cloth_sim/cloth/spring.h"
 
@@ -6,8 +7,8 @@
 
 #include <sstream>
 
-#include "sim/archive.h"
 #include "constraints/spring_parameters.h"
+#include "sim/archive.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {
@@ -57,21 +58,21 @@ TEST(SpringSlots, HoldWhatWasPutThere) {
   EXPECT_TRUE(std::vector<Spring>(read) == expected);
 }
 
-TEST(SpringLaws, HaveDampingFromTheFirstDashpotOn) {
-  SpringLaws laws;
-  laws.append({0.1, 20.0, 0.0});
-  EXPECT_FALSE(laws.damped());
-  EXPECT_TRUE(laws.damping().empty());
-  laws.append({0.2, 30.0, 0.5});
-  laws.append({0.3, 40.0, 0.0});
-  EXPECT_TRUE(laws.damped());
-  EXPECT_TRUE((laws[0] == SpringLaw{0.1, 20.0, 0.0}));
-  EXPECT_TRUE((laws[1] == SpringLaw{0.2, 30.0, 0.5}));
-  EXPECT_TRUE((laws[2] == SpringLaw{0.3, 40.0, 0.0}));
-  laws.set(1, {0.2, 30.0, 0.0});
-  EXPECT_TRUE((laws[1] == SpringLaw{0.2, 30.0, 0.0}));
-  laws.resize(1);
-  EXPECT_EQ(laws.damping().size(), 1U);
+TEST(SpringParameterTable, HaveDampingFromTheFirstDashpotOn) {
+  SpringParameterTable parameters;
+  parameters.append({0.1, 20.0, 0.0});
+  EXPECT_FALSE(parameters.damped());
+  EXPECT_TRUE(parameters.damping().empty());
+  parameters.append({0.2, 30.0, 0.5});
+  parameters.append({0.3, 40.0, 0.0});
+  EXPECT_TRUE(parameters.damped());
+  EXPECT_TRUE((parameters[0] == SpringParameters{0.1, 20.0, 0.0}));
+  EXPECT_TRUE((parameters[1] == SpringParameters{0.2, 30.0, 0.5}));
+  EXPECT_TRUE((parameters[2] == SpringParameters{0.3, 40.0, 0.0}));
+  parameters.set(1, {0.2, 30.0, 0.0});
+  EXPECT_TRUE((parameters[1] == SpringParameters{0.2, 30.0, 0.0}));
+  parameters.resize(1);
+  EXPECT_EQ(parameters.damping().size(), 1U);
 }
 
 }  // namespace

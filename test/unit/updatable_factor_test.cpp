@@ -50,8 +50,8 @@ Network grid(int side) {
   return network;
 }
 
-PackedVectors someVectors(std::size_t n) {
-  PackedVectors result;
+VectorArray someVectors(std::size_t n) {
+  VectorArray result;
   result.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto t = static_cast<double>(k);
@@ -88,8 +88,8 @@ double errorOf(const UpdatableFactor& factor, const UpdatableFactor::Matrix& mat
 /// Largest difference from what a dense factorisation gives, relative to the largest coordinate.
 double errorOfSolution(UpdatableFactor& factor, const UpdatableFactor::Matrix& matrix) {
   const auto n = static_cast<std::size_t>(matrix.rows());
-  const PackedVectors right = someVectors(n);
-  PackedVectors x;
+  const VectorArray right = someVectors(n);
+  VectorArray x;
   factor.solve(right, x);
   Eigen::MatrixXd b(matrix.rows(), 3), got(matrix.rows(), 3);
   for (std::size_t k = 0; k < n; ++k) {
@@ -228,8 +228,8 @@ TEST(UpdatableFactor, GoesOnFromWhatWasSaved) {
     network.springs.erase({30, 42});
     ASSERT_TRUE(one->follow(network.matrix()));
   }
-  const PackedVectors right = someVectors(network.mass.size());
-  PackedVectors x, y;
+  const VectorArray right = someVectors(network.mass.size());
+  VectorArray x, y;
   factor.solve(right, x);
   loaded.solve(right, y);
   EXPECT_EQ(x.x, y.x);

@@ -10,8 +10,8 @@
 #include <random>
 
 #include "cloth_sim/contact/collider.h"
-#include "cloth_sim/threads/team.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "cloth_sim/threads/thread_pool.h"
 
 namespace cloth_sim {
 namespace {
@@ -400,8 +400,8 @@ std::pair<std::vector<double>, Vec3> projectedOn(int threads) {
                     &mass[0],
                     nullptr};
   const ThreadLimit limit(threads);
-  Team team;
-  const Team::Shift shift(team);
+  ThreadPool pool;
+  const ThreadPool::ParallelRegion shift(pool);
   for (int again = 0; again < 5; ++again) contacts.project(view, 0.01, 0.01);
   return {x, contacts.candidates[0].impulse};
 }

@@ -20,12 +20,12 @@ const char* toString(SpringKind kind);
 enum class ThreadDirection : std::uint8_t { kWarp, kWeft, kBias };
 
 /// How a spring pulls: f = -(k (l - l0) + c dl/dt).
-struct SpringLaw {
+struct SpringParameters {
   double restLength = 0.0;  ///< l0 [m]
   double stiffness = 0.0;   ///< k [N/m]
   double damping = 0.0;     ///< c [N s/m]
 
-  bool operator==(const SpringLaw& other) const {
+  bool operator==(const SpringParameters& other) const {
     return restLength == other.restLength && stiffness == other.stiffness &&
            damping == other.damping;
   }
@@ -44,7 +44,7 @@ struct Spring {
   double damping = 0.0;     ///< dashpot along the spring [N s/m]
 
   bool exists() const { return a != kNone; }
-  SpringLaw law() const { return {restLength, stiffness, damping}; }
+  SpringParameters parameters() const { return {restLength, stiffness, damping}; }
   bool operator==(const Spring& other) const;
 
   template <class Archive>
@@ -93,9 +93,9 @@ class SpringSlots {
     const Slot& at = slots_[static_cast<std::size_t>(slot)];
     if (at.make == kNone) return {};
     const Make& make = makes_[static_cast<std::size_t>(at.make)];
-    const SpringLaw& law = make.law;
-    return {at.a,       at.b,           make.kind,     make.direction,
-            at.support, law.restLength, law.stiffness, law.damping};
+    const SpringParameters& p = make.parameters;
+    return {at.a,       at.b,         make.kind,   make.direction,
+            at.support, p.restLength, p.stiffness, p.damping};
   }
   const_iterator begin() const { return {*this, 0}; }
   const_iterator end() const { return {*this, static_cast<std::int32_t>(size())}; }
@@ -121,7 +121,7 @@ class SpringSlots {
  private:
   /// What springs may have in common.
   struct Make {
-    SpringLaw law;
+    SpringParameters parameters;
     SpringKind kind;
     ThreadDirection direction;
     std::int32_t springs;  ///< that are of it

@@ -11,7 +11,7 @@
 #include "cloth_sim/sim/snapshot.h"
 #include "cloth_sim/sim/step_watch.h"
 #include "cloth_sim/solver/solver.h"
-#include "cloth_sim/threads/team.h"
+#include "cloth_sim/threads/thread_pool.h"
 
 namespace cloth_sim {
 
@@ -163,7 +163,7 @@ class Simulation {
   ColliderSet colliders_;
   ObstacleGuides guides_;
   Contacts contacts_;
-  Team team_;  ///< for the loops of a step
+  ThreadPool pool_;  ///< for the loops of a step
   std::unique_ptr<Solver> solver_;
   StepReport report_;
   StepWatch watch_;

@@ -89,7 +89,7 @@ enum class StepStatus {
 
 struct StepReport {
   StepStatus status = StepStatus::kOk;
-  double share = 1.0;        ///< of the whole step that has passed, below 1 if it ended early
+  double fraction = 1.0;     ///< of the whole step that has passed, below 1 if it ended early
   bool passedLimit = false;  ///< in the last substep
   double substep = 0.0;      ///< length [s]
   int substeps = 0;          ///< that a whole step has

@@ -1,4 +1,4 @@
-#include "cloth_sim/threads/team.h"
+#include "cloth_sim/threads/thread_pool.h"
 
 #include <algorithm>
 #include <atomic>
@@ -17,7 +17,7 @@ constexpr std::int32_t kMostMembers = 16;
 /// Looks at what is new before others may run: some ten microseconds.
 constexpr int kPatience = 500;
 
-thread_local Team* teamOfThisThread = nullptr;
+thread_local ThreadPool* poolOfThisThread = nullptr;
 
 void rest() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -37,11 +37,11 @@ class Wait {
 
 }  // namespace
 
-struct Team::Impl {
+struct ThreadPool::Impl {
   struct Loop {
     const std::int32_t* groupEnds = nullptr;
     std::int32_t groups = 0;
-    const PartOrder* order = nullptr;  ///< null: no part waits
+    const TaskGraph* order = nullptr;  ///< null: no part waits
     Body body = nullptr;
     const void* context = nullptr;
   };
@@ -136,7 +136,7 @@ struct Team::Impl {
   std::vector<std::thread> helpers;
 };
 
-Team::Impl::~Impl() {
+ThreadPool::Impl::~Impl() {
   {
     const std::lock_guard<std::mutex> lock(mutex);
     isClosing = true;
@@ -145,13 +145,13 @@ Team::Impl::~Impl() {
   for (std::thread& helper : helpers) helper.join();
 }
 
-void Team::Impl::begin() {
+void ThreadPool::Impl::begin() {
   size = std::min(ThreadLimit::ofThisThread(), kMostMembers);
   isOver.store(false, std::memory_order_relaxed);
 }
 
 /// Who has not come yet is not waited for.
-void Team::Impl::end() {
+void ThreadPool::Impl::end() {
   if (!areCalled) return;
   areCalled = false;
   isOver.store(true, std::memory_order_release);
@@ -163,7 +163,7 @@ void Team::Impl::end() {
   while (present.load(std::memory_order_acquire) > 0) wait.once();
 }
 
-void Team::Impl::callHelpers() {
+void ThreadPool::Impl::callHelpers() {
   areCalled = true;
   for (auto member = static_cast<std::int32_t>(helpers.size()) + 1; member < size; ++member) {
     helpers.emplace_back([this, member] { live(member); });
@@ -176,7 +176,7 @@ void Team::Impl::callHelpers() {
   called.notify_all();
 }
 
-void Team::Impl::live(std::int32_t member) {
+void ThreadPool::Impl::live(std::int32_t member) {
   std::int64_t heard = 0;
   std::unique_lock<std::mutex> lock(mutex);
   while (true) {
@@ -191,7 +191,7 @@ void Team::Impl::live(std::int32_t member) {
   }
 }
 
-void Team::Impl::help(std::int32_t member) {
+void ThreadPool::Impl::help(std::int32_t member) {
   Wait wait;
   std::uint64_t seen = 0;
   while (!isOver.load(std::memory_order_acquire)) {
@@ -207,7 +207,7 @@ void Team::Impl::help(std::int32_t member) {
   }
 }
 
-void Team::Impl::run(const Loop& what, std::int32_t parts) {
+void ThreadPool::Impl::run(const Loop& what, std::int32_t parts) {
   if (!areCalled) callHelpers();
   if (marks.size() < static_cast<std::size_t>(parts)) {
     marks = std::vector<Mark>(static_cast<std::size_t>(parts));
@@ -220,7 +220,7 @@ void Team::Impl::run(const Loop& what, std::int32_t parts) {
 }
 
 /// Parts of its own, and then those of others.
-void Team::Impl::work(std::int32_t member, std::uint64_t number) {
+void ThreadPool::Impl::work(std::int32_t member, std::uint64_t number) {
   workOff(member, true, number);
   through.fetch_add(1, std::memory_order_relaxed);
   const auto areThrough = [&] { return through.load(std::memory_order_relaxed) == size; };
@@ -232,12 +232,12 @@ void Team::Impl::work(std::int32_t member, std::uint64_t number) {
 /// Waits for a while until `isDone()`, if everyone is here: what somebody else will begin soon is
 /// left to him. To fetch its particles from his cache costs more.
 template <typename Condition>
-void Team::Impl::giveTime(const Condition& isDone) const {
+void ThreadPool::Impl::giveTime(const Condition& isDone) const {
   for (int looks = 0; looks < kPatience && !isDone() && gate.inside() == size - 1; ++looks) rest();
 }
 
 /// The parts of a member: of each group those at its ends first; who helps begins with the last.
-void Team::Impl::workOff(std::int32_t owner, bool isOwn, std::uint64_t number) {
+void ThreadPool::Impl::workOff(std::int32_t owner, bool isOwn, std::uint64_t number) {
   std::int32_t first = 0;
   for (std::int32_t group = 0; group < loop.groups; ++group) {
     const std::int32_t parts = loop.groupEnds[group] - first;
@@ -256,11 +256,11 @@ void Team::Impl::workOff(std::int32_t owner, bool isOwn, std::uint64_t number) {
 }
 
 /// Does a part and those that it waits for, if nobody else does.
-void Team::Impl::finish(std::int32_t part, std::uint64_t number) {
+void ThreadPool::Impl::finish(std::int32_t part, std::uint64_t number) {
   Mark& mark = marks[static_cast<std::size_t>(part)];
   if (mark.isTaken(number)) return;
   if (loop.order != nullptr) {
-    const PartOrder& order = *loop.order;
+    const TaskGraph& order = *loop.order;
     for (std::int32_t k = part == 0 ? 0 : order.waitEnds[part - 1]; k < order.waitEnds[part]; ++k) {
       const Mark& before = marks[static_cast<std::size_t>(order.waits[k])];
       giveTime([&] { return before.isTaken(number); });
@@ -274,41 +274,42 @@ void Team::Impl::finish(std::int32_t part, std::uint64_t number) {
   mark.setDone(number);
 }
 
-Team::Team() : impl_(std::make_unique<Impl>()) {}
-Team::~Team() = default;
-Team::Team(Team&&) noexcept = default;
-Team& Team::operator=(Team&&) noexcept = default;
+ThreadPool::ThreadPool() : impl_(std::make_unique<Impl>()) {}
+ThreadPool::~ThreadPool() = default;
+ThreadPool::ThreadPool(ThreadPool&&) noexcept = default;
+ThreadPool& ThreadPool::operator=(ThreadPool&&) noexcept = default;
 
-Team* Team::ofThisThread() {
-  return teamOfThisThread != nullptr && teamOfThisThread->size() > 1 ? teamOfThisThread : nullptr;
+ThreadPool* ThreadPool::ofThisThread() {
+  return poolOfThisThread != nullptr && poolOfThisThread->size() > 1 ? poolOfThisThread : nullptr;
 }
 
-std::int32_t Team::size() const { return impl_->size; }
+std::int32_t ThreadPool::size() const { return impl_->size; }
 
-void Team::run(std::int32_t parts, Body body, const void* context) {
-  teamOfThisThread = nullptr;
+void ThreadPool::run(std::int32_t parts, Body body, const void* context) {
+  poolOfThisThread = nullptr;
   impl_->run({&parts, 1, nullptr, body, context}, parts);
-  teamOfThisThread = this;
+  poolOfThisThread = this;
 }
 
-void Team::run(const PartOrder& order, Body body, const void* context) {
-  teamOfThisThread = nullptr;
+void ThreadPool::run(const TaskGraph& order, Body body, const void* context) {
+  poolOfThisThread = nullptr;
   impl_->run({order.groupEnds.data(), static_cast<std::int32_t>(order.groupEnds.size()), &order,
               body, context},
              order.groupEnds.back());
-  teamOfThisThread = this;
+  poolOfThisThread = this;
 }
 
-Team::Shift::Shift(Team& team) : team_(teamOfThisThread == nullptr ? &team : nullptr) {
-  if (team_ == nullptr) return;
-  team_->impl_->begin();
-  teamOfThisThread = team_;
+ThreadPool::ParallelRegion::ParallelRegion(ThreadPool& pool)
+    : pool_(poolOfThisThread == nullptr ? &pool : nullptr) {
+  if (pool_ == nullptr) return;
+  pool_->impl_->begin();
+  poolOfThisThread = pool_;
 }
 
-Team::Shift::~Shift() {
-  if (team_ == nullptr) return;
-  teamOfThisThread = nullptr;
-  team_->impl_->end();
+ThreadPool::ParallelRegion::~ParallelRegion() {
+  if (pool_ == nullptr) return;
+  poolOfThisThread = nullptr;
+  pool_->impl_->end();
 }
 
 }  // namespace cloth_sim

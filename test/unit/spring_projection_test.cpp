@@ -31,20 +31,20 @@ void shake(Generator& random, Scheduled& cloth) {
 }
 
 /// As Compliance says, one spring after the other.
-void correctOneByOne(const SpringSchedule& schedule, PackedParticles& p) {
+void correctOneByOne(const SpringSchedule& schedule, Particles& p) {
   schedule.sweep([&](const SpringSchedule::Element& spring) {
-    const auto [alpha, lag] = complianceOf(spring.law, kStep);
+    const auto [alpha, lag] = complianceOf(spring.parameters, kStep);
     const Vec3 d = p.x.at(spring.b) - p.x.at(spring.a);
     const Vec3 start = p.start.at(spring.b) - p.start.at(spring.a);
     const double wa = p.inverseMass[spring.a];
     const double wb = p.inverseMass[spring.b];
     const double squared = d.x() * d.x() + d.y() * d.y() + d.z() * d.z() + kTinySquare;
     const double length = std::sqrt(squared);
-    double f = (length - spring.law.restLength) / (length * (wa + wb + alpha));
-    if (schedule.laws.damped()) {
+    double f = (length - spring.parameters.restLength) / (length * (wa + wb + alpha));
+    if (schedule.parameters.damped()) {
       const double moved =
           (squared - d.x() * start.x() - d.y() * start.y() - d.z() * start.z()) / length;
-      f = (length - spring.law.restLength + lag * moved) /
+      f = (length - spring.parameters.restLength + lag * moved) /
           (length * ((1.0 + lag) * (wa + wb) + alpha));
     }
     p.x.set(spring.a, p.x.at(spring.a) + f * wa * d);
@@ -53,9 +53,9 @@ void correctOneByOne(const SpringSchedule& schedule, PackedParticles& p) {
 }
 
 void expectIsOneByOne(Scheduled& cloth) {
-  PackedParticles expected = cloth.particles;
+  Particles expected = cloth.particles;
   correctOneByOne(cloth.schedule, expected);
-  SpringCorrection correction;
+  SpringProjection correction;
   correction.setMasses(cloth.schedule, cloth.particles.inverseMass);
   correction.setStep(cloth.schedule, kStep);
   correction.correct(cloth.schedule, cloth.particles);
@@ -75,7 +75,7 @@ std::size_t laterParticles(const SpringSchedule& schedule) {
   return slots.size();
 }
 
-TEST(SpringCorrection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements) {
+TEST(SpringProjection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements) {
   Generator random(23);
   std::size_t later = 0;
   for (const double damping : {0.0, 1e-4}) {
@@ -83,7 +83,7 @@ TEST(SpringCorrection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements
     fabric.damping = damping;
     for (const auto& [columns, rows] : {std::pair(2, 2), std::pair(9, 6), std::pair(31, 40)}) {
       Scheduled cloth(clothOf(columns, rows, 0.05, fabric));
-      EXPECT_EQ(cloth.schedule.laws.damped(), damping > 0.0);
+      EXPECT_EQ(cloth.schedule.parameters.damped(), damping > 0.0);
       for (int edit = 0; edit < 6; ++edit) {
         shake(random, cloth);
         expectIsOneByOne(cloth);
@@ -98,7 +98,7 @@ TEST(SpringCorrection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements
 }
 
 /// Springs of a run, [from, end), by hand.
-bool isEven(const SpringSchedule::Span& run, const PackedScalars& w, std::int32_t from,
+bool isEven(const SpringSchedule::Span& run, const ScalarArray& w, std::int32_t from,
             std::int32_t end) {
   for (std::int32_t k = from; k < end; ++k) {
     if (w[run.ends.a + k] != w[run.ends.a + from]) return false;
@@ -109,14 +109,14 @@ bool isEven(const SpringSchedule::Span& run, const PackedScalars& w, std::int32_
 
 TEST(EvenStretches, AreTheLongestOfTheirRunsInWholeFours) {
   Generator random(5);
-  std::vector<EvenStretch> stretches;
+  std::vector<UniformMassRange> stretches;
   std::int32_t springs = 0;
   for (const auto& [columns, rows] : {std::pair(5, 4), std::pair(31, 9), std::pair(80, 6)}) {
     Scheduled cloth(clothOf(columns, rows, 0.05));
     for (int trial = 0; trial < 20; ++trial) {
       shake(random, cloth);
-      const PackedScalars& w = cloth.particles.inverseMass;
-      findEvenStretches(cloth.schedule, w, stretches);
+      const ScalarArray& w = cloth.particles.inverseMass;
+      findUniformMassRanges(cloth.schedule, w, stretches);
       ASSERT_EQ(stretches.size(), cloth.schedule.spans().size());
       for (std::size_t s = 0; s < stretches.size(); ++s) {
         const SpringSchedule::Span& span = cloth.schedule.spans()[s];

@@ -1,4 +1,4 @@
-#include "solver/contact_memory.h"
+#include "solver/contact_warm_start.h"
 
 #include <gtest/gtest.h>
 
@@ -42,23 +42,23 @@ class WarmContactsTest : public testing::Test {
   }
 
   /// Upward accelerations by slot.
-  PackedScalars accelerations() const {
-    PackedVectors force;
+  ScalarArray accelerations() const {
+    VectorArray force;
     force.resize(4);
-    warm_.addForces(PackedScalars(4, 1.0), force);
+    warm_.addForces(ScalarArray(4, 1.0), force);
     return force.z;
   }
 
   Model model_;
-  PackedParticles particles_;
+  Particles particles_;
   Collider plane_;
   Contacts contacts_;
-  WarmContacts warm_;
+  ContactWarmStart warm_;
 };
 
 TEST_F(WarmContactsTest, RemembersMostOfWhatStoppedAParticle) {
   warm_.begin(contacts_, particles_, 0.0, kH);
-  EXPECT_EQ(accelerations(), PackedScalars(4, 0.0));
+  EXPECT_EQ(accelerations(), ScalarArray(4, 0.0));
   fall(1e-3);
   warm_.enforce(kH, kH, contacts_, particles_);
   EXPECT_NEAR(particles_.x.z[0], 0.0, 1e-15);
@@ -97,7 +97,7 @@ TEST_F(WarmContactsTest, ForgetsWhoIsNotNearAnyMore) {
   warm_.begin(contacts_, particles_, kH, kH);
   touch({0, 1});
   warm_.begin(contacts_, particles_, 2.0 * kH, kH);
-  const PackedScalars known = accelerations();
+  const ScalarArray known = accelerations();
   EXPECT_EQ(known[static_cast<std::size_t>(particles_.slotOf[0])], 0.0);
   EXPECT_GT(known[static_cast<std::size_t>(particles_.slotOf[1])], 0.0);
 }
@@ -106,7 +106,7 @@ TEST_F(WarmContactsTest, AStepThatIsTakenAgainBeginsWithWhatItBeganWith) {
   warm_.begin(contacts_, particles_, 0.0, kH);
   fall(1e-3);
   warm_.enforce(kH, kH, contacts_, particles_);
-  const PackedScalars before = accelerations();
+  const ScalarArray before = accelerations();
   warm_.begin(contacts_, particles_, kH, kH);
   fall(std::numeric_limits<double>::quiet_NaN());
   warm_.enforce(2.0 * kH, kH, contacts_, particles_);

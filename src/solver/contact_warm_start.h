@@ -16,19 +16,19 @@ namespace cloth_sim {
 ///
 /// Of what is remembered a part is forgotten in each substep: a force that no longer acts dies out
 /// although its own particle, tied to stiff springs, hardly moves by it.
-class WarmContacts {
+class ContactWarmStart {
  public:
   /// To be called before the first substep, of length h, of a step: who may touch what in it. A
   /// step that begins when the last one began, but for rounding, replaces it.
   /// \param time  at the start of the step [s].
-  void begin(const Contacts& contacts, const PackedParticles& particles, double time, double h);
+  void begin(const Contacts& contacts, const Particles& particles, double time, double h);
 
   /// Adds the forces of the last substep [N].
-  void addForces(const PackedScalars& mass, PackedVectors& force) const;
+  void addForces(const ScalarArray& mass, VectorArray& force) const;
 
   /// Enforces the contacts of a substep that was solved with these forces. Particles near obstacles
   /// get the velocities that lead from `start` to where they are now.
-  void enforce(double time, double h, Contacts& contacts, PackedParticles& particles);
+  void enforce(double time, double h, Contacts& contacts, Particles& particles);
 
   template <class Archive>
   void serialize(Archive& archive) {

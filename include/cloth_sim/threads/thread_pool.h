@@ -8,7 +8,7 @@
 namespace cloth_sim {
 
 /// Which parts of a loop wait for which others.
-struct PartOrder {
+struct TaskGraph {
   /// By group of consecutive parts, none of which waits for one of its own group: the end of it.
   std::vector<std::int32_t> groupEnds;
   /// By part: the end of its list in `waits`, which begins where that of the part before it ends.
@@ -24,27 +24,27 @@ struct PartOrder {
 /// do.
 ///
 /// Why not TBB's: docs/design_notes.md.
-class Team {
+class ThreadPool {
  public:
-  Team();
-  ~Team();
-  Team(Team&&) noexcept;
-  Team& operator=(Team&&) noexcept;
+  ThreadPool();
+  ~ThreadPool();
+  ThreadPool(ThreadPool&&) noexcept;
+  ThreadPool& operator=(ThreadPool&&) noexcept;
 
-  /// While it lives, `team` helps this thread; nothing happens if another one does already.
-  class Shift {
+  /// While it lives, `pool` helps this thread; nothing happens if another one does already.
+  class ParallelRegion {
    public:
-    explicit Shift(Team& team);
-    ~Shift();
-    Shift(const Shift&) = delete;
-    Shift& operator=(const Shift&) = delete;
+    explicit ParallelRegion(ThreadPool& pool);
+    ~ParallelRegion();
+    ParallelRegion(const ParallelRegion&) = delete;
+    ParallelRegion& operator=(const ParallelRegion&) = delete;
 
    private:
-    Team* team_;
+    ThreadPool* pool_;
   };
 
   /// That which helps this thread, or null: also where there are no helpers.
-  static Team* ofThisThread();
+  static ThreadPool* ofThisThread();
 
   /// Helpers that the shift may have, and the thread itself.
   std::int32_t size() const;
@@ -60,7 +60,7 @@ class Team {
   /// The same where a part is called after those that it waits for, and may read and write what
   /// they write. Members do not wait for each other between groups: of its parts of a group each
   /// does those first that others may wait for, the ones at the ends.
-  void run(const PartOrder& order, Body body, const void* context);
+  void run(const TaskGraph& order, Body body, const void* context);
 
  private:
   struct Impl;

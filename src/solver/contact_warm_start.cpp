@@ -1,4 +1,4 @@
-#include "contact_memory.h"
+#include "contact_warm_start.h"
 
 #include <cmath>
 #include <utility>
@@ -16,8 +16,8 @@ static_assert(kListed != kNone, "a mark of its own");
 
 }  // namespace
 
-void WarmContacts::begin(const Contacts& contacts, const PackedParticles& particles, double time,
-                         double h) {
+void ContactWarmStart::begin(const Contacts& contacts, const Particles& particles, double time,
+                             double h) {
   if (std::abs(time - startTime_) < 0.5 * h) {
     now_ = atStart_;
   } else {
@@ -44,7 +44,7 @@ void WarmContacts::begin(const Contacts& contacts, const PackedParticles& partic
 }
 
 /// A particle near two obstacles comes by twice.
-void WarmContacts::list(std::int32_t slot) {
+void ContactWarmStart::list(std::int32_t slot) {
   std::int32_t& index = indexOf_[static_cast<std::size_t>(slot)];
   if (index == kListed) return;
   const bool isKnown = index != kNone;
@@ -54,16 +54,16 @@ void WarmContacts::list(std::int32_t slot) {
   index = kListed;
 }
 
-void WarmContacts::addForces(const PackedScalars& mass, PackedVectors& force) const {
+void ContactWarmStart::addForces(const ScalarArray& mass, VectorArray& force) const {
   for (std::size_t k = 0; k < now_.slots.size(); ++k) {
     const auto slot = static_cast<std::size_t>(now_.slots[k]);
     force.set(slot, force.at(slot) + mass[slot] * now_.acceleration[k]);
   }
 }
 
-void WarmContacts::enforce(double time, double h, Contacts& contacts, PackedParticles& particles) {
+void ContactWarmStart::enforce(double time, double h, Contacts& contacts, Particles& particles) {
   if (contacts.empty()) return;
-  PackedVectors& x = particles.x;
+  VectorArray& x = particles.x;
   for (std::size_t k = 0; k < now_.slots.size(); ++k) {
     const auto slot = static_cast<std::size_t>(now_.slots[k]);
     const Vec3 without = x.at(slot) - h * h * now_.acceleration[k];
