@@ -15,13 +15,13 @@ struct Compliance {
   double lag = 0.0;    ///< c / (k h) [-]
 };
 /// \param h  length of the substep [s].
-Compliance complianceOf(const SpringParameters& law, double h);
+Compliance complianceOf(const SpringParameters& parameters, double h);
 
-/// The same for many laws, side by side.
+/// The same for many parameters, side by side.
 struct Compliances {
   std::vector<double> alpha;
   std::vector<double> lag;  ///< nothing where no spring is damped
 };
-void setCompliances(const SpringParameterTable& laws, double h, Compliances& compliances);
+void setCompliances(const SpringParameterTable& parameters, double h, Compliances& compliances);
 
 }  // namespace cloth_sim

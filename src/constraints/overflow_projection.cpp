@@ -157,18 +157,19 @@ std::vector<std::int32_t> OverflowProjection::listParticles(const SpringSchedule
   return places;
 }
 
-/// Each of these springs has a law of its own; they follow each other as the springs do.
+/// Each of these springs has a parameters of its own; they follow each other as the springs do.
 void OverflowProjection::setStep(const SpringSchedule& schedule, const Compliances& compliances) {
   if (slots_.empty()) return;
-  auto law = static_cast<std::size_t>(schedule.spans()[schedule.firstLater()].laws);
+  auto parameters =
+      static_cast<std::size_t>(schedule.spans()[schedule.firstLater()].firstParameters);
   forSprings(schedule, [&](const SpringSchedule::Element& /*spring*/, std::size_t k) {
     FourLater& four = fours_[k / kLanes];
     const std::size_t lane = k % kLanes;
     const double w = x_[four.a[lane] + kMass] + x_[four.b[lane] + kMass];
-    const double lag = lag_.empty() ? 0.0 : compliances.lag[law];
-    four.give[lane] = giveOf(w, compliances.alpha[law], lag);
+    const double lag = lag_.empty() ? 0.0 : compliances.lag[parameters];
+    four.give[lane] = giveOf(w, compliances.alpha[parameters], lag);
     if (!lag_.empty()) lag_[k] = lag;
-    ++law;
+    ++parameters;
   });
 }
 

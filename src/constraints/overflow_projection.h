@@ -23,7 +23,7 @@ class OverflowProjection {
   /// \param inverseMass  by slot.
   void setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass);
   /// ... and then, and when the length of the substeps has.
-  /// \param compliances  by law of the schedule.
+  /// \param compliances  by parameters of the schedule.
   void setStep(const SpringSchedule& schedule, const Compliances& compliances);
   /// Moves the ends of these springs, in the order of the schedule.
   void correct(const SpringSchedule& schedule, Particles& particles);

@@ -31,8 +31,9 @@ struct Pull {
 /// Constants of the springs of a run, `kStride` apart: 0 if all have the same.
 template <int kStride, bool kDamped>
 [[gnu::always_inline]] inline void pullAll(const SpringSchedule::Span& span,
-                                           const SpringParameterTable& laws, const VectorArray& x,
-                                           const VectorArray& v, VectorArray& force) {
+                                           const SpringParameterTable& parameters,
+                                           const VectorArray& x, const VectorArray& v,
+                                           VectorArray& force) {
   const std::int32_t a = span.ends.a;
   const std::int32_t b = span.ends.b;
   const double* const ax = x.x.data() + a;
@@ -47,9 +48,10 @@ template <int kStride, bool kDamped>
   const double* const bu = v.x.data() + b;
   const double* const bv = v.y.data() + b;
   const double* const bw = v.z.data() + b;
-  const double* const rest = laws.restLength().data() + span.laws;
-  const double* const stiffness = laws.stiffness().data() + span.laws;
-  const double* const damping = kDamped ? laws.damping().data() + span.laws : nullptr;
+  const double* const rest = parameters.restLength().data() + span.firstParameters;
+  const double* const stiffness = parameters.stiffness().data() + span.firstParameters;
+  const double* const damping =
+      kDamped ? parameters.damping().data() + span.firstParameters : nullptr;
   double* const fax = force.x.data() + a;
   double* const fay = force.y.data() + a;
   double* const faz = force.z.data() + a;
@@ -62,10 +64,10 @@ template <int kStride, bool kDamped>
     const double dx = bx[k] - ax[k];
     const double dy = by[k] - ay[k];
     const double dz = bz[k] - az[k];
-    const std::int32_t law = kStride * k;
+    const std::int32_t p = kStride * k;
     const Pull pull = kDamped ? dampedPull(dx, dy, dz, bu[k] - au[k], bv[k] - av[k], bw[k] - aw[k],
-                                           rest[law], stiffness[law], damping[law])
-                              : elasticPull(dx, dy, dz, rest[law], stiffness[law]);
+                                           rest[p], stiffness[p], damping[p])
+                              : elasticPull(dx, dy, dz, rest[p], stiffness[p]);
     fax[k] += pull.x;
     fay[k] += pull.y;
     faz[k] += pull.z;
@@ -76,17 +78,17 @@ template <int kStride, bool kDamped>
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullRun(const SpringSchedule::Span& span, const SpringParameterTable& laws,
+void pullRun(const SpringSchedule::Span& span, const SpringParameterTable& parameters,
              const VectorArray& x, const VectorArray& v, VectorArray& force) {
-  span.isUniform ? pullAll<0, false>(span, laws, x, v, force)
-                 : pullAll<1, false>(span, laws, x, v, force);
+  span.isUniform ? pullAll<0, false>(span, parameters, x, v, force)
+                 : pullAll<1, false>(span, parameters, x, v, force);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullDampedRun(const SpringSchedule::Span& span, const SpringParameterTable& laws,
+void pullDampedRun(const SpringSchedule::Span& span, const SpringParameterTable& parameters,
                    const VectorArray& x, const VectorArray& v, VectorArray& force) {
-  span.isUniform ? pullAll<0, true>(span, laws, x, v, force)
-                 : pullAll<1, true>(span, laws, x, v, force);
+  span.isUniform ? pullAll<0, true>(span, parameters, x, v, force)
+                 : pullAll<1, true>(span, parameters, x, v, force);
 }
 
 }  // namespace

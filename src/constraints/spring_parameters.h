@@ -12,8 +12,8 @@ namespace cloth_sim {
 /// Keeps the direction of a spring of no length from being 0/0 [m^2].
 constexpr double kTinySquare = 1e-300;
 
-/// Laws as structure of arrays; without stiffness where a spring is gone. Dashpots take no memory
-/// where there are none.
+/// Parameters as structure of arrays; without stiffness where a spring is gone. Dashpots take no
+/// memory where there are none.
 class SpringParameterTable {
  public:
   std::size_t size() const { return restLength_.size(); }
@@ -27,18 +27,18 @@ class SpringParameterTable {
   /// Nothing unless `damped()`.
   const std::vector<double>& damping() const { return damping_; }
 
-  void append(const SpringParameters& law) {
+  void append(const SpringParameters& parameters) {
     resize(size() + 1);
-    set(static_cast<std::int32_t>(size()) - 1, law);
+    set(static_cast<std::int32_t>(size()) - 1, parameters);
   }
-  void set(std::int32_t k, const SpringParameters& law) {
-    restLength_[k] = law.restLength;
-    stiffness_[k] = law.stiffness;
-    if (law.damping > 0.0 && !damped_) {
+  void set(std::int32_t k, const SpringParameters& parameters) {
+    restLength_[k] = parameters.restLength;
+    stiffness_[k] = parameters.stiffness;
+    if (parameters.damping > 0.0 && !damped_) {
       damped_ = true;
       damping_.assign(size(), 0.0);
     }
-    if (damped_) damping_[k] = law.damping;
+    if (damped_) damping_[k] = parameters.damping;
   }
   void resize(std::size_t n) {
     restLength_.resize(n);
@@ -51,12 +51,12 @@ class SpringParameterTable {
   bool damped_ = false;
 };
 
-/// Sequences of laws that several runs of springs have, and that are there once.
+/// Sequences of parameters that several runs of springs have, and that are there once.
 class ParameterPatterns {
  public:
   /// \param lawAt  of spring k in [0, count)
-  /// \return where in `all` a run has its laws: with those of another run, or added for others to
-  /// come; or kNone if it is too long for that, or there are many sequences already.
+  /// \return where in `all` a run has its parameters: with those of another run, or added for
+  /// others to come; or kNone if it is too long for that, or there are many sequences already.
   template <typename LawAt>
   std::int32_t place(std::int32_t count, const LawAt& lawAt, SpringParameterTable& all) {
     if (count > kLongest) return kNone;

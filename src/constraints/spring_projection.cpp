@@ -48,8 +48,9 @@ struct Springs {
 
 template <bool kDamped>
 [[gnu::always_inline]] inline Springs after(const Springs& s, std::int32_t ends,
-                                            std::int32_t laws) {
-  return {s.a + ends, s.b + ends, s.rest + laws, s.alpha + laws, kDamped ? s.lag + laws : nullptr};
+                                            std::int32_t parameters) {
+  return {s.a + ends, s.b + ends, s.rest + parameters, s.alpha + parameters,
+          kDamped ? s.lag + parameters : nullptr};
 }
 
 struct Ends {
@@ -70,7 +71,7 @@ struct FourLaws {
 struct Four {
   Ends a, b;
   Masses w;
-  FourLaws law;
+  FourLaws parameters;
   FourOffsets start;  ///< at the start of the substep; only where there are dashpots
 };
 
@@ -79,8 +80,9 @@ template <bool kDamped>
 [[gnu::always_inline]] inline void correct(Four& s) {
   const FourOffsets d{s.b.x - s.a.x, s.b.y - s.a.y, s.b.z - s.a.z};
   const Lanes w = s.w.a + s.w.b;
-  const Lanes give = kDamped ? giveOf(w, s.law.alpha, s.law.lag) : w + s.law.alpha;
-  const Lanes f = factorsOf<kDamped>(d, s.law.rest, give, s.law.lag, s.start);
+  const Lanes give =
+      kDamped ? giveOf(w, s.parameters.alpha, s.parameters.lag) : w + s.parameters.alpha;
+  const Lanes f = factorsOf<kDamped>(d, s.parameters.rest, give, s.parameters.lag, s.start);
   const Lanes fa = f * s.w.a;
   const Lanes fb = f * s.w.b;
   s.a.x += fa * d.x;
@@ -91,36 +93,37 @@ template <bool kDamped>
   s.b.z -= fb * d.z;
 }
 
-/// The laws of four springs from the k-th on.
+/// The parameters of four springs from the k-th on.
 template <bool kDamped>
 [[gnu::always_inline]] inline FourLaws lawsOf(const Springs& springs, std::ptrdiff_t k) {
-  FourLaws laws;
-  laws.rest = lanesAt(springs.rest + k);
-  laws.alpha = lanesAt(springs.alpha + k);
-  if (kDamped) laws.lag = lanesAt(springs.lag + k);
-  return laws;
+  FourLaws parameters;
+  parameters.rest = lanesAt(springs.rest + k);
+  parameters.alpha = lanesAt(springs.alpha + k);
+  if (kDamped) parameters.lag = lanesAt(springs.lag + k);
+  return parameters;
 }
 
-/// The law of the first spring, four times.
+/// The parameters of the first spring, four times.
 template <bool kDamped>
 [[gnu::always_inline]] inline FourLaws oneLaw(const Springs& springs) {
-  FourLaws laws;
-  laws.rest = allLanes(*springs.rest);
-  laws.alpha = allLanes(*springs.alpha);
-  if (kDamped) laws.lag = allLanes(*springs.lag);
-  return laws;
+  FourLaws parameters;
+  parameters.rest = allLanes(*springs.rest);
+  parameters.alpha = allLanes(*springs.alpha);
+  if (kDamped) parameters.lag = allLanes(*springs.lag);
+  return parameters;
 }
 
 /// The springs of a run from the k-th on, corrected but not yet written.
 /// \param a, b   from the first spring's ends on.
 template <bool kDamped>
-[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b, const FourLaws& law,
-                                             const Masses& w, std::ptrdiff_t k) {
+[[gnu::always_inline]] inline Four corrected(const Points& a, const Points& b,
+                                             const FourLaws& parameters, const Masses& w,
+                                             std::ptrdiff_t k) {
   Four s;
   s.a = {lanesAt(a.x + k), lanesAt(a.y + k), lanesAt(a.z + k)};
   s.b = {lanesAt(b.x + k), lanesAt(b.y + k), lanesAt(b.z + k)};
   s.w = w;
-  s.law = law;
+  s.parameters = parameters;
   if (kDamped) {
     s.start = {lanesAt(b.sx + k) - lanesAt(a.sx + k), lanesAt(b.sy + k) - lanesAt(a.sy + k),
                lanesAt(b.sz + k) - lanesAt(a.sz + k)};
@@ -135,16 +138,16 @@ template <bool kDamped>
   lanesAt(to.z + k) = ends.z;
 }
 
-/// Springs whose ends follow each other; of one law if `kUniform`.
+/// Springs whose ends follow each other; of one parameters if `kUniform`.
 template <bool kUniform, bool kDamped>
 [[gnu::always_inline]] inline void correctRun(const Span& span, const UniformMassRange& even,
                                               const Springs& springs, const Points& points) {
   static_assert(SpringSchedule::kShortestRun >= kLanes);
   const Points a = from(points, span.ends.a);
   const Points b = from(points, span.ends.b);
-  const FourLaws law = oneLaw<kDamped>(springs);
+  const FourLaws parameters = oneLaw<kDamped>(springs);
   const auto with = [&](const Masses& w, std::ptrdiff_t k) __attribute__((always_inline)) {
-    return corrected<kDamped>(a, b, kUniform ? law : lawsOf<kDamped>(springs, k), w, k);
+    return corrected<kDamped>(a, b, kUniform ? parameters : lawsOf<kDamped>(springs, k), w, k);
   };
   const auto at = [&](std::ptrdiff_t k) __attribute__((always_inline)) {
     return with({lanesAt(a.w + k), lanesAt(b.w + k)}, k);
@@ -199,7 +202,7 @@ template <bool kDamped>
   s.a = gatherEnds(p, springs.a);
   s.b = gatherEnds(p, springs.b);
   s.w = {gather(p.w, springs.a), gather(p.w, springs.b)};
-  s.law = lawsOf<kDamped>(springs, 0);
+  s.parameters = lawsOf<kDamped>(springs, 0);
   if (kDamped) s.start = gatherStart(p, springs.a, springs.b);
   correct<kDamped>(s);
   scatterEnds(s.a, p, springs.a);
@@ -241,7 +244,7 @@ template <bool kDamped>
                                                 const Points& points) {
   const UniformMassRange* even = spans.even;
   for (const Span* span = spans.begin; span != spans.end; ++span, ++even) {
-    const Springs of = after<kDamped>(springs, span->others, span->laws);
+    const Springs of = after<kDamped>(springs, span->others, span->firstParameters);
     if (span->isUniform) {
       correctRun<true, kDamped>(*span, *even, of, points);
     } else if (span->isRun) {

@@ -26,7 +26,7 @@ class SpringProjection {
   void correct(const SpringSchedule& schedule, Particles& particles, const Prepare& prepare = {});
 
  private:
-  Compliances compliances_;             ///< by law of the schedule
+  Compliances compliances_;             ///< by parameters of the schedule
   std::vector<UniformMassRange> even_;  ///< by span of the schedule
   OverflowProjection later_;
 };

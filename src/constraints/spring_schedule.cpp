@@ -49,12 +49,13 @@ std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringSchedule::End
   return at;
 }
 
-/// The first spring from `begin` on that has another law than that one, or the end.
+/// The first spring from `begin` on that has another parameters than that one, or the end.
 const std::int32_t* endOfEqualParameters(const SpringNetwork& springs, const std::int32_t* begin,
                                          const std::int32_t* end) {
-  const SpringParameters law = springs[*begin].parameters();
-  return std::find_if(begin + 1, end,
-                      [&](std::int32_t slot) { return !(springs[slot].parameters() == law); });
+  const SpringParameters parameters = springs[*begin].parameters();
+  return std::find_if(begin + 1, end, [&](std::int32_t slot) {
+    return !(springs[slot].parameters() == parameters);
+  });
 }
 
 /// Which strand a set of springs goes to.
@@ -97,13 +98,13 @@ Strands divide(Colours begin, Colours end, bool isShared, const RootOf& rootOf) 
 }  // namespace
 
 SpringSchedule::Extent SpringSchedule::extent() const {
-  return {endA.size(), laws.size(), spans_.size(), strands_.size(), batches_.size()};
+  return {endA.size(), parameters.size(), spans_.size(), strands_.size(), batches_.size()};
 }
 
 void SpringSchedule::truncate(const Extent& extent) {
   endA.resize(extent.others);
   endB.resize(extent.others);
-  laws.resize(extent.laws);
+  parameters.resize(extent.parameters);
   spans_.resize(extent.spans);
   strands_.resize(extent.strands);
   batches_.resize(extent.batches);
@@ -131,7 +132,7 @@ void SpringSchedule::follow(const Model& model, const SpringChanges& changes,
   for (const auto* slots : {&changes.removed, &changes.modified, &changes.added}) {
     for (std::int32_t slot : *slots) settle(model.springs[slot], slot, slotOf);
   }
-  // Where nearly all have changed, runs may have one law as before.
+  // Where nearly all have changed, runs may have one parameters as before.
   if (2 * changes.modified.size() > isAppended_.size()) gatherParameters();
   original_ = extent();
   std::vector<std::int32_t> appended;
@@ -155,22 +156,22 @@ void SpringSchedule::settle(const Spring& spring, std::int32_t slot,
   isAppended_[slot] = spring.exists() && !atHome;
 }
 
-void SpringSchedule::setParameters(const SpringParameters& law, Span& span, std::int32_t k) {
-  if (parametersOf(span, k) == law) return;
+void SpringSchedule::setParameters(const SpringParameters& of, Span& span, std::int32_t k) {
+  if (parametersOf(span, k) == of) return;
   if (span.isUniform || span.sharesParameters) separateParameters(span);
-  laws.set(span.laws + k, law);
+  parameters.set(span.firstParameters + k, of);
 }
 
-/// Gives every spring of a run a law of its own.
+/// Gives every spring of a run a parameters of its own.
 void SpringSchedule::separateParameters(Span& span) {
   const Span before = span;
-  span.laws = static_cast<std::int32_t>(laws.size());
+  span.firstParameters = static_cast<std::int32_t>(parameters.size());
   span.isUniform = false;
   span.sharesParameters = false;
-  for (std::int32_t k = 0; k < span.count; ++k) laws.append(parametersOf(before, k));
+  for (std::int32_t k = 0; k < span.count; ++k) parameters.append(parametersOf(before, k));
 }
 
-/// Keeps one law for every run that has no other, and none that nobody has.
+/// Keeps one parameters for every run that has no other, and none that nobody has.
 void SpringSchedule::gatherParameters() {
   SpringParameterTable gathered;
   patterns_ = {};
@@ -184,11 +185,12 @@ void SpringSchedule::gatherParameters() {
     const bool mayShare = span.isRun && !span.isUniform;
     const std::int32_t shared = mayShare ? patterns_.place(span.count, lawAt, gathered) : kNone;
     span.sharesParameters = shared != kNone;
-    span.laws = span.sharesParameters ? shared : static_cast<std::int32_t>(gathered.size());
+    span.firstParameters =
+        span.sharesParameters ? shared : static_cast<std::int32_t>(gathered.size());
     if (span.sharesParameters) continue;
     for (std::int32_t k = 0; k < (span.isUniform ? 1 : span.count); ++k) gathered.append(lawAt(k));
   }
-  laws = std::move(gathered);
+  parameters = std::move(gathered);
 }
 
 /// Springs of a colour share no particle: they may be swept in any order, or at once.
@@ -374,15 +376,15 @@ void SpringSchedule::appendColour(const SpringNetwork& springs, const std::vecto
     const auto count = static_cast<std::int32_t>(end - begin);
     if (count < kShortestRun || endOfEqualParameters(springs, begin, end) == end) return false;
     Span run;
-    run.laws = patterns_.place(
-        count, [&](std::int32_t k) { return springs[begin[k]].parameters(); }, laws);
+    run.firstParameters = patterns_.place(
+        count, [&](std::int32_t k) { return springs[begin[k]].parameters(); }, parameters);
     run.isRun = true;
-    run.sharesParameters = run.laws != kNone;
+    run.sharesParameters = run.firstParameters != kNone;
     if (run.sharesParameters) appendSpan(springs, endsOf, begin, end, run);
     return run.sharesParameters;
   };
   const auto appendRunsByLaw = [&](const std::int32_t* at, const std::int32_t* end) {
-    const std::int32_t* mixed = at;  // up to where laws change too often for uniform runs
+    const std::int32_t* mixed = at;  // up to where parameters change too often for uniform runs
     while (at != end) {
       const std::int32_t* const same = endOfEqualParameters(springs, at, end);
       if (same - at >= kShortestRun) {
@@ -412,12 +414,12 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& ends
   span.first = size();
   span.count = static_cast<std::int32_t>(end - slot);
   span.others = static_cast<std::int32_t>(endA.size());
-  if (!span.sharesParameters) span.laws = static_cast<std::int32_t>(laws.size());
+  if (!span.sharesParameters) span.firstParameters = static_cast<std::int32_t>(parameters.size());
   if (span.isRun) span.ends = endsOf(*slot);
-  if (span.isUniform) laws.append(springs[*slot].parameters());
+  if (span.isUniform) parameters.append(springs[*slot].parameters());
   for (std::int32_t position = span.first; slot != end; ++slot, ++position) {
     if (*slot < originals && home_[*slot] == kNone) home_[*slot] = position;  // where it is first
-    if (!span.isUniform && !span.sharesParameters) laws.append(springs[*slot].parameters());
+    if (!span.isUniform && !span.sharesParameters) parameters.append(springs[*slot].parameters());
     if (span.isRun) continue;
     const Ends ends = endsOf(*slot);
     endA.push_back(ends.a);

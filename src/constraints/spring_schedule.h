@@ -18,11 +18,11 @@ namespace cloth_sim {
 ///
 /// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
 /// consecutive particles they form a run, which is swept without gathers and without a list of
-/// ends; if all of them have the same law, as in the middle of a grid, it is there once, and runs
-/// whose laws follow each other alike, as those from border to border, share them. Where a spring
-/// has gone or its ends have changed, its place stays with zero stiffness, so runs stay whole;
-/// springs that an edit made or moved are appended, coloured among themselves. What a sweep does is
-/// a function of the slots of the network alone, not of the order of edits.
+/// ends; if all of them have the same parameters, as in the middle of a grid, it is there once, and
+/// runs whose parameters follow each other alike, as those from border to border, share them. Where
+/// a spring has gone or its ends have changed, its place stays with zero stiffness, so runs stay
+/// whole; springs that an edit made or moved are appended, coloured among themselves. What a sweep
+/// does is a function of the slots of the network alone, not of the order of edits.
 class SpringSchedule {
  public:
   /// Springs in a run at least.
@@ -36,12 +36,12 @@ class SpringSchedule {
   struct Span {
     std::int32_t first = 0;
     std::int32_t count = 0;
-    bool isRun = false;             ///< their ends are consecutive particles
-    bool isUniform = false;         ///< a run of one law
-    bool sharesParameters = false;  ///< with other runs
-    Ends ends;                      ///< of the first one of a run
-    std::int32_t others = 0;        ///< of its first one in `endA` and `endB`, if it is no run
-    std::int32_t laws = 0;          ///< of its first one, or of them all, in `laws`
+    bool isRun = false;                ///< their ends are consecutive particles
+    bool isUniform = false;            ///< a run of one parameters
+    bool sharesParameters = false;     ///< with other runs
+    Ends ends;                         ///< of the first one of a run
+    std::int32_t others = 0;           ///< of its first one in `endA` and `endB`, if it is no run
+    std::int32_t firstParameters = 0;  ///< of its first one, or of them all, in `parameters`
   };
   /// A spring as sweeps see it.
   struct Element {
@@ -132,7 +132,7 @@ class SpringSchedule {
 
   struct Extent {
     std::size_t others = 0;
-    std::size_t laws = 0;
+    std::size_t parameters = 0;
     std::size_t spans = 0;
     std::size_t strands = 0;
     std::size_t batches = 0;
@@ -157,7 +157,7 @@ class SpringSchedule {
     return {endA[span.others + k], endB[span.others + k]};
   }
   SpringParameters parametersOf(const Span& span, std::int32_t k) const {
-    return laws[span.laws + (span.isUniform ? 0 : k)];
+    return parameters[span.firstParameters + (span.isUniform ? 0 : k)];
   }
   Element element(const Span& span, std::int32_t k) const {
     const Ends ends = endsOf(span, k);
@@ -176,7 +176,7 @@ class SpringSchedule {
   /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among those
   /// to be appended; or nowhere, if it is gone.
   void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
-  void setParameters(const SpringParameters& law, Span& span, std::int32_t k);
+  void setParameters(const SpringParameters& of, Span& span, std::int32_t k);
   void separateParameters(Span& span);
   void gatherParameters();
   void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);

@@ -245,8 +245,8 @@ class Projective final : public SubstepSolver {
   }
 
   /// What a spring counts in the global step's matrix [kg].
-  double weight(const SpringParameters& law) const {
-    return step_ * step_ * law.stiffness + step_ * law.damping;
+  double weight(const SpringParameters& parameters) const {
+    return step_ * step_ * parameters.stiffness + step_ * parameters.damping;
   }
 
   /// The matrix of the global step; a particle that is held is tied to its place.
