@@ -81,7 +81,7 @@ std::size_t cutAlong(const Stroke& stroke, int generations, Cloth& cloth) {
   if (generations > 0) plan.refine = Refinement{kSpacing, generations, 0.0};
   const SurgeryResult result = cut(plan, cloth.limits, {}, cloth.model, cloth.state);
   cloth.solver->onModelChanged(cloth.model, result.changes);
-  cloth.tearing->follow(cloth.model, result.changes);
+  cloth.tearing->applyChanges(cloth.model, result.changes);
   benchmark::DoNotOptimize(cloth.tearing->plan(cloth.model, cloth.state, kStep).paths.size());
   benchmark::DoNotOptimize(findPieces(cloth.model.mesh).count);
   return result.events.size();

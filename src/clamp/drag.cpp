@@ -23,7 +23,7 @@ Approach approach(const Vec3& point, const Vec3& origin, const Vec3& along) {
 
 }  // namespace
 
-std::string describeDefect(const Ray& ray) {
+std::string validationError(const Ray& ray) {
   if (!ray.origin.allFinite()) return "the ray's origin is not finite";
   if (!ray.direction.allFinite()) return "the ray's direction is not finite";
   if (ray.direction.isZero(0.0)) return "the ray's direction is zero";
@@ -70,7 +70,7 @@ void Drag::appendTargets(std::vector<KinematicTarget>& out) const {
   if (vertex_ != kNone) out.push_back({vertex_, position_, velocity_});
 }
 
-void Drag::follow(const MeshChanges& changes) {
+void Drag::applyChanges(const MeshChanges& changes) {
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.kind != VertexEdit::Kind::kRemove || vertex_ == kNone) continue;
     if (edit.id == vertex_) {

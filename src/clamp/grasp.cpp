@@ -109,7 +109,7 @@ void Clamp::updateHeld() {
   for (const Grip& grip : grips_) held_.push_back(grip.vertex);
 }
 
-void Clamp::follow(const MeshChanges& changes) {
+void Clamp::applyChanges(const MeshChanges& changes) {
   if (grips_.empty()) return;
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.kind == VertexEdit::Kind::kRemove) {

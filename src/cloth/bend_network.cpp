@@ -133,7 +133,7 @@ void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
   }
 }
 
-void BendNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
+void BendNetwork::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (empty()) return;
   if (!changes.removedFaces.empty()) {
     derive(mesh);

@@ -34,15 +34,15 @@ void setParticleMasses(double particleMass, std::size_t cloth, Model& model) {
   }
 }
 
-void followMasses(const MeshChanges& changes, Model& model) {
+void applyMassChanges(const MeshChanges& changes, Model& model) {
   std::vector<double> before(model.cloths.size(), 0.0);
   std::vector<double> after(model.cloths.size(), 0.0);
   const auto known = static_cast<VertexId>(model.mass.size());
   for (VertexId v : changes.touched) {
     if (v < known) before[model.clothOf(v)] += model.mass[v];
   }
-  model.mass.follow(changes);
-  model.arealDensity.follow(changes);
+  model.mass.applyChanges(changes);
+  model.arealDensity.applyChanges(changes);
   for (VertexId v : changes.touched) {
     model.mass[v] = model.arealDensity[v] * areaAround(model.mesh, v) / 3.0;
     after[model.clothOf(v)] += model.mass[v];

@@ -61,8 +61,8 @@ RawShares::Shares RawShares::fresh(const TriangleMesh& mesh, FaceId f) {
   return shares;
 }
 
-void RawShares::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
-  if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
+void RawShares::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
+  if (!changes.removedFaces.empty()) return applyRemoval(mesh, changes);
   Inheritance old;
   const auto known = static_cast<FaceId>(shares_.size());
   for (FaceId f : changes.reshapedFaces) {
@@ -101,7 +101,7 @@ void RawShares::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
   for (FaceId f : changes.changedFaces) shares_[f].face = mesh.face(f);
 }
 
-void RawShares::followRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
+void RawShares::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
   for (FaceId f : changes.removedFaces) {
     shares_[f] = shares_.back();
     shares_.pop_back();

@@ -152,7 +152,7 @@ void SpringNetwork::measureRawBends(const TriangleMesh& mesh) {
 }
 
 /// Springs over copies of what a cleared one stood on or joined stay away too.
-void SpringNetwork::followCleared(const MeshChanges& changes) {
+void SpringNetwork::applyClearedEdges(const MeshChanges& changes) {
   if (cleared_.empty()) return;
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.kind != VertexEdit::Kind::kCopy) continue;
@@ -297,12 +297,12 @@ RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,
   return rawShares_.ofEdge(mesh, on, spring.a, spring.b);
 }
 
-SpringChanges SpringNetwork::follow(const TriangleMesh& mesh, const MeshChanges& changes) {
-  if (!changes.removedFaces.empty()) return followRemoval(mesh, changes);
+SpringChanges SpringNetwork::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
+  if (!changes.removedFaces.empty()) return applyRemoval(mesh, changes);
   const auto vertices = static_cast<std::size_t>(mesh.vertexCount());
   for (std::size_t lists = standing().size(); lists < vertices; ++lists) standing_.addList();
-  if (anyRaw_) rawShares_.follow(mesh, changes);
-  followCleared(changes);
+  if (anyRaw_) rawShares_.applyChanges(mesh, changes);
+  applyClearedEdges(changes);
   const std::vector<std::int32_t> standing = standingOnAny(changes.touched);
   std::vector<Spring> derived;
   derived.reserve(kUsualSprings * changes.touched.size());
@@ -363,7 +363,7 @@ SpringChanges SpringNetwork::clear(const std::vector<std::int32_t>& slots) {
   return result;
 }
 
-SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
+SpringChanges SpringNetwork::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
   std::vector<VertexId> nameOf(static_cast<std::size_t>(mesh.vertexCount()) +
                                changes.vertices.size());
   std::iota(nameOf.begin(), nameOf.end(), 0);
@@ -373,7 +373,7 @@ SpringChanges SpringNetwork::followRemoval(const TriangleMesh& mesh, const MeshC
     if (edit.from[0] != edit.id) nameOf[original[edit.from[0]]] = edit.id;
     original[edit.id] = original[edit.from[0]];
   }
-  if (anyRaw_) rawShares_.follow(mesh, changes);
+  if (anyRaw_) rawShares_.applyChanges(mesh, changes);
   std::set<SpringKey> cleared;
   for (const SpringKey& key : cleared_) {
     std::array<VertexId, 4> v = unpacked(key);

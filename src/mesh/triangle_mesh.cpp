@@ -18,7 +18,7 @@ std::pair<VertexId, VertexId> around(const Face& face, VertexId v) {
   return {face[0], face[1]};
 }
 
-std::string describeFaceDefect(const TriangleMesh& mesh, FaceId f) {
+std::string validateFace(const TriangleMesh& mesh, FaceId f) {
   const Face& face = mesh.face(f);
   for (VertexId v : face) {
     if (v < 0 || v >= mesh.vertexCount()) {
@@ -95,8 +95,8 @@ class Ring {
   std::vector<VertexId> next_, previous_;
 };
 
-/// \param ring  where the vertex will have looked around, if there is no defect.
-std::string describeVertexDefect(const TriangleMesh& mesh, VertexId v, Ring& ring) {
+/// \param ring  where the vertex will have looked around, if the vertex is valid.
+std::string validateVertex(const TriangleMesh& mesh, VertexId v, Ring& ring) {
   const IndexSpan faces = mesh.facesAround(v);
   if (faces.empty()) return "vertex " + std::to_string(v) + " has no face";
   if (!std::is_sorted(faces.begin(), faces.end())) {
@@ -123,8 +123,8 @@ TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
     : material_(std::move(material)), faces_(std::move(faces)) {
   std::vector<std::int32_t> facesOf(material_.size(), 0);
   for (FaceId f = 0; f < faceCount(); ++f) {
-    const std::string defect = describeFaceDefect(*this, f);
-    if (!defect.empty()) throw std::invalid_argument(defect);
+    const std::string error = validateFace(*this, f);
+    if (!error.empty()) throw std::invalid_argument(error);
     for (VertexId v : faces_[f]) ++facesOf[v];
   }
   incident_ = IndexLists(facesOf);
@@ -135,8 +135,8 @@ TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
   rim_.assign(faces_.size(), 0);
   Ring ring;
   for (VertexId v = 0; v < vertexCount(); ++v) {
-    const std::string defect = describeVertexDefect(*this, v, ring);
-    if (!defect.empty()) throw std::invalid_argument(defect);
+    const std::string error = validateVertex(*this, v, ring);
+    if (!error.empty()) throw std::invalid_argument(error);
     const IndexSpan around = facesAround(v);
     for (std::size_t k = 0; k < around.size(); ++k) {
       const Face& face = faces_[around[k]];
@@ -263,15 +263,15 @@ Pieces findPieces(const TriangleMesh& mesh) {
   return pieces;
 }
 
-std::string describeDefect(const TriangleMesh& mesh) {
+std::string validationError(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const std::string defect = describeFaceDefect(mesh, f);
-    if (!defect.empty()) return defect;
+    const std::string error = validateFace(mesh, f);
+    if (!error.empty()) return error;
   }
   Ring ring;
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    const std::string defect = describeVertexDefect(mesh, v, ring);
-    if (!defect.empty()) return defect;
+    const std::string error = validateVertex(mesh, v, ring);
+    if (!error.empty()) return error;
   }
   return "";
 }

@@ -213,7 +213,7 @@ Request RequestChecker::stroke(const CutStroke& message) const {
   if (!defect.empty()) return Refusal{defect};
   try {
     const Stroke stroke = toStroke(message, toWorld_(Pose(), message.header));
-    defect = describeDefect(stroke);
+    defect = validationError(stroke);
     if (!defect.empty()) return Refusal{defect};
     return CutAlong{stroke};
   } catch (const std::runtime_error& error) {
@@ -224,7 +224,7 @@ Request RequestChecker::stroke(const CutStroke& message) const {
 Request RequestChecker::drag(const DragRay& message) const {
   if (!message.held) return PullParticle{false, Ray()};
   Ray ray{fromPoint(message.origin), fromVector(message.direction)};
-  const std::string defect = describeDefect(ray);
+  const std::string defect = validationError(ray);
   if (!defect.empty()) return Refusal{defect};
   try {
     const Pose frame = toWorld_(Pose(), message.header);

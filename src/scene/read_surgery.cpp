@@ -75,7 +75,7 @@ Stroke readStroke(const SceneNode& node) {
   Stroke stroke = node.has("path") ? readDrawnBlade(node) : readMovedBlade(node);
   node.read("first_layer", stroke.firstLayerOnly);
   node.read("half_width", stroke.halfWidth, kNotNegative);
-  const std::string defect = describeDefect(stroke);
+  const std::string defect = validationError(stroke);
   if (!defect.empty()) node.refuse(defect);
   return stroke;
 }

@@ -88,7 +88,7 @@ CommandResult Simulation::carryOut(const SetTearing& command) {
 }
 
 CommandResult Simulation::carryOut(const CutAlong& command) {
-  const std::string defect = describeDefect(command.stroke);
+  const std::string defect = validationError(command.stroke);
   if (!defect.empty()) return refuse(defect);
   try {
     const SurgeryResult result = cutStroke(command.stroke);
@@ -106,7 +106,7 @@ CommandResult Simulation::carryOut(const CutAlong& command) {
 }
 
 CommandResult Simulation::carryOut(const RefineNear& command) {
-  const std::string defect = describeDefect(command);
+  const std::string defect = validationError(command);
   if (!defect.empty()) return refuse(defect);
   try {
     const std::int32_t before = model_.particleCount();

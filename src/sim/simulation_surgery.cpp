@@ -32,7 +32,7 @@ void pinNew(const VertexEdit& edit, std::vector<KinematicTarget>& pins) {
   pins.push_back(blend);  // new ids are the largest: the order holds
 }
 
-void followPins(const MeshChanges& changes, std::vector<KinematicTarget>& pins) {
+void applyChangesToPins(const MeshChanges& changes, std::vector<KinematicTarget>& pins) {
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.isNew()) pinNew(edit, pins);
     if (edit.kind != VertexEdit::Kind::kRemove) continue;
@@ -70,22 +70,22 @@ SurgeryResult Simulation::operate(const CutPlan& plan) {
   } else {
     tearing_.noteTips(result);
   }
-  follow(result);
+  applyChanges(result);
   return result;
 }
 
 void Simulation::refineMesh(const RefineNear& request) {
-  follow(refine(request, limits_, heldVertices(), model_, state_));
+  applyChanges(refine(request, limits_, heldVertices(), model_, state_));
 }
 
-void Simulation::follow(const SurgeryResult& result) {
+void Simulation::applyChanges(const SurgeryResult& result) {
   if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) count(event);
-  for (Clamp& clamp : clamps_) clamp.follow(result.changes.mesh);
-  drag_.follow(result.changes.mesh);
-  followPins(result.changes.mesh, pins_);
+  for (Clamp& clamp : clamps_) clamp.applyChanges(result.changes.mesh);
+  drag_.applyChanges(result.changes.mesh);
+  applyChangesToPins(result.changes.mesh, pins_);
   solver_->onModelChanged(model_, result.changes);
-  tearing_.follow(model_, result.changes);
+  tearing_.applyChanges(model_, result.changes);
   pieces_ = findPieces(model_.mesh);
   topology_.reset();
   if (scene_.surgery.dropBelow > 0.0 && pieces_.count > 1) dropScraps();
@@ -111,7 +111,7 @@ void Simulation::dropScraps() {
   if (faces.empty()) return;
   dropped_.count += static_cast<int>(std::count_if(
       area.begin(), area.end(), [this](double a) { return a < scene_.surgery.dropBelow; }));
-  follow(takeAway(faces, model_, state_));
+  applyChanges(takeAway(faces, model_, state_));
   dropped_.mass += massBefore - totalMass(model_);
   dropped_.restArea += areaBefore - model_.mesh.totalRestArea();
 }

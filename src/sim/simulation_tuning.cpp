@@ -55,7 +55,7 @@ CommandResult Simulation::carryOut(const PullParticle& command) {
     drag_.release();
     return done();
   }
-  const std::string defect = describeDefect(command.ray);
+  const std::string defect = validationError(command.ray);
   if (!defect.empty()) return refuse(defect);
   if (!drag_.pick(command.ray, state_)) {
     return refuse("no particle is within " + std::to_string(static_cast<int>(Drag::kReach * 1e3)) +

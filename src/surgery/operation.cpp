@@ -15,13 +15,13 @@ namespace {
 constexpr double kVerticesPerPoint = 8.0;
 
 /// Brings everything that belongs to the cloth up to an edit of its mesh.
-SpringChanges follow(const MeshChanges& changes, Model& model, State& state) {
+SpringChanges applyChanges(const MeshChanges& changes, Model& model, State& state) {
   const Momentum before = momentumOf(changes.touched, model.mass, state);
-  state.follow(changes);
-  followMasses(changes, model);
+  state.applyChanges(changes);
+  applyMassChanges(changes, model);
   restoreMomentum(before, changes.touched, model.mass, state);
-  model.bending.follow(model.mesh, changes);
-  return model.springs.follow(model.mesh, changes);
+  model.bending.applyChanges(model.mesh, changes);
+  return model.springs.applyChanges(model.mesh, changes);
 }
 
 template <typename T>
@@ -143,7 +143,7 @@ class CutOperation {
     result_.changes.mesh = remesher.finish();
     if (!result_.changes.mesh.empty()) {
       reportSevered();
-      result_.changes.springs = follow(result_.changes.mesh, model_, state_);
+      result_.changes.springs = applyChanges(result_.changes.mesh, model_, state_);
     }
     if (plan_.clearWithin > 0.0) clear();
     return std::move(result_);
@@ -230,7 +230,7 @@ SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
   if (changes.empty()) return result;
   model.mesh = std::move(trial);
   result.changes.mesh = changes;
-  result.changes.springs = follow(changes, model, state);
+  result.changes.springs = applyChanges(changes, model, state);
   return result;
 }
 
@@ -240,7 +240,7 @@ SurgeryResult takeAway(const std::vector<FaceId>& faces, Model& model, State& st
   editor.removePieces(faces);
   result.changes.mesh = editor.finish();
   if (!result.changes.mesh.empty()) {
-    result.changes.springs = follow(result.changes.mesh, model, state);
+    result.changes.springs = applyChanges(result.changes.mesh, model, state);
   }
   return result;
 }

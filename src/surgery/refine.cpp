@@ -25,7 +25,7 @@ std::array<Vec3, 3> cornersOf(const Face& face, const VertexData<Vec3>& coordina
 
 }  // namespace
 
-std::string describeDefect(const RefineNear& request) {
+std::string validationError(const RefineNear& request) {
   const auto finite = [](const Vec3& p) { return p.allFinite(); };
   if (request.path.empty()) return "the path is empty";
   if (!std::all_of(request.path.begin(), request.path.end(), finite)) {

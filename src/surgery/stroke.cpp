@@ -16,7 +16,7 @@ Stroke strokeAlong(const std::vector<Vec3>& path, const Vec3& direction, double 
   return stroke;
 }
 
-std::string describeDefect(const Stroke& stroke) {
+std::string validationError(const Stroke& stroke) {
   const std::vector<Blade>& poses = stroke.poses;
   if (poses.size() < 2) return "the stroke needs at least two poses of the blade";
   const Blade& first = poses.front();
@@ -37,8 +37,8 @@ std::string describeDefect(const Stroke& stroke) {
 
 std::vector<SurfacePath> findPaths(const Stroke& stroke, const TriangleMesh& mesh,
                                    const VertexData<Vec3>& positions) {
-  const std::string defect = describeDefect(stroke);
-  if (!defect.empty()) throw std::invalid_argument(defect);
+  const std::string error = validationError(stroke);
+  if (!error.empty()) throw std::invalid_argument(error);
   if (positions.size() != static_cast<std::size_t>(mesh.vertexCount())) {
     throw std::invalid_argument("the cloth needs one position per vertex");
   }

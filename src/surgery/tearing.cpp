@@ -80,8 +80,8 @@ void Tearing::setRatio(const TearRatios& ratio) {
   near_.clear();
 }
 
-void Tearing::follow(const Model& model, const ModelChanges& changes) {
-  followNear(model, changes);
+void Tearing::applyChanges(const Model& model, const ModelChanges& changes) {
+  applyChangesNear(model, changes);
   for (std::int32_t slot : changes.springs.added) {
     if (settings_.seam && mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
   }
@@ -97,7 +97,7 @@ void Tearing::follow(const Model& model, const ModelChanges& changes) {
 }
 
 /// Where all springs may fail, what the edit left alone stays as it is.
-void Tearing::followNear(const Model& model, const ModelChanges& changes) {
+void Tearing::applyChangesNear(const Model& model, const ModelChanges& changes) {
   const SpringChanges& springs = changes.springs;
   const auto removes = [](const VertexEdit& edit) {
     return edit.kind == VertexEdit::Kind::kRemove;

@@ -135,7 +135,7 @@ TEST(SavedStateFigures, AreTheSame) {
   ASSERT_GT(straight.failures().size(), 0U);
   EXPECT_EQ(loaded.failures().size(), straight.failures().size());
   EXPECT_EQ(loaded.takeEvents().size(), straight.takeEvents().size()) << "pending events";
-  EXPECT_EQ(describeDefect(loaded.model().mesh), "");
+  EXPECT_EQ(validationError(loaded.model().mesh), "");
 }
 
 /// \return what a simulation says to bytes that it must refuse without a change.

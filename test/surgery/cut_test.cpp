@@ -31,7 +31,7 @@ struct Cloth {
     const double area = preciseArea(model.mesh);
     const double mass = totalMass(model);
     const SurgeryResult result = cut(plan, usualLimits(model.mesh), held, model, state);
-    EXPECT_EQ(defectOf(model.mesh), "");
+    EXPECT_EQ(validateMesh(model.mesh), "");
     EXPECT_NEAR(preciseArea(model.mesh), area, 1e-12 * area);
     EXPECT_NEAR(totalMass(model), mass, 1e-12 * mass);
     EXPECT_GE(smallestAngle(model.mesh), ShapeLimits{}.minAngle - 1e-9);

@@ -48,7 +48,7 @@ struct Totals {
   double angularScale = 0.0;
 };
 
-inline std::string defectOfTotals(const Totals& before, const Totals& after) {
+inline std::string validateTotals(const Totals& before, const Totals& after) {
   const auto off = [](double a, double b, double scale) {
     return std::abs(a - b) > kConserved * scale;
   };
@@ -92,7 +92,7 @@ class Shapes {
 };
 
 /// Faces are as good as the limits ask, or those of the original mesh; so are edges.
-inline std::string defectOfShapes(const TriangleMesh& mesh, const ShapeLimits& limits,
+inline std::string validateShapes(const TriangleMesh& mesh, const ShapeLimits& limits,
                                   const Shapes& original) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     const double angle = minAngle(mesh, f);
@@ -106,7 +106,7 @@ inline std::string defectOfShapes(const TriangleMesh& mesh, const ShapeLimits& l
 }
 
 /// Everything about the particles has their number and belongs to this revision of the mesh.
-inline std::string defectOfSizes(const Model& model, const State& state) {
+inline std::string validateSizes(const Model& model, const State& state) {
   const auto n = static_cast<std::size_t>(model.particleCount());
   const std::uint64_t revision = model.mesh.revision();
   const auto fits = [&](const auto& data) {
@@ -125,7 +125,7 @@ inline std::string defectOfSizes(const Model& model, const State& state) {
 }
 
 /// No spring dangles, and each is counted.
-inline std::string defectOfSprings(const Model& model) {
+inline std::string validateSprings(const Model& model) {
   const SpringNetwork& springs = model.springs;
   const auto exists = [&](VertexId v) { return v >= 0 && v < model.particleCount(); };
   std::array<int, kSpringKinds> count{};
@@ -163,7 +163,7 @@ inline std::string defectOfSprings(const Model& model) {
 /// \param renumbered  vertices got other numbers since the springs came to be. Of two neighbours
 ///        that are equally straight on (the lips of a slit, or mirror images), a bend spring goes
 ///        to the one with the lower number, so only what they bridge is compared then.
-inline std::string defectOfNetwork(const SpringNetwork& have, const SpringNetwork& want,
+inline std::string validateNetwork(const SpringNetwork& have, const SpringNetwork& want,
                                    bool renumbered) {
   using Key = std::array<VertexId, 5>;
   const auto keyed = [renumbered](const SpringNetwork& network) {
@@ -202,7 +202,7 @@ inline std::string defectOfNetwork(const SpringNetwork& have, const SpringNetwor
 
 /// The report of an operation names real springs, each once, and its record is complete: what was
 /// not touched is bit by bit what it was, and the edits lead from the old mesh to the new one.
-inline std::string defectOfResult(const SurgeryResult& result, const Model& before,
+inline std::string validateResult(const SurgeryResult& result, const Model& before,
                                   const State& stateBefore, const Model& after,
                                   const State& state) {
   const ModelChanges& changes = result.changes;
@@ -230,7 +230,7 @@ inline std::string defectOfResult(const SurgeryResult& result, const Model& befo
     return stateHash(before, stateBefore) == stateHash(after, state) ? "" : "changed in silence";
   }
   VertexData<Vec2> material(before.mesh.material(), before.mesh.revision());
-  material.follow(changes.mesh);
+  material.applyChanges(changes.mesh);
   if (material.values() != after.mesh.material()) return "the edits lead to another mesh";
   if (!changes.mesh.removedFaces.empty()) return "";  // vertices have other numbers now
   const std::vector<VertexId>& touched = changes.mesh.touched;

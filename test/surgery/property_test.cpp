@@ -8,7 +8,7 @@
 
 #include <cstdlib>
 
-#include "surgery/patient.h"
+#include "surgery/cloth_fixture.h"
 
 namespace cloth_sim {
 namespace {
@@ -85,8 +85,8 @@ void checkSequences(const std::string& name, int count, int most, bool deep) {
       [=] {
         const ClothCase cloth = *anyCloth(most).as("cloth");
         const std::vector<Operation> operations = *anyOperations(most).as("operations");
-        const std::string defect = operateAll(cloth, operations, deep);
-        if (!defect.empty()) RC_FAIL(defect);
+        const std::string error = operateAll(cloth, operations, deep);
+        if (!error.empty()) RC_FAIL(error);
       },
       metadata, params);
   std::ostringstream text;

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "surgery/patient.h"
+#include "surgery/cloth_fixture.h"
 
 namespace cloth_sim {
 namespace {
@@ -50,13 +50,13 @@ TEST_P(RandomEdits, KeepWhatMustBeKeptWhileTheClothMoves) {
   Generator random(static_cast<std::uint64_t>(GetParam()));
   for (int sequence = 0; sequence < 25; ++sequence) {
     const ClothCase cloth = drawCloth(random);
-    Patient patient(cloth, true);
+    ClothFixture fixture(cloth, true);
     std::ostringstream done;
     for (int edit = whole(random, 2, 6); edit > 0; --edit) {
       const Operation operation = drawOperation(random);
       done << "\n" << operation;
-      ASSERT_EQ(patient.operate(operation), "") << cloth << done.str();
-      ASSERT_EQ(patient.step(whole(random, 0, 2)), "") << cloth << done.str();
+      ASSERT_EQ(fixture.operate(operation), "") << cloth << done.str();
+      ASSERT_EQ(fixture.step(whole(random, 0, 2)), "") << cloth << done.str();
     }
   }
 }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "surgery/patient.h"
+#include "surgery/cloth_fixture.h"
 
 namespace cloth_sim {
 namespace {

@@ -37,7 +37,7 @@ Model tearThrough(const ClothSpec& spec, const MaterialPath& seam) {
     if (plan.paths.empty()) break;
     const SurgeryResult result = cut(plan, usualLimits(model.mesh), {}, model, state);
     tearing.opened(result);
-    tearing.follow(model, result.changes);
+    tearing.applyChanges(model, result.changes);
     state.t += 0.01;
   }
   return model;
@@ -53,7 +53,7 @@ TEST_P(ObliqueSeam, EndsWithTwoPiecesOnItsSides) {
   const Vec2 middle(0.511, 0.487), along(std::cos(angle), std::sin(angle));
   const MaterialPath seam{middle - 1.5 * along, middle + 1.5 * along};
   const Model model = tearThrough(squareSpec(21), seam);
-  EXPECT_EQ(describeDefect(model.mesh), "");
+  EXPECT_EQ(validationError(model.mesh), "");
   const double left = areaLeftOf(rectangle(1.0, 1.0), middle, along);
   const std::vector<double> areas = sortedAreas(model.mesh);
   ASSERT_EQ(areas.size(), 2U);
@@ -82,7 +82,7 @@ TEST(Seam, AlongEdgesAndThroughVerticesTearsThroughToo) {
         MaterialPath{{0.0, 0.0}, {1.0, 1.0}}, MaterialPath{{0.0, 1.0}, {1.0, 0.0}},
         MaterialPath{{0.25, 0.0}, {0.75, 1.0}}}) {
     const Model model = tearThrough(squareSpec(17), seam);
-    EXPECT_EQ(describeDefect(model.mesh), "");
+    EXPECT_EQ(validationError(model.mesh), "");
     EXPECT_EQ(pieceAreas(model.mesh).size(), 2U)
         << seam[0].transpose() << " - " << seam[1].transpose();
     EXPECT_LT(farthestFrom(seam, model.mesh), 1e-9);
@@ -94,7 +94,7 @@ TEST(Seam, PastACornerNearerThanTheShortestEdgeBendsToIt) {
   // stay.
   const MaterialPath seam{{1.098, -0.1}, {-0.1, 1.098}};
   const Model model = tearThrough(squareSpec(21), seam);
-  EXPECT_EQ(describeDefect(model.mesh), "");
+  EXPECT_EQ(validationError(model.mesh), "");
   EXPECT_EQ(pieceAreas(model.mesh).size(), 2U);
   EXPECT_LT(farthestFrom(seam, model.mesh), 0.002);
 }
@@ -102,7 +102,7 @@ TEST(Seam, PastACornerNearerThanTheShortestEdgeBendsToIt) {
 TEST(Seam, OfAPolylineTearsExactlyAlongIt) {
   const MaterialPath seam{{0.3, -0.1}, {0.42, 0.5}, {0.71, 0.52}, {0.66, 1.1}};
   const Model model = tearThrough(squareSpec(21), seam);
-  EXPECT_EQ(describeDefect(model.mesh), "");
+  EXPECT_EQ(validationError(model.mesh), "");
   EXPECT_EQ(pieceAreas(model.mesh).size(), 2U);
   EXPECT_LT(farthestFrom(seam, model.mesh), 1e-9);
 }
@@ -123,7 +123,7 @@ TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
     }
   }
   const SurgeryResult result = cut(plan, usualLimits(model.mesh), {}, model, state);
-  EXPECT_EQ(describeDefect(model.mesh), "");
+  EXPECT_EQ(validationError(model.mesh), "");
   EXPECT_EQ(findPieces(model.mesh).count, 1);
   EXPECT_LT(farthestFrom(path, model.mesh), 1e-9);
   EXPECT_NEAR(result.length, 0.35, 1e-9);
@@ -193,7 +193,7 @@ TEST_P(SeamScene, TearsIntoTwoPiecesOfTheExpectedAreas) {
   }
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
   EXPECT_EQ(simulation.pieces(), 2);
-  EXPECT_EQ(describeDefect(simulation.model().mesh), "");
+  EXPECT_EQ(validationError(simulation.model().mesh), "");
   EXPECT_NEAR(totalMass(simulation.model()), mass, 1e-12 * mass);
   EXPECT_NEAR(simulation.model().mesh.totalRestArea(), area, 1e-12 * area);
   EXPECT_LT(farthestFrom({{0.225, 0.0}, {0.225, 0.45}}, simulation.model().mesh), 1e-12);

@@ -129,7 +129,7 @@ TEST_P(ObliqueTear, RunsAcrossThePull) {
   Simulation simulation(parseScene(obliqueScene(0.004, 50, GetParam()), "oblique.yaml"));
   finish(simulation);
   EXPECT_GE(simulation.pieces(), 2);
-  EXPECT_EQ(describeDefect(simulation.model().mesh), "");
+  EXPECT_EQ(validationError(simulation.model().mesh), "");
   const Vec2 middle(0.3, 0.3);
   const double angle = directionOfMainCrack(simulation.model().mesh, middle, 0.25);
   EXPECT_NEAR(angle, 120.0, 15.0);
@@ -217,7 +217,7 @@ TEST(TearLine, OfABentSeamLiesOnIt) {
   Simulation simulation(parseScene(seamScene(1.0 / 60.0, 20, 0.5, path), "bent.yaml"));
   finish(simulation);
   EXPECT_EQ(simulation.pieces(), 2);
-  EXPECT_EQ(describeDefect(simulation.model().mesh), "");
+  EXPECT_EQ(validationError(simulation.model().mesh), "");
   EXPECT_LT(farthestFrom(seam, simulation.model().mesh), 1e-9);
   EXPECT_GT(tornEdges(simulation.model().mesh).size(), 40U);
 }

@@ -139,7 +139,7 @@ TEST(BendNetworkFollow, GivesTheNetworkOfTheEditedMesh) {
     RandomEditor edits(editor, random);
     for (int edit = 0; edit < 40; ++edit) {
       for (int k = whole(random, 1, 4); k > 0; --k) edits.any();
-      bending.follow(mesh, editor.finish());
+      bending.applyChanges(mesh, editor.finish());
       const BendNetwork scratch(mesh, kRigidity);
       ASSERT_EQ(bending.elements().size(), scratch.elements().size());
       for (std::size_t e = 0; e < scratch.elements().size(); ++e) {

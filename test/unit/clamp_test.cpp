@@ -405,7 +405,7 @@ TEST(ClampFollow, HoldsCopiesAndWhatIsBetweenHeldParticles) {
       {Kind::kInsert, 9, {0, 1, 2}, {0.25, 0.25, 0.5}},      // in a face that is not all held
       {Kind::kMove, 2, {2, 0, 1}, {0.5, 0.25, 0.25}},        // a free one moves
   };
-  clamp.follow(changes);
+  clamp.applyChanges(changes);
   EXPECT_THAT(clamp.held(), ElementsAre(0, 1, 3, 4, 6, 8));
   const std::vector<KinematicTarget> targets = targetsOf(clamp);
   EXPECT_EQ(targets[2].position, targets[1].position);
@@ -429,7 +429,7 @@ TEST(ClampFollow, RenumbersWhatTookThePlaceOfParticlesThatWereTakenAway) {
       {Kind::kRemove, 3, {3, kNone, kNone}, {1.0, 0.0, 0.0}},  // the last one goes
       {Kind::kRemove, 1, {2, kNone, kNone}, {1.0, 0.0, 0.0}},  // ... and once more
   };
-  clamp.follow(changes);
+  clamp.applyChanges(changes);
   EXPECT_THAT(clamp.held(), ElementsAre(1));
   ASSERT_EQ(targetsOf(clamp).size(), 1U);
   EXPECT_LT((targetsOf(clamp)[0].position - places[5]).norm(), 1e-15);

@@ -152,11 +152,11 @@ inline double rimLength(const TriangleMesh& mesh) {
   return length;
 }
 
-/// What `describeDefect` says, and else whether the tables agree with a search through all faces
+/// What `validationError` says, and else whether the tables agree with a search through all faces
 /// and only border edges are rim. Empty if all is well.
-inline std::string defectOf(const TriangleMesh& mesh) {
-  std::string defect = describeDefect(mesh);
-  if (!defect.empty()) return defect;
+inline std::string validateMesh(const TriangleMesh& mesh) {
+  std::string error = validationError(mesh);
+  if (!error.empty()) return error;
   std::vector<std::vector<FaceId>> around(static_cast<std::size_t>(mesh.vertexCount()));
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     for (VertexId v : mesh.face(f)) around[v].push_back(f);

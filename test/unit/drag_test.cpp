@@ -90,18 +90,18 @@ TEST_F(DragTest, GoesAlongWithItsParticleWhenVerticesAreRenumbered) {
   ASSERT_EQ(drag_.vertex(), 24);
   MeshChanges changes;
   changes.vertices.push_back({VertexEdit::Kind::kRemove, 3, {24, kNone, kNone}, {1.0, 0.0, 0.0}});
-  drag_.follow(changes);
+  drag_.applyChanges(changes);
   EXPECT_EQ(drag_.vertex(), 3);
   changes.vertices[0].from[0] = 23;
-  drag_.follow(changes);
+  drag_.applyChanges(changes);
   EXPECT_EQ(drag_.vertex(), kNone) << "it is gone";
 }
 
 TEST(Ray, BadOnesAreNamed) {
-  EXPECT_EQ(describeDefect(downOn(0.0, 0.0)), "");
-  EXPECT_NE(describeDefect({Vec3::Zero(), Vec3::Zero()}), "");
-  EXPECT_NE(describeDefect({Vec3::Constant(NAN), Vec3::UnitX()}), "");
-  EXPECT_NE(describeDefect({Vec3::Zero(), Vec3(INFINITY, 0.0, 0.0)}), "");
+  EXPECT_EQ(validationError(downOn(0.0, 0.0)), "");
+  EXPECT_NE(validationError({Vec3::Zero(), Vec3::Zero()}), "");
+  EXPECT_NE(validationError({Vec3::Constant(NAN), Vec3::UnitX()}), "");
+  EXPECT_NE(validationError({Vec3::Zero(), Vec3(INFINITY, 0.0, 0.0)}), "");
 }
 
 }  // namespace

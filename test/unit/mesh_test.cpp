@@ -1,4 +1,4 @@
-/// \file Meshes, their defects, grids, and data that follows edits.
+/// \file Meshes, what makes them invalid, grids, and data that follows edits.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-// ---- defects
+// ---- invalid meshes
 // -------------------------------------------------------------------------------------
 
 struct BadMesh {
@@ -23,9 +23,9 @@ struct BadMesh {
   const char* message;
 };
 
-class MeshDefect : public testing::TestWithParam<BadMesh> {};
+class InvalidMesh : public testing::TestWithParam<BadMesh> {};
 
-TEST_P(MeshDefect, IsRefusedAndNamed) {
+TEST_P(InvalidMesh, IsRefusedAndNamed) {
   try {
     TriangleMesh mesh(GetParam().material, GetParam().faces);
     FAIL() << "accepted";
@@ -38,7 +38,7 @@ const std::vector<Vec2> kSquare{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
 const std::vector<Vec2> kBowTie{{0, 0}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}};
 
 INSTANTIATE_TEST_SUITE_P(
-    All, MeshDefect,
+    All, InvalidMesh,
     testing::Values(
         BadMesh{
             "NoSuchVertex", kSquare, {{0, 1, 4}}, "face 0 names vertex 4, which does not exist"},
@@ -77,7 +77,7 @@ TEST(Grid, NumbersVerticesRowByRowAndCutsCellsAlongTheRisingDiagonal) {
   EXPECT_EQ(grid.vertex(3, 2), 11);
   EXPECT_LT((mesh.material(grid.vertex(3, 2)) - Vec2(0.6, 0.8)).norm(), 1e-15);
   EXPECT_EQ(mesh.revision(), 0U);
-  EXPECT_EQ(describeDefect(mesh), "");
+  EXPECT_EQ(validationError(mesh), "");
   EXPECT_EQ(mesh.facesOnEdge(grid.vertex(0, 0), grid.vertex(1, 1))[1], 1);
   EXPECT_EQ(mesh.facesOnEdge(grid.vertex(1, 0), grid.vertex(0, 1))[0], kNone);
   EXPECT_NEAR(mesh.totalRestArea(), 0.48, 1e-14);
@@ -194,7 +194,7 @@ TEST(SplitVertex, InsideOpensASlitAlongTwoEdges) {
   EXPECT_TRUE(mesh.isBoundary(v));
   EXPECT_TRUE(mesh.isBoundary(25));
   EXPECT_FALSE(mesh.isBoundary(grid.vertex(3, 3)));
-  EXPECT_EQ(describeDefect(mesh), "");
+  EXPECT_EQ(validationError(mesh), "");
   EXPECT_EQ(mesh.totalRestArea(), area);  // the same faces, with the same corners
   EXPECT_TRUE(std::is_sorted(changes.touched.begin(), changes.touched.end()));
   for (FaceId f : right) {
@@ -212,7 +212,7 @@ TEST(SplitVertex, AtTheBorderOpensANotch) {
   MeshEditor editor(mesh);
   EXPECT_TRUE(editor.splitVertex(v, facesRightOf(mesh, v)));
   EXPECT_EQ(editor.finish().vertices.size(), 1U);
-  EXPECT_EQ(describeDefect(mesh), "");
+  EXPECT_EQ(validationError(mesh), "");
   EXPECT_TRUE(mesh.isBoundary(grid.vertex(2, 1))) << "the tip of the notch is on the border now";
   EXPECT_EQ(findPieces(mesh).count, 1);
 }
@@ -226,7 +226,7 @@ TEST(SplitVertex, SplitsTheEndsOfTheSlitThatReachTheBorder) {
   std::vector<VertexId> sources;
   for (const VertexEdit& added : changes.vertices) sources.push_back(added.from[0]);
   EXPECT_THAT(sources, UnorderedElementsAre(4, 1, 7));
-  EXPECT_EQ(describeDefect(mesh), "");
+  EXPECT_EQ(validationError(mesh), "");
   EXPECT_THAT(testing_support::pieceAreas(mesh), ElementsAre(0.5, 0.5));
 }
 
@@ -254,7 +254,7 @@ TEST(SplitVertex, ScatteredFacesEachGetTheirOwnCopy) {
   EXPECT_TRUE(editor.splitVertex(v, {circle[0], circle[2], circle[4]}));
   EXPECT_EQ(editor.finish().vertices.size(), 5U);
   EXPECT_EQ(mesh.facesAround(v).size(), 1U);
-  EXPECT_EQ(describeDefect(mesh), "");
+  EXPECT_EQ(validationError(mesh), "");
   EXPECT_EQ(findPieces(mesh).count, 1) << "the faces still hold together at their outer vertices";
 }
 
@@ -318,7 +318,7 @@ bool isRimEdge(const TriangleMesh& mesh, VertexId a, VertexId b) {
 
 /// What every edit but `removePieces` keeps.
 void expectSound(const TriangleMesh& mesh, double area, double rim) {
-  EXPECT_EQ(testing_support::defectOf(mesh), "");
+  EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_NEAR(testing_support::preciseArea(mesh), area, 1e-14 * area);
   EXPECT_NEAR(testing_support::rimLength(mesh), rim, 1e-13 * rim);
 }
@@ -489,7 +489,7 @@ TEST(RemovePieces, TheLastTakeTheFreePlaces) {
   editor.finish();
   editor.removePieces({0, 1});
   const MeshChanges changes = editor.finish();
-  EXPECT_EQ(testing_support::defectOf(mesh), "");
+  EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_EQ(mesh.faceCount(), 4);
   EXPECT_EQ(mesh.vertexCount(), 8);
   EXPECT_THAT(changes.removedFaces, ElementsAre(1, 0));
@@ -510,7 +510,7 @@ TEST(RemovePieces, OfTheEndRenumbersNothing) {
   MeshEditor editor(mesh);
   editor.removePieces({4, 5});
   editor.finish();
-  EXPECT_EQ(testing_support::defectOf(mesh), "");
+  EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_EQ(mesh.faces(), before);
 }
 
@@ -530,8 +530,8 @@ TEST(RemovePieces, AnyOfManyAndDataFollows) {
     }
     MeshEditor editor(mesh);
     editor.removePieces(faces);
-    data.follow(editor.finish());
-    ASSERT_EQ(testing_support::defectOf(mesh), "") << gone;
+    data.applyChanges(editor.finish());
+    ASSERT_EQ(testing_support::validateMesh(mesh), "") << gone;
     EXPECT_EQ(data.values(), mesh.material()) << gone;
     EXPECT_DOUBLE_EQ(mesh.totalRestArea(), static_cast<double>(left.size()));
     EXPECT_EQ(findPieces(mesh).count, static_cast<int>(left.size()));
@@ -566,13 +566,13 @@ TEST(MeshEditor, LongRandomSequencesKeepAManifoldAndItsData) {
       done += edits.any() ? 1 : 0;
       if (whole(random, 0, 4) != 0) continue;
       const MeshChanges changes = editor.finish();
-      material.follow(changes);
-      affine.follow(changes);
-      ASSERT_EQ(defectOf(mesh), "") << "sequence " << sequence << ", edit " << edit;
+      material.applyChanges(changes);
+      affine.applyChanges(changes);
+      ASSERT_EQ(validateMesh(mesh), "") << "sequence " << sequence << ", edit " << edit;
     }
     const MeshChanges last = editor.finish();
-    material.follow(last);
-    affine.follow(last);
+    material.applyChanges(last);
+    affine.applyChanges(last);
     expectSound(mesh, area, rim);
     EXPECT_EQ(material.values(), mesh.material()) << "the mesh blends as data does, to the bit";
     for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
@@ -646,9 +646,9 @@ VertexEdit copyOf(VertexId from, VertexId id) {
 
 TEST(VertexData, CopiesForSplitVerticesAndBlendsForNewOnes) {
   VertexData<double> data(std::vector<double>{1.0, 10.0}, 3);
-  data.follow(changesOf({copyOf(1, 2),
-                         {Kind::kInsert, 3, {0, 2, kNone}, {0.25, 0.75, 0.0}},
-                         {Kind::kInsert, 4, {0, 1, 3}, {0.5, 0.25, 0.25}}}));
+  data.applyChanges(changesOf({copyOf(1, 2),
+                               {Kind::kInsert, 3, {0, 2, kNone}, {0.25, 0.75, 0.0}},
+                               {Kind::kInsert, 4, {0, 1, 3}, {0.5, 0.25, 0.25}}}));
   const double blend = 0.25 * 1.0 + 0.75 * 10.0;
   EXPECT_THAT(data.values(),
               ElementsAre(1.0, 10.0, 10.0, blend, 0.5 * 1.0 + 0.25 * 10.0 + 0.25 * blend));
@@ -657,25 +657,25 @@ TEST(VertexData, CopiesForSplitVerticesAndBlendsForNewOnes) {
 
 TEST(VertexData, MovedOnesTakeTheBlendOfWhatWasThere) {
   VertexData<double> data(std::vector<double>{1.0, 10.0, 100.0}, 3);
-  data.follow(changesOf({{Kind::kMove, 1, {1, 2, 0}, {0.5, 0.25, 0.25}},
-                         {Kind::kMove, 0, {1, kNone, kNone}, {1.0, 0.0, 0.0}}}));
+  data.applyChanges(changesOf({{Kind::kMove, 1, {1, 2, 0}, {0.5, 0.25, 0.25}},
+                               {Kind::kMove, 0, {1, kNone, kNone}, {1.0, 0.0, 0.0}}}));
   const double moved = 5.0 + 25.0 + 0.25;
   EXPECT_THAT(data.values(), ElementsAre(moved, moved, 100.0));
 }
 
 TEST(VertexData, TheLastTakesThePlaceOfARemovedOne) {
   VertexData<double> data(std::vector<double>{0.0, 1.0, 2.0, 3.0}, 3);
-  data.follow(changesOf({{Kind::kRemove, 3, {3, kNone, kNone}, {1.0, 0.0, 0.0}},
-                         {Kind::kRemove, 0, {2, kNone, kNone}, {1.0, 0.0, 0.0}}}));
+  data.applyChanges(changesOf({{Kind::kRemove, 3, {3, kNone, kNone}, {1.0, 0.0, 0.0}},
+                               {Kind::kRemove, 0, {2, kNone, kNone}, {1.0, 0.0, 0.0}}}));
   EXPECT_THAT(data.values(), ElementsAre(2.0, 1.0));
 }
 
 TEST(VertexData, RefusesChangesFromAnotherRevision) {
   VertexData<double> behind(std::vector<double>{1.0}, 2);
-  EXPECT_THROW(behind.follow(changesOf({})), std::logic_error);
+  EXPECT_THROW(behind.applyChanges(changesOf({})), std::logic_error);
   VertexData<double> twice(std::vector<double>{1.0}, 3);
-  twice.follow(changesOf({copyOf(0, 1)}));
-  EXPECT_THROW(twice.follow(changesOf({copyOf(0, 1)})), std::logic_error);
+  twice.applyChanges(changesOf({copyOf(0, 1)}));
+  EXPECT_THROW(twice.applyChanges(changesOf({copyOf(0, 1)})), std::logic_error);
   EXPECT_EQ(twice.size(), 2U) << "a refused change leaves no rows behind";
 }
 

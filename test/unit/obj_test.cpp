@@ -73,7 +73,7 @@ TEST(Obj, AMirrorImageIsTurnedRound) {
   EXPECT_EQ(mesh.faces[0], (Face{0, 1, 2}));
 }
 
-TEST(Obj, DefectsAreNamedWithTheirLine) {
+TEST(Obj, ErrorsAreNamedWithTheirLine) {
   const std::string corners =
       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
       "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nvt 2 1\n";  // lines 1 to 10

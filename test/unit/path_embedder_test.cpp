@@ -113,7 +113,7 @@ SurfacePath pathAlong(const TriangleMesh& mesh, const Polyline& line) {
 // ------------------------------------------------------------------------------
 
 void expectSound(const TriangleMesh& mesh, double area) {
-  EXPECT_EQ(defectOf(mesh), "");
+  EXPECT_EQ(validateMesh(mesh), "");
   EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
 }
 

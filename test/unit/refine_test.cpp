@@ -177,7 +177,7 @@ void refineFlat(const std::vector<Vec3>& path, const Refinement& refinement,
   const Neighbourhood near(path, refinement.radius);
   refineNear(near, refinement, lifted(mesh), allFaces(mesh), kMany, remesher);
   remesher.finish();
-  EXPECT_EQ(defectOf(mesh), "");
+  EXPECT_EQ(validateMesh(mesh), "");
   EXPECT_TRUE(conforms(mesh));
   EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
 }
@@ -306,7 +306,7 @@ TEST(RefineNear, GivesUpAtTheMostVertices) {
   remesher.finish();
   EXPECT_GT(mesh.vertexCount(), 400) << "so that the one who asked can tell";
   EXPECT_LT(mesh.vertexCount(), 400 + 64) << "one chain of bisections more";
-  EXPECT_EQ(defectOf(mesh), "");
+  EXPECT_EQ(validateMesh(mesh), "");
   EXPECT_TRUE(conforms(mesh));
 }
 
@@ -320,7 +320,7 @@ TEST(RefineNear, FollowsEditsThatCameBefore) {
   refineNear(Neighbourhood({Vec3(0.5, 0.5, 0.0)}, 0.1), {0.1, 3, 0.0}, lifted(mesh), allFaces(mesh),
              kMany, remesher);
   remesher.finish();
-  EXPECT_EQ(defectOf(mesh), "");
+  EXPECT_EQ(validateMesh(mesh), "");
   const Neighbourhood near({Vec3(0.5, 0.5, 0.0)}, 0.1);
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     if (near.reaches(placeOf(mesh, f))) {
@@ -331,28 +331,28 @@ TEST(RefineNear, FollowsEditsThatCameBefore) {
 
 TEST(RefineNear, RequestsAreChecked) {
   RefineNear request;
-  EXPECT_NE(describeDefect(request), "") << "no path";
+  EXPECT_NE(validationError(request), "") << "no path";
   request.path = {Vec3::Zero()};
   request.refinement.radius = 0.1;
-  EXPECT_EQ(describeDefect(request), "");
+  EXPECT_EQ(validationError(request), "");
   for (double radius : {0.0, -1.0, HUGE_VAL, std::nan("")}) {
     RefineNear bad = request;
     bad.refinement.radius = radius;
-    EXPECT_NE(describeDefect(bad), "") << radius;
+    EXPECT_NE(validationError(bad), "") << radius;
   }
   for (int generations : {-1, kMostGenerations + 1}) {
     RefineNear bad = request;
     bad.refinement.generations = generations;
-    EXPECT_NE(describeDefect(bad), "") << generations;
+    EXPECT_NE(validationError(bad), "") << generations;
   }
   for (double minEdge : {-1e-9, HUGE_VAL, std::nan("")}) {
     RefineNear bad = request;
     bad.refinement.minEdge = minEdge;
-    EXPECT_NE(describeDefect(bad), "") << minEdge;
+    EXPECT_NE(validationError(bad), "") << minEdge;
   }
   RefineNear bad = request;
   bad.path.push_back(Vec3(0.0, std::nan(""), 0.0));
-  EXPECT_NE(describeDefect(bad), "");
+  EXPECT_NE(validationError(bad), "");
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ ShapeLimits shortestOf(double minEdge) {
 }
 
 void expectSound(const TriangleMesh& mesh, double area) {
-  EXPECT_EQ(defectOf(mesh), "");
+  EXPECT_EQ(validateMesh(mesh), "");
   EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
 }
 
@@ -578,7 +578,7 @@ TEST(OpenMarks, AnySetOfEdgesOpensExactlyAlongThem) {
       const Expected expected = expectedFor(mesh, remesher.marks());
       remesher.openMarks();
       remesher.finish();
-      ASSERT_EQ(defectOf(mesh), "") << "trial " << trial;
+      ASSERT_EQ(validateMesh(mesh), "") << "trial " << trial;
       ASSERT_EQ(mesh.vertexCount(), expected.vertices) << "trial " << trial;
       ASSERT_EQ(findPieces(mesh).count, expected.pieces) << "trial " << trial;
     }

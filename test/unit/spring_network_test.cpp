@@ -254,7 +254,7 @@ TEST(RawSprings, AreSharedWhereTheSurfaceOpens) {
     }
     editor.splitVertex(v, right);
   }
-  springs.follow(mesh, editor.finish());
+  springs.applyChanges(mesh, editor.finish());
 
   EXPECT_EQ(springs.count(SpringKind::kStructural), 5 * 5 + 6 * 4 + (grid.rows - 1));
   EXPECT_NEAR(sum(SpringKind::kStructural, &Spring::stiffness), structural, 1e-12 * structural);
@@ -368,7 +368,7 @@ TEST(SpringNetworkFollow, GivesTheNetworkOfTheEditedMesh) {
         editor.splitVertex(opening.vertex, opening.detach);
       }
       const std::vector<Spring> before = springs.slots();
-      const SpringChanges changes = springs.follow(mesh, editor.finish());
+      const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
       expectChangesTell(before, springs.slots(), changes);
       expectStandingAgrees(mesh, springs);
       const SpringNetwork scratch(mesh, fabric, selection);
@@ -395,7 +395,7 @@ TEST(SpringNetworkFollow, GivesTheNetworkOfTheEditedMeshForEveryKindOfEdit) {
     for (int edit = 0; edit < 60; ++edit) {
       for (int k = whole(random, 1, 4); k > 0; --k) edits.any();
       const std::vector<Spring> before = springs.slots();
-      const SpringChanges changes = springs.follow(mesh, editor.finish());
+      const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
       expectChangesTell(before, springs.slots(), changes);
       expectStandingAgrees(mesh, springs);
       const SpringNetwork scratch(mesh, fabric, selection);
@@ -419,7 +419,7 @@ TEST(SpringNetworkFollow, CountsASpringThatTurnedIntoAnotherKind) {
   SpringNetwork springs(mesh, fabricPreset("silk"), selection);
   MeshEditor editor(mesh);
   editor.moveVertex(4, 6, {0.55, 0.45, 0.0});  // face 6 is 4, 5, 8
-  springs.follow(mesh, editor.finish());
+  springs.applyChanges(mesh, editor.finish());
   const SpringNetwork scratch(mesh, fabricPreset("silk"), selection);
   EXPECT_EQ(difference(sortedRows(springs), sortedRows(scratch)), "");
   EXPECT_EQ(scratch.count(SpringKind::kStructural), 10) << "4-1 and 4-7 are bias now";
@@ -461,7 +461,7 @@ void expectRemovalFollowed(Generator& random, const std::vector<FaceId>& faces, 
   const std::vector<Spring> before = springs.slots();
   MeshEditor editor(mesh);
   editor.removePieces(faces);
-  const SpringChanges changes = springs.follow(mesh, editor.finish());
+  const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
   EXPECT_TRUE(changes.added.empty());
   expectChangesTell(before, springs.slots(), changes);
   expectStandingAgrees(mesh, springs);
@@ -470,7 +470,7 @@ void expectRemovalFollowed(Generator& random, const std::vector<FaceId>& faces, 
   // ... and it goes on from there.
   RandomEditor edits(editor, random);
   for (int k = 0; k < 10; ++k) edits.any();
-  springs.follow(mesh, editor.finish());
+  springs.applyChanges(mesh, editor.finish());
   expectStandingAgrees(mesh, springs);
   expectSameByMaterial(materialRows(mesh, springs),
                        materialRows(mesh, SpringNetwork(mesh, fabric, {})));
@@ -491,7 +491,7 @@ TEST(SpringNetworkFollow, GivesTheNetworkOfTheMeshWithoutThePiecesThatWereTakenA
       edits.open();
       edits.any();
     }
-    springs.follow(mesh, editor.finish());
+    springs.applyChanges(mesh, editor.finish());
     const Pieces pieces = findPieces(mesh);
     const int kept = whole(random, 0, pieces.count - 1);
     std::vector<FaceId> faces;
@@ -532,7 +532,7 @@ TEST(SpringNetworkFollow, KeepsTheSlotOfASpringWhoseEndWasSplit) {
   }
   MeshEditor editor(mesh);
   ASSERT_TRUE(editor.splitVertex(middle, right));
-  const SpringChanges changes = springs.follow(mesh, editor.finish());
+  const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
   EXPECT_EQ(slotBetween(25, grid.vertex(3, 2)), slot);
   EXPECT_THAT(changes.modified, testing::Contains(slot));
 }
@@ -541,7 +541,7 @@ TEST(SpringNetworkFollow, DoesNothingForNoChange) {
   TriangleMesh mesh = makeGridMesh({4, 4, 1.0, 1.0});
   SpringNetwork springs(mesh, fabricPreset("silk"), {});
   MeshEditor editor(mesh);
-  const SpringChanges changes = springs.follow(mesh, editor.finish());
+  const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
   EXPECT_TRUE(changes.added.empty() && changes.modified.empty() && changes.removed.empty());
 }
 
@@ -575,7 +575,7 @@ TEST_P(RawSplitEdge, HalvesOfASpringAreTwiceAsStiff) {
       const Spring whole = *find(springs, a, b, SpringKind::kStructural);
       MeshEditor editor(mesh);
       const VertexId middle = editor.splitEdge(a, b, 0.5);
-      springs.follow(mesh, editor.finish());
+      springs.applyChanges(mesh, editor.finish());
       EXPECT_FALSE(find(springs, a, b, SpringKind::kStructural));
       for (VertexId end : {a, b}) {
         const std::optional<Spring> half = find(springs, end, middle, SpringKind::kStructural);
@@ -595,7 +595,7 @@ TEST_P(RawSplitEdge, ConstantsOfOtherSpringsDoNotChange) {
   const SpringNetwork before = springs;
   MeshEditor editor(mesh);
   editor.splitEdge(grid().vertex(2, 3), grid().vertex(3, 3), 0.5);
-  springs.follow(mesh, editor.finish());
+  springs.applyChanges(mesh, editor.finish());
   int kept = 0;
   for (const Spring& spring : before.slots()) {
     const std::optional<Spring> now = find(springs, spring.a, spring.b, spring.kind);
@@ -623,7 +623,7 @@ TEST(RawSprings, SpringsFarAwayKeepTheirBits) {
   editor.moveVertex(grid.vertex(1, 1), 0, {0.1, 0.1, 0.8});
   editor.flipEdge(grid.vertex(0, 2), grid.vertex(1, 3));
   const MeshChanges changes = editor.finish();
-  springs.follow(mesh, changes);
+  springs.applyChanges(mesh, changes);
   for (std::size_t slot = 0; slot < before.size(); ++slot) {
     bool stands = false;
     for (VertexId v : before[slot].support) {
@@ -694,8 +694,8 @@ TEST(SpringNetworkClear, TheyStayAwayWhenTheSurfaceOpensNearby) {
         editor.splitVertex(opening.vertex, opening.detach);
       }
       const MeshChanges changes = editor.finish();
-      springs.follow(mesh, changes);
-      whole.follow(mesh, changes);
+      springs.applyChanges(mesh, changes);
+      whole.applyChanges(mesh, changes);
       expectStandingAgrees(mesh, springs);
       // What is there is what would be there otherwise, without what was cleared.
       std::vector<Row> expected;
@@ -737,7 +737,7 @@ TEST(SpringNetworkClear, BendSpringsOverTheTipOfASlitStayAwayWhenItGoesOn) {
       if (u > 0.5) right.push_back(f);
     }
     ASSERT_TRUE(editor.splitVertex(v, right));
-    springs.follow(mesh, editor.finish());
+    springs.applyChanges(mesh, editor.finish());
     EXPECT_EQ(found().size(), 0U) << "after opening at " << v;
   }
 }
@@ -758,12 +758,12 @@ TEST(SpringNetworkClear, TheyStayAwayWhenPiecesAreTakenAway) {
   ASSERT_GT(gone.size(), 4U);
   MeshEditor editor(mesh);
   editor.removePieces({0, 1, 2, 3, 4, 5, 6, 7});
-  springs.follow(mesh, editor.finish());
+  springs.applyChanges(mesh, editor.finish());
   expectStandingAgrees(mesh, springs);
   for (VertexId v = 0; v < 9; ++v) {
     const std::vector<FaceId> around = mesh.facesAround(v);
     editor.splitVertex(v, {around.front()});
-    springs.follow(mesh, editor.finish());
+    springs.applyChanges(mesh, editor.finish());
   }
   for (const Spring& s : springs.slots()) {
     if (s.exists()) {
@@ -814,7 +814,7 @@ TEST(Masses, FollowSplitsByTheAreaOnEachSideAndKeepTheTotal) {
         const Opening opening = randomOpening(model.mesh, random);
         editor.splitVertex(opening.vertex, opening.detach);
       }
-      followMasses(editor.finish(), model);
+      applyMassChanges(editor.finish(), model);
     }
     EXPECT_NEAR(totalMass(model), before, 1e-13 * before);
     // Masses that were by area stay by area.
@@ -831,7 +831,7 @@ TEST(Masses, OfEqualParticlesAreSharedToo) {
   setParticleMasses(1.0, 0, model);
   MeshEditor editor(model.mesh);
   ASSERT_TRUE(editor.splitVertex(4, {model.mesh.facesAround(4)[0]}));
-  followMasses(editor.finish(), model);
+  applyMassChanges(editor.finish(), model);
   EXPECT_NEAR(model.mass[9], 1.0 / 6.0, 1e-15);  // one of six equal faces
   EXPECT_NEAR(model.mass[4], 5.0 / 6.0, 1e-15);
   EXPECT_NEAR(model.mass[8], 1.0, 1e-15) << "its own faces did not change";
@@ -855,7 +855,7 @@ TEST_P(AnyEdit, KeepsTheTotalMass) {
     RandomEditor edits(editor, random);
     for (int edit = 0; edit < 100; ++edit) {
       for (int k = whole(random, 1, 3); k > 0; --k) edits.any();
-      followMasses(editor.finish(), model);
+      applyMassChanges(editor.finish(), model);
       ASSERT_EQ(model.mass.size(), static_cast<std::size_t>(model.particleCount()));
     }
     EXPECT_NEAR(totalMass(model), before, 1e-13 * before);
@@ -882,10 +882,10 @@ TEST(Masses, OfPiecesGoWithThem) {
   lumpMasses(0.3, model);
   MeshEditor editor(model.mesh);
   ASSERT_TRUE(editor.splitVertex(4, {3, 6, 7}));
-  followMasses(editor.finish(), model);
+  applyMassChanges(editor.finish(), model);
   ASSERT_EQ(findPieces(model.mesh).count, 2);
   editor.removePieces({0, 1, 4, 5});
-  followMasses(editor.finish(), model);
+  applyMassChanges(editor.finish(), model);
   EXPECT_NEAR(totalMass(model), 0.15, 1e-15);
   Model expected = modelOn(model.mesh);
   lumpMasses(0.3, expected);

@@ -32,26 +32,26 @@ TEST(StrokeAlong, ReachesToBothSidesWithTheHeelAgainstTheDirection) {
   EXPECT_EQ(stroke.poses[1].heel, Vec3(2.0, 0.0, 0.5));
 }
 
-TEST(StrokeDefect, NamesWhatIsWrong) {
+TEST(StrokeValidation, NamesWhatIsWrong) {
   const Stroke good = drawn({{0.0, 0.0}, {1.0, 0.0}});
-  EXPECT_EQ(describeDefect(good), "");
+  EXPECT_EQ(validationError(good), "");
   Stroke stroke = good;
   stroke.poses.pop_back();
-  EXPECT_EQ(describeDefect(stroke), "the stroke needs at least two poses of the blade");
+  EXPECT_EQ(validationError(stroke), "the stroke needs at least two poses of the blade");
   stroke = drawn({{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}});
-  EXPECT_EQ(describeDefect(stroke), "the stroke needs at least two different poses of the blade");
+  EXPECT_EQ(validationError(stroke), "the stroke needs at least two different poses of the blade");
   stroke = good;
   stroke.poses[1].tip.y() = std::nan("");
-  EXPECT_EQ(describeDefect(stroke), "the stroke's poses: expected finite numbers");
-  EXPECT_EQ(describeDefect(drawn({{0.0, 0.0}, {1.0, 0.0}}, 0.0)), "the blade needs a length");
+  EXPECT_EQ(validationError(stroke), "the stroke's poses: expected finite numbers");
+  EXPECT_EQ(validationError(drawn({{0.0, 0.0}, {1.0, 0.0}}, 0.0)), "the blade needs a length");
   for (double halfWidth : {-1.0, std::numeric_limits<double>::infinity()}) {
     stroke = good;
     stroke.halfWidth = halfWidth;
-    EXPECT_NE(describeDefect(stroke), "");
+    EXPECT_NE(validationError(stroke), "");
   }
 }
 
-TEST(FindPaths, RefusesWhatHasADefect) {
+TEST(FindPaths, RefusesAnInvalidStroke) {
   const Cloth cloth = squareCloth();
   EXPECT_THROW(pathsOf(Stroke{}, cloth), std::invalid_argument);
 }

@@ -77,7 +77,7 @@ std::vector<SurgeryResult> tearOut(Tearing& tearing, Model& model, State& state,
     if (overloaded != nullptr) overloaded->insert(plan.overloaded.begin(), plan.overloaded.end());
     results.push_back(cut(plan, {}, {}, model, state));
     tearing.opened(results.back());
-    tearing.follow(model, results.back().changes);
+    tearing.applyChanges(model, results.back().changes);
   }
   ADD_FAILURE() << "no end of it";
   return results;
@@ -253,7 +253,7 @@ TEST(TearingPlan, ATearGoesOnFromTheTipOfACut) {
   Tearing tearing(tearingAt(1.4), model);
   const SurgeryResult notch = cutAlong({{0.35, -0.1}, {0.35, 0.25}}, model, state);
   tearing.noteTips(notch);
-  tearing.follow(model, notch.changes);
+  tearing.applyChanges(model, notch.changes);
   for (Vec3& x : state.x) x.x() *= 1.5;
   const CutPlan plan = tearing.plan(model, state, kStep);
   ASSERT_FALSE(plan.paths.empty());
@@ -279,7 +279,7 @@ TEST(TearingSpeed, ATipRunsNoFasterThanItMay) {
     Tearing tearing(settings, model);
     const SurgeryResult notch = cutAlong({{1.03, -0.1}, {1.03, 0.45}}, model, state);
     tearing.noteTips(notch);
-    tearing.follow(model, notch.changes);
+    tearing.applyChanges(model, notch.changes);
     for (Vec3& x : state.x) {
       // Only the middle columns are pulled: the rest moves along.
       if (x.x() > 0.9) x.x() += std::min(x.x() - 0.9, 0.2);
@@ -298,7 +298,7 @@ TEST(TearingSpeed, ATipRunsNoFasterThanItMay) {
         }
         const SurgeryResult result = cut(plan, {}, {}, model, state);
         tearing.opened(result);
-        tearing.follow(model, result.changes);
+        tearing.applyChanges(model, result.changes);
       }
     }
     EXPECT_GT(longest, 0.0) << dt;
@@ -325,7 +325,7 @@ TEST(TearingFollow, SpringsThatAnEditMadeMayFailToo) {
   ASSERT_FALSE(overloaded.empty());
   EXPECT_GE(*overloaded.rbegin(), before);
   EXPECT_GT(findPieces(model.mesh).count, 1);
-  EXPECT_EQ(describeDefect(model.mesh), "");
+  EXPECT_EQ(validationError(model.mesh), "");
 }
 
 TEST(TearingFollow, SeesAfterEditsWhatANewOneWould) {
@@ -355,7 +355,7 @@ TEST(TearingFollow, SeesAfterEditsWhatANewOneWould) {
             findPaths(strokeAlong({place(), place()}, Vec3::UnitZ(), 1.0), model.mesh, state.x);
         if (generations > 0) plan.refine = Refinement{0.1, generations, 0.0};
         const SurgeryResult result = cut(plan, {}, {}, model, state);
-        tearing.follow(model, result.changes);
+        tearing.applyChanges(model, result.changes);
       }
       Tearing fresh(settings, model);
       const auto limits = limitsOf(tearing, model, state);

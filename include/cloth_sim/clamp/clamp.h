@@ -95,7 +95,7 @@ const char* toString(ClampState state);  ///< "open", "closing", "closed"
 ///
 /// Order of use in a step: `clearWrench`; then once, or for each of its equal parts: `advance`,
 /// `appendTargets`, `appendForces`, (solver), `yield` (and, if that says so, the solver again),
-/// `addReactions`. `follow` after every edit of the mesh.
+/// `addReactions`. Call `applyChanges` after every edit of the mesh.
 class Clamp {
  public:
   /// \throws std::invalid_argument unless every length, speed and acceleration is finite and > 0,
@@ -176,7 +176,7 @@ class Clamp {
 
   /// Copies of held particles are held too, at the same place; so is a particle that an edit put
   /// between held ones. Held particles must not be moved within the surface.
-  void follow(const MeshChanges& changes);
+  void applyChanges(const MeshChanges& changes);
 
  private:
   /// A particle in the clamp's grip.

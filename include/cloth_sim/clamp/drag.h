@@ -21,7 +21,7 @@ struct Ray {
 };
 
 /// Why a ray cannot be used, in one sentence; empty if it can.
-std::string describeDefect(const Ray& ray);
+std::string validationError(const Ray& ray);
 
 /// Holds a particle where a ray is, at the distance from the ray's origin that it was picked at. It
 /// follows the ray with a time constant of 50 ms and at 1.5 m/s at most, as a kinematic target.
@@ -48,7 +48,7 @@ class Drag {
   /// Moves the target by one step. `state` is the one before it.
   void advance(const State& state, double dt);
   void appendTargets(std::vector<KinematicTarget>& out) const;
-  void follow(const MeshChanges& changes);
+  void applyChanges(const MeshChanges& changes);
   /// Goes on as if it had been aimed `by` later [s].
   void shiftTime(double by) { aimed_ += by; }
 

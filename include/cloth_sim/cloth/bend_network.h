@@ -60,7 +60,7 @@ class BendNetwork {
   const std::vector<BendElement>& elements() const { return elements_; }
 
   /// Derives the elements anew on the faces that an edit touched and beside them.
-  void follow(const TriangleMesh& mesh, const MeshChanges& changes);
+  void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
   /// Multiplies the rigidity of every element, there now or made later.
   /// \param factor  > 0.

@@ -62,7 +62,7 @@ void setParticleMasses(double particleMass, std::size_t cloth, Model& model);
 /// Lumps the masses again around the vertices that an edit touched, at their areal densities. The
 /// total of each cloth is kept to round-off, whatever the densities (but for pieces that were taken
 /// away).
-void followMasses(const MeshChanges& changes, Model& model);
+void applyMassChanges(const MeshChanges& changes, Model& model);
 
 /// Summed in ascending order of vertices, so it is the same bits for the same model.
 double totalMass(const Model& model);

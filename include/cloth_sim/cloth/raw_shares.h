@@ -20,7 +20,7 @@ class RawShares {
   RawShares() = default;
   explicit RawShares(const TriangleMesh& mesh);
 
-  void follow(const TriangleMesh& mesh, const MeshChanges& changes);
+  void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
   /// Of the edge {a, b}, by the faces on it.
   RawShare ofEdge(const TriangleMesh& mesh, const IndexSpan& on, VertexId a, VertexId b) const;
@@ -43,7 +43,7 @@ class RawShares {
   };
 
   static Shares fresh(const TriangleMesh& mesh, FaceId f);
-  void followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
+  void applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
 
   friend class cereal::access;
   template <class Archive>

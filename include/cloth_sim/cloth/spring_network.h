@@ -65,7 +65,7 @@ class SpringNetwork {
   std::int32_t count(SpringKind kind) const { return count_[static_cast<int>(kind)]; }
 
   /// Rebuilds the springs around the vertices that an edit touched.
-  SpringChanges follow(const TriangleMesh& mesh, const MeshChanges& changes);
+  SpringChanges applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
   /// Takes springs away for good: they do not come back when the network follows an opening (but
   /// refining the mesh there makes new ones).
@@ -94,8 +94,8 @@ class SpringNetwork {
   }
   void build(const TriangleMesh& mesh);
   void measureRawBends(const TriangleMesh& mesh);
-  void followCleared(const MeshChanges& changes);
-  SpringChanges followRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
+  void applyClearedEdges(const MeshChanges& changes);
+  SpringChanges applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
   template <typename Sink>
   void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, const Sink& sink) const;
   template <typename Sink>

@@ -11,9 +11,9 @@ struct State {
   double t = 0.0;      ///< [s]
 
   /// New vertices take the position and velocity of what they came from.
-  void follow(const MeshChanges& changes) {
-    x.follow(changes);
-    v.follow(changes);
+  void applyChanges(const MeshChanges& changes) {
+    x.applyChanges(changes);
+    v.applyChanges(changes);
   }
 
   template <class Archive>

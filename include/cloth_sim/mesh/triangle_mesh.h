@@ -93,7 +93,7 @@ struct Pieces {
 Pieces findPieces(const TriangleMesh& mesh);
 
 /// Empty if `mesh` is a valid oriented 2-manifold with boundary whose tables agree and whose faces
-/// have positive rest area; otherwise one sentence that names the first defect.
-std::string describeDefect(const TriangleMesh& mesh);
+/// have positive rest area; otherwise one sentence that names the first error.
+std::string validationError(const TriangleMesh& mesh);
 
 }  // namespace cloth_sim

@@ -8,8 +8,8 @@
 
 namespace cloth_sim {
 
-/// One value per vertex. It knows the mesh revision that it belongs to, so a forgotten `follow`
-/// throws at the next one instead of leaving stale rows behind.
+/// One value per vertex. It knows the mesh revision that it belongs to, so a forgotten
+/// `applyChanges` throws at the next one instead of leaving stale rows behind.
 template <typename T>
 class VertexData {
  public:
@@ -33,7 +33,7 @@ class VertexData {
 
   /// Copies, blends and removes values as the edits say.
   /// \throws std::logic_error if `changes` does not start at this data's revision.
-  void follow(const MeshChanges& changes) {
+  void applyChanges(const MeshChanges& changes) {
     if (changes.fromRevision != revision_) {
       throw std::logic_error("vertex data is at another mesh revision than the changes start from");
     }
@@ -41,7 +41,7 @@ class VertexData {
     revision_ = changes.toRevision;
   }
 
-  /// One of the edits that `follow` would apply.
+  /// One of the edits that `applyChanges` would apply.
   void apply(const VertexEdit& edit) {
     switch (edit.kind) {
       case VertexEdit::Kind::kCopy:

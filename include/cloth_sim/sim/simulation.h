@@ -110,7 +110,7 @@ class Simulation {
   SurgeryResult cutStroke(const Stroke& stroke);
   SurgeryResult cutNotch(const MaterialPath& notch);
   void refineMesh(const RefineNear& request);
-  void follow(const SurgeryResult& result);
+  void applyChanges(const SurgeryResult& result);
   void dropScraps();
   std::vector<std::int32_t> largestPieces(const std::vector<double>& area) const;
   std::vector<VertexId> heldVertices() const;

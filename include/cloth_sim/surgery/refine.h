@@ -35,7 +35,7 @@ void refineNear(const Neighbourhood& near, const Refinement& refinement,
                 std::int32_t maxVertices, Remesher& remesher);
 
 /// Why a request cannot be carried out; empty if it can.
-std::string describeDefect(const RefineNear& request);
+std::string validationError(const RefineNear& request);
 
 /// The point of a triangle that is nearest to `p`.
 Vec3 nearestPoint(const std::array<Vec3, 3>& triangle, const Vec3& p);

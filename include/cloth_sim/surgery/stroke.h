@@ -38,7 +38,7 @@ Stroke strokeAlong(const std::vector<Vec3>& path, const Vec3& direction, double 
 
 /// Why a stroke cannot be carried out, in one sentence: too few poses, numbers that are not finite,
 /// a blade of no length, or one that goes nowhere. Empty if it can.
-std::string describeDefect(const Stroke& stroke);
+std::string validationError(const Stroke& stroke);
 
 /// A point of the surface: in which face, and where in material coordinates [m].
 struct SurfacePoint {
@@ -73,7 +73,7 @@ struct SurfacePath {
 /// slices thin enough that their planes are within 1e-5 of the blade's length of it, though not
 /// more than 1024 between two poses, nor (but for 16 between poses) more than 8192 in all: a blade
 /// of 0.1 m that twists by 10 degrees on its way is followed within 5 micrometres.
-/// \throws std::invalid_argument if the stroke has a defect.
+/// \throws std::invalid_argument if the stroke has a error.
 std::vector<SurfacePath> findPaths(const Stroke& stroke, const TriangleMesh& mesh,
                                    const VertexData<Vec3>& positions);
 

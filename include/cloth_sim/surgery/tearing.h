@@ -74,7 +74,7 @@ class Tearing {
   void shiftTime(double by);
 
   /// To be called after every edit of the model.
-  void follow(const Model& model, const ModelChanges& changes);
+  void applyChanges(const Model& model, const ModelChanges& changes);
 
  private:
   /// A line that the last plan had.
@@ -122,7 +122,7 @@ class Tearing {
     return settings_.ratio[static_cast<std::size_t>(spring.kind)];
   }
   double nearLength(const Spring& spring) const;
-  void followNear(const Model& model, const ModelChanges& changes);
+  void applyChangesNear(const Model& model, const ModelChanges& changes);
   void watch(const Model& model);
   void watchFrom(std::size_t first, const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);

@@ -58,10 +58,10 @@ inline std::ostream& operator<<(std::ostream& out, const Operation& o) {
 }
 
 /// A cloth with everything that follows it.
-class Patient {
+class ClothFixture {
  public:
   /// \param deep  also keep an instance of every method, and compare networks from scratch.
-  Patient(const ClothCase& with, bool deep) : case_(with), random_(seedOf(with)), deep_(deep) {
+  ClothFixture(const ClothCase& with, bool deep) : case_(with), random_(seedOf(with)), deep_(deep) {
     const double cell = 0.05;
     grid_ = Grid{with.columns, with.rows, cell * (with.columns - 1),
                  0.1 * with.aspect * cell * (with.rows - 1)};
@@ -93,9 +93,9 @@ class Patient {
     switch (operation.kind) {
       case Kind::kStroke:
       case Kind::kNotch:
-        return carryOut([&] { return cutAlong(operation); });
+        return applyAndValidate([&] { return cutAlong(operation); });
       case Kind::kRefine:
-        return carryOut([&] { return refineAt(operation); });
+        return applyAndValidate([&] { return refineAt(operation); });
       case Kind::kTear:
         return tear(operation);
       case Kind::kTakeAway:
@@ -221,7 +221,7 @@ class Patient {
     const VertexData<Vec3> coordinates = o.kind == Kind::kNotch ? lifted() : state_.x;
     Stroke stroke = strokeAlong(pathOf(o, coordinates), Vec3(0.0, 0.0, 1.0), 1.0);
     stroke.firstLayerOnly = o.option;
-    if (!describeDefect(stroke).empty()) return {};
+    if (!validationError(stroke).empty()) return {};
     CutPlan plan;
     plan.paths = findPaths(stroke, model_.mesh, coordinates);
     if (o.generations > 0) plan.refine = refinementOf(o);
@@ -232,7 +232,7 @@ class Patient {
 
   SurgeryResult refineAt(const Operation& o) {
     const RefineNear request{pathOf(o, state_.x), refinementOf(o)};
-    if (!describeDefect(request).empty()) return {};
+    if (!validationError(request).empty()) return {};
     return refine(request, limits_, held(), model_, state_);
   }
 
@@ -255,11 +255,11 @@ class Patient {
       SurgeryResult result;
       const CutPlan plan = tearing.plan(model_, state_, 0.01);
       if (plan.paths.empty()) break;
-      const std::string defect =
-          carryOut([&] { return result = cut(plan, limits_, held(), model_, state_); });
-      if (!defect.empty()) return defect;
+      const std::string error =
+          applyAndValidate([&] { return result = cut(plan, limits_, held(), model_, state_); });
+      if (!error.empty()) return error;
       tearing.opened(result);
-      tearing.follow(model_, result.changes);
+      tearing.applyChanges(model_, result.changes);
     }
     return "";
   }
@@ -278,14 +278,14 @@ class Patient {
     }
     renumbered_ = true;
     taken_ = {faces, {vertices.begin(), vertices.end()}};
-    const std::string defect = carryOut([&] { return takeAway(faces, model_, state_); });
+    const std::string error = applyAndValidate([&] { return takeAway(faces, model_, state_); });
     taken_ = {};
-    return defect;
+    return error;
   }
 
   template <typename Edit>
-  std::string carryOut(const Edit& edit);
-  std::string defectOfHeld(const std::vector<VertexId>& before, const std::vector<Vec3>& where,
+  std::string applyAndValidate(const Edit& edit);
+  std::string validateHeld(const std::vector<VertexId>& before, const std::vector<Vec3>& where,
                            const MeshChanges& changes) const;
 
   /// What is about to be taken away.
@@ -312,9 +312,9 @@ class Patient {
 
 /// Held particles are where they were, to the bit, in the world and at rest; so are their copies,
 /// and the clamp holds nothing else that was there before.
-inline std::string Patient::defectOfHeld(const std::vector<VertexId>& before,
-                                         const std::vector<Vec3>& where,
-                                         const MeshChanges& changes) const {
+inline std::string ClothFixture::validateHeld(const std::vector<VertexId>& before,
+                                              const std::vector<Vec3>& where,
+                                              const MeshChanges& changes) const {
   if (!clamp_) return "";
   const std::vector<VertexId> now = clamp_->held();
   if (!std::is_sorted(now.begin(), now.end())) return "held particles are out of order";
@@ -345,7 +345,7 @@ inline std::string Patient::defectOfHeld(const std::vector<VertexId>& before,
 }
 
 template <typename Edit>
-std::string Patient::carryOut(const Edit& edit) {
+std::string ClothFixture::applyAndValidate(const Edit& edit) {
   const Model before = model_;
   const State stateBefore = state_;
   const std::vector<VertexId> heldBefore = held();
@@ -353,16 +353,16 @@ std::string Patient::carryOut(const Edit& edit) {
   for (VertexId v : heldBefore) heldWhere.push_back(state_.x[v]);
   const Totals totals(model_, state_);
   const SurgeryResult result = edit();
-  std::string defect = describeDefect(model_.mesh);
-  const auto check = [&defect](const auto& next) {
-    if (defect.empty()) defect = next();
+  std::string error = validationError(model_.mesh);
+  const auto check = [&error](const auto& next) {
+    if (error.empty()) error = next();
   };
-  check([&] { return defectOfSizes(model_, state_); });
-  check([&] { return defectOfResult(result, before, stateBefore, model_, state_); });
-  check([&] { return defectOfShapes(model_.mesh, limits_.shape, *original_); });
-  check([&] { return defectOfSprings(model_); });
+  check([&] { return validateSizes(model_, state_); });
+  check([&] { return validateResult(result, before, stateBefore, model_, state_); });
+  check([&] { return validateShapes(model_.mesh, limits_.shape, *original_); });
+  check([&] { return validateSprings(model_); });
   check([&] {
-    if (taken_.faces.empty()) return defectOfTotals(totals, Totals(model_, state_));
+    if (taken_.faces.empty()) return validateTotals(totals, Totals(model_, state_));
     Totals rest = totals;
     long double area = rest.area;
     for (FaceId f : taken_.faces) area -= before.mesh.restArea(f);
@@ -381,33 +381,33 @@ std::string Patient::carryOut(const Edit& edit) {
                       (now.angular - rest.angular).norm() <= kConserved * totals.angularScale;
     return std::string(kept ? "" : "more was taken than the piece");
   });
-  if (!defect.empty()) return defect;
-  if (clamp_) clamp_->follow(result.changes.mesh);
-  check([&] { return defectOfHeld(heldBefore, heldWhere, result.changes.mesh); });
+  if (!error.empty()) return error;
+  if (clamp_) clamp_->applyChanges(result.changes.mesh);
+  check([&] { return validateHeld(heldBefore, heldWhere, result.changes.mesh); });
   const bool changed = !result.changes.mesh.empty() || !result.changes.springs.removed.empty();
   for (auto& solver : solvers_) {
     if (changed) solver->onModelChanged(model_, result.changes);
   }
   if (deep_ && !case_.raw && !cleared_) {
     check([&] {
-      return defectOfNetwork(
+      return validateNetwork(
           model_.springs,
           SpringNetwork(model_.mesh, model_.cloths[0].fabric, {case_.shear, case_.bend}),
           renumbered_);
     });
   }
-  return defect;
+  return error;
 }
 
 /// A whole sequence. \return what went wrong and where; empty if nothing did.
 inline std::string operateAll(const ClothCase& cloth, const std::vector<Operation>& operations,
                               bool deep = true) {
-  Patient patient(cloth, deep);
+  ClothFixture fixture(cloth, deep);
   for (std::size_t k = 0; k < operations.size(); ++k) {
-    const std::string defect = patient.operate(operations[k]);
-    if (!defect.empty()) return say("operation ", k, ": ", defect);
+    const std::string error = fixture.operate(operations[k]);
+    if (!error.empty()) return say("operation ", k, ": ", error);
   }
-  return deep ? patient.step() : "";
+  return deep ? fixture.step() : "";
 }
 
 }  // namespace cloth_sim::surgery_support
