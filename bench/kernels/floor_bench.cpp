@@ -7,9 +7,9 @@
 
 #include <cmath>
 
-#include "constraints/cache_aligned.h"
+#include "support/cache_aligned.h"
 #include "constraints/spring_projection.h"
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 #include "packed.h"
 #include "turns.h"
 

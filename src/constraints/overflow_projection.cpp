@@ -6,7 +6,7 @@
 #include "compliance.h"
 #include "linalg/vector_operations.h"
 #include "spring_factor.h"
-#include "vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

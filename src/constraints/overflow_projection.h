@@ -3,8 +3,8 @@
 
 #include "compliance.h"
 #include "particles.h"
-#include "simd.h"
 #include "spring_schedule.h"
+#include "support/simd.h"
 
 namespace cloth_sim {
 

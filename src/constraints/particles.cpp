@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "linalg/vector_operations.h"
-#include "vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

@@ -2,32 +2,12 @@
 /// \file A solver's own copy of the particles, as structure of arrays in an order that suits
 /// sweeps.
 
-#include "cache_aligned.h"
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
 #include "cloth_sim/solver/solver.h"
+#include "linalg/vector_array.h"
 
 namespace cloth_sim {
-
-/// One number per particle.
-using ScalarArray = CacheAlignedVector<double>;
-
-/// Three coordinates per particle.
-struct VectorArray {
-  ScalarArray x, y, z;
-
-  void resize(std::size_t n) {
-    x.resize(n);
-    y.resize(n);
-    z.resize(n);
-  }
-  Vec3 at(std::size_t k) const { return Vec3(x[k], y[k], z[k]); }
-  void set(std::size_t k, const Vec3& p) {
-    x[k] = p.x();
-    y[k] = p.y();
-    z[k] = p.z();
-  }
-};
 
 /// Particles in slots. Of a cloth that is a grid, each row is stored as its columns 0, 4, 8, ...,
 /// then 1, 5, ..., 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a

@@ -1,8 +1,8 @@
 #pragma once
 /// \file How far four springs are from what they allow.
 
-#include "simd.h"
 #include "spring_parameters.h"
+#include "support/simd.h"
 
 namespace cloth_sim {
 

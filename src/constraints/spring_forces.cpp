@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

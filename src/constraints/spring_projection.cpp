@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "spring_factor.h"
-#include "vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

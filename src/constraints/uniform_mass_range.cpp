@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "simd.h"
+#include "support/simd.h"
 
 namespace cloth_sim {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 #include "vector_operations.h"
 
 namespace cloth_sim {

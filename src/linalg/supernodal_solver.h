@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "constraints/particles.h"
+#include "vector_array.h"
 
 namespace cloth_sim {
 

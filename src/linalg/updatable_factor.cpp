@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 /// \file Arithmetic on packed vectors, on several threads where that pays.
 
-#include "constraints/particles.h"
 #include "threads/parallel_for.h"
+#include "vector_array.h"
 
 namespace cloth_sim {
 

@@ -5,7 +5,7 @@
 
 #include "cloth_sim/cloth/stable_step.h"
 #include "constraints/spring_forces.h"
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 #include "linalg/vector_operations.h"
 #include "step_count.h"
 

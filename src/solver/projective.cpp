@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "constraints/spring_forces.h"
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 #include "contact_warm_start.h"
 #include "linalg/bend_matrix.h"
 #include "linalg/updatable_factor.h"

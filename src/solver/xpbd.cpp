@@ -2,7 +2,7 @@
 
 #include "constraints/bend_projection.h"
 #include "constraints/spring_projection.h"
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 #include "linalg/vector_operations.h"
 #include "methods.h"
 #include "substep_solver.h"

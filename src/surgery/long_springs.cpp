@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "constraints/vector_clones.h"
+#include "support/vector_clones.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
