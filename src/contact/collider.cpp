@@ -10,6 +10,14 @@
 namespace cloth_sim {
 namespace {
 
+/// \tparam Colliders  std::vector<Collider>, const or not.
+template <typename Colliders>
+auto findNamed(Colliders& colliders, const std::string& name) {
+  const auto named = [&](const Collider& it) { return it.obstacle().name == name; };
+  const auto found = std::find_if(colliders.begin(), colliders.end(), named);
+  return found != colliders.end() ? &*found : nullptr;
+}
+
 void require(bool holds, const Obstacle& obstacle, const char* what) {
   if (!holds) throw std::invalid_argument("obstacle '" + obstacle.name + "': " + what);
 }
@@ -79,14 +87,9 @@ void ColliderSet::add(Obstacle obstacle, std::vector<ContactSkin> skins) {
 }
 
 const Collider* ColliderSet::find(const std::string& name) const {
-  for (const Collider& collider : colliders_) {
-    if (collider.obstacle().name == name) return &collider;
-  }
-  return nullptr;
+  return findNamed(colliders_, name);
 }
 
-Collider* ColliderSet::find(const std::string& name) {
-  return const_cast<Collider*>(std::as_const(*this).find(name));
-}
+Collider* ColliderSet::find(const std::string& name) { return findNamed(colliders_, name); }
 
 }  // namespace cloth_sim

@@ -4,23 +4,12 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/console.h>
 
-#include <cmath>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/validation.h"
 
 namespace cloth_sim {
-namespace {
-
-constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's norm: float32 senders round
-
-bool isPose(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite() &&
-         std::abs(pose.orientation.norm() - 1.0) <= kUnitTolerance;
-}
-
-}  // namespace
-
 PoseFollower::PoseFollower(ros::NodeHandle& node, std::string who, const FollowSource& source,
                            const WorldFrame& world, double rate, Sink sink)
     : who_(std::move(who)), source_(source), world_(world), sink_(std::move(sink)) {
@@ -56,7 +45,8 @@ void PoseFollower::lookAtFrame() {
 
 void PoseFollower::onPose(const std_msgs::Header& header, const geometry_msgs::Pose& message) {
   Pose pose{fromPoint(message.position), fromQuaternion(message.orientation)};
-  if (!isPose(pose)) return miss("what it says is no finite pose with a unit quaternion");
+  if (!validationError(pose).empty())
+    return miss("what it says is no finite pose with a unit quaternion");
   pose.orientation.normalize();
   try {
     const Pose inWorld = world_.toWorld(pose, header);

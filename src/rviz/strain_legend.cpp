@@ -108,9 +108,8 @@ StrainLegend::~StrainLegend() {
 void StrainLegend::show(bool visible) { visible ? overlay_->show() : overlay_->hide(); }
 
 void StrainLegend::setRange(double range) {
-  const QImage image = paintLegend(range);
-  const Ogre::PixelBox pixels(kLegendWidth, kLegendHeight, 1, Ogre::PF_A8R8G8B8,
-                              const_cast<uchar*>(image.constBits()));
+  QImage image = paintLegend(range);
+  const Ogre::PixelBox pixels(kLegendWidth, kLegendHeight, 1, Ogre::PF_A8R8G8B8, image.bits());
   texture_->getBuffer()->blitFromMemory(pixels);
 }
 

@@ -1,5 +1,4 @@
-#include <cmath>
-
+#include "cloth_sim/validation.h"
 #include "keys.h"
 #include "readers.h"
 
@@ -7,16 +6,14 @@ namespace cloth_sim {
 
 namespace {
 
-// How far from 1 the norm of a quaternion may be: what four digits behind the point leave.
-constexpr double kNormTolerance = 1e-3;
-
 Quat quaternion(const SceneNode& node) {
   const Eigen::Vector4d xyzw = node.vector<4>();
-  if (std::abs(xyzw.norm() - 1.0) > kNormTolerance) {
+  const Quat orientation(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  if (!isUnit(orientation)) {
     node.refuse("expected a unit quaternion [x, y, z, w] (got one of norm " +
                 shortNumber(xyzw.norm()) + ")");
   }
-  return Quat(xyzw[3], xyzw[0], xyzw[1], xyzw[2]).normalized();
+  return orientation.normalized();
 }
 
 /// Roll, pitch and yaw about the fixed axes x, y and z (REP 103).

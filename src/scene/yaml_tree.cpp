@@ -170,19 +170,21 @@ void removeItem(YamlValue& parent, const YamlValue* item) {
   parent.items.erase(parent.items.begin() + (item - parent.items.data()));
 }
 
-}  // namespace
-
-const YamlValue* YamlValue::find(const std::string& name) const {
-  if (kind != Kind::kMap) return nullptr;
-  for (const YamlValue& item : items) {
-    if (item.key == name) return &item;
+/// \tparam Value  YamlValue or const YamlValue.
+template <typename Value>
+Value* findKey(Value& map, const std::string& key) {
+  if (map.kind != YamlValue::Kind::kMap) return nullptr;
+  for (Value& item : map.items) {
+    if (item.key == key) return &item;
   }
   return nullptr;
 }
 
-YamlValue* YamlValue::find(const std::string& name) {
-  return const_cast<YamlValue*>(static_cast<const YamlValue*>(this)->find(name));
-}
+}  // namespace
+
+const YamlValue* YamlValue::find(const std::string& name) const { return findKey(*this, name); }
+
+YamlValue* YamlValue::find(const std::string& name) { return findKey(*this, name); }
 
 YamlValue parseYaml(const std::string& text, const std::string& file) {
   try {

@@ -15,13 +15,6 @@ std::string joinNames(const Range& rows) {
   return names;
 }
 
-const SolverParameter* findParameter(const SolverInfo& info, const std::string& name) {
-  for (const SolverParameter& parameter : info.parameters) {
-    if (parameter.name == name) return &parameter;
-  }
-  return nullptr;
-}
-
 std::string number(double value) {
   std::string text = std::to_string(value);
   while (text.back() == '0') text.pop_back();
@@ -52,6 +45,13 @@ const SolverInfo& findSolver(const std::string& name) {
   }
   throw std::invalid_argument("method: expected one of " + joinNames(solverRegistry()) + " (got '" +
                               name + "')");
+}
+
+const SolverParameter* findParameter(const SolverInfo& info, const std::string& name) {
+  for (const SolverParameter& parameter : info.parameters) {
+    if (parameter.name == name) return &parameter;
+  }
+  return nullptr;
 }
 
 void checkFeatures(const SolverInfo& info, bool bendingEnergy) {

@@ -114,13 +114,6 @@ RunResult runAs(const StudyScene& study, const Scene& scene) {
 
 }  // namespace
 
-const SolverParameter* findParameter(const SolverInfo& info, const std::string& name) {
-  for (const SolverParameter& parameter : info.parameters) {
-    if (parameter.name == name) return &parameter;
-  }
-  return nullptr;
-}
-
 Configuration configure(const SolverInfo& method, double dt, int substeps, int iterations) {
   Configuration result{&method, dt, substeps, iterations};
   if (findParameter(method, "substeps") == nullptr) {

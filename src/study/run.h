@@ -17,8 +17,6 @@ struct Configuration {
   int iterations = 0;  ///< 0: the method has no such parameter
 };
 
-const SolverParameter* findParameter(const SolverInfo& info, const std::string& name);
-
 /// The configuration of a method whose substeps are dt / substeps [s] long: a method that does not
 /// divide its steps gets shorter ones.
 Configuration configure(const SolverInfo& method, double dt, int substeps, int iterations);

@@ -45,6 +45,9 @@ const std::vector<SolverInfo>& solverRegistry();
 /// \throws std::invalid_argument naming the known methods if there is none of that name.
 const SolverInfo& findSolver(const std::string& name);
 
+/// Returns the parameter of that name, or nullptr if the method has none.
+const SolverParameter* findParameter(const SolverInfo& info, const std::string& name);
+
 /// \throws std::invalid_argument if the model has what the method cannot follow: a bending energy.
 void checkFeatures(const SolverInfo& info, bool bendingEnergy);
 
