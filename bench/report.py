@@ -4,14 +4,14 @@ import json
 import os
 import re
 import sys
+import textwrap
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-TRIED = os.path.join(HERE, 'tried.md')
 FIELD = os.path.join(HERE, 'field.json')
 
 
 def read(folder, name):
-    """What a file says; nothing if that part was not measured."""
+    """Contents of a file, parsed if it is JSON; None if that part was not measured."""
     if not os.path.exists(os.path.join(folder, name)):
         return None
     with open(os.path.join(folder, name), encoding='utf-8') as file:
@@ -23,8 +23,13 @@ def table(header, rows):
     return '\n'.join(lines + ['| ' + ' | '.join(row) + ' |' for row in rows])
 
 
-def told(measured, tell):
-    return tell(measured) if measured else 'Not measured yet.'
+def paragraph(text):
+    """The text in lines of at most 98 columns."""
+    return '\n'.join(textwrap.wrap(text, 98, break_long_words=False, break_on_hyphens=False))
+
+
+def described(measured, describe):
+    return describe(measured) if measured else 'Not measured yet.'
 
 
 def peers(comparisons):
@@ -35,19 +40,20 @@ def peers(comparisons):
                  '%.2f %%' % (100.0 * row['column_stretch']), '%.3f' % row['worst_edge'],
                  '%.4f' % row['speed'], '%d' % row['fallen_through']] for row in one['rows']]
         parts.append('### `%s`, %d x %d\n' % (one['scene'], one['particles'], one['particles']))
-        parts.append(table(['engine', 'setting', 'ms a frame [least, most]', 'column', 'edge',
+        parts.append(table(['engine', 'setting', 'ms per frame [least, most]', 'column', 'edge',
                             'm/s', 'fallen through'], rows) + '\n')
         if 'ratio' in one:
-            parts.append('Bullet with `%s` costs **%.1f times** what `%s` costs, which is stretched '
-                         'no more.\n' % (one['peer'], one['ratio'], one['own']))
+            parts.append(paragraph('Bullet with `%s` costs **%.1f times** as much as `%s`, which '
+                                   'stretches the cloth no more.' %
+                                   (one['peer'], one['ratio'], one['own'])) + '\n')
         else:
-            parts.append('No setting of one is as little stretched as the cheapest of the other that '
-                         'holds the cloth.\n')
+            parts.append(paragraph('No setting of one engine stretches the cloth as little as the '
+                                   'cheapest setting of the other that holds it.') + '\n')
     return '\n'.join(parts)
 
 
 def field(comparisons):
-    """Other engines, measured elsewhere, and this one, over what Bullet took beside each."""
+    """Other engines, measured elsewhere, and this one, each relative to Bullet in the same run."""
     with open(FIELD, encoding='utf-8') as file:
         others = json.load(file)
     there = next(row['ms'] for row in others if row['engine'].startswith('Bullet'))
@@ -62,15 +68,15 @@ def field(comparisons):
               '%.3f' % (row['ms_per_frame'] / here), '%.2f %%' % (100.0 * row['column_stretch']),
               '%.3f' % row['worst_edge']] for row in own
              if row['setting'] in ('12 x 4', 'projective substeps=1 iterations=1')]
-    return table(['engine', 'setting', 'ms a frame [least]', 'over Bullet `12 x 4` beside it', 'column',
-                  'edge'], rows)
+    return table(['engine', 'setting', 'ms per frame [least]', 'relative to Bullet `12 x 4`',
+                  'column', 'edge'], rows)
 
 
 def medians(document):
-    """Of each benchmark: its median, its least and greatest are not told by aggregates, the spread is."""
+    """Aggregates of each benchmark (median, cv = coefficient of variation) by its name."""
     result = {}
     for entry in document['benchmarks']:
-        if entry.get('error_occurred'):  # it diverged, say: nothing was timed
+        if entry.get('error_occurred'):  # for instance, it diverged: nothing was timed
             continue
         result.setdefault(entry['run_name'], {})[entry['aggregate_name']] = entry
     return result
@@ -85,8 +91,8 @@ def nanoseconds(seconds):
     return '%.2f' % (1e9 * seconds)
 
 
-def told_by(document, prefix):
-    """Benchmarks whose names begin so, by what follows; without the settings of the run."""
+def by_suffix(document, prefix):
+    """Benchmarks whose names begin with `prefix`, by the rest of their names without settings."""
     return {name[len(prefix):].partition('/iterations')[0]: entry
             for name, entry in medians(document).items() if name.startswith(prefix)}
 
@@ -96,27 +102,27 @@ def with_spread(entry, figure):
 
 
 def floors(document):
-    """What a spring costs over what it costs at the floor, in turns."""
+    """Cost of a spring relative to the floor, measured in turns."""
     rows = []
-    for kind in ('grid', 'any', 'later'):
-        for side, entry in told_by(document, 'floor/%s/side:' % kind).items():
-            rows.append([kind, side] + [nanoseconds(entry['median'][figure])
+    for kind, title in (('grid', 'grid'), ('any', 'arbitrary'), ('later', 'overflow')):
+        for side, entry in by_suffix(document, 'floor/%s/side:' % kind).items():
+            rows.append([title, side] + [nanoseconds(entry['median'][figure])
                                         for figure in ('own', 'double', 'float')] +
                         ['**%s**' % with_spread(entry, 'over_double'),
                          with_spread(entry, 'over_float')])
-    return told(rows, lambda rows: table(
+    return described(rows, lambda rows: table(
         ['springs', 'side', '`xpbd`', 'floor, double', 'floor, float', 'over double', 'over float'],
         rows))
 
 
 def whole(document):
-    """Steps of whole scenes over those of the bare one, and cut ones over the same uncut."""
-    scenes = {'pins': 'hanging from two pins',
-              'armed': 'from two clamps, over ground and ball, tearing armed',
+    """Steps of whole scenes relative to the bare one, and of cut cloths relative to the uncut."""
+    scenes = {'pins': 'hangs from two pins',
+              'armed': 'hangs from two clamps over ground and ball, tearing enabled',
               'cut': 'the same after three cuts',
               'refined': 'the same, refined around the cuts'}
     rows = []
-    for method, entry in told_by(document, 'whole/').items():
+    for method, entry in by_suffix(document, 'whole/').items():
         median = entry['median']
         for what, title in scenes.items():
             is_cut = what in ('cut', 'refined')
@@ -126,9 +132,9 @@ def whole(document):
                          '**%s**' % with_spread(entry, what + '_over_armed') if is_cut else '',
                          '%.2f' % (median[what + '_over_armed'] * median['armed_springs'] / springs)
                          if is_cut else ''])
-    return told(rows, lambda rows: table(
-        ['method', 'scene', 'particles', 'springs', 'ms a step', 'over the first',
-         'over the uncut one', 'the same a spring'], rows))
+    return described(rows, lambda rows: table(
+        ['method', 'scene', 'particles', 'springs', 'ms per step', 'relative to the first',
+         'relative to the uncut cloth', 'the same per spring'], rows))
 
 
 def parts(document):
@@ -139,7 +145,7 @@ def parts(document):
         per = median.get('per_spring')
         rows.append(['`%s`' % name, '%.4g%s' % (scale * median['cpu_time'], spread(entry)),
                      nanoseconds(per) if per else ''])
-    return table(['what', 'CPU time, microseconds', 'ns a spring'], rows)
+    return table(['benchmark', 'CPU time, microseconds', 'ns per spring'], rows)
 
 
 def steps(document):
@@ -162,33 +168,35 @@ def steps(document):
                       '%d' % median['iterations'], '%.3g%s' % (real, variation),
                       nanoseconds(median['per_spring'] / sweeps),
                       '%.2f' % (real / two) if two else ''])
-    return table(['method', 'side', 'substeps', 'iterations', 'ms a step',
-                  'ns a spring and sweep', 'faster with 2 threads'], lines)
+    return table(['method', 'side', 'substeps', 'iterations', 'ms per step',
+                  'ns per spring and sweep', 'speed-up with 2 threads'], lines)
 
 
 def node(document):
     overhead, latency = document['overhead'], document['latency']
-    threads = ', '.join('`%s` %.1f %%' % pair for pair in sorted(overhead['threads_percent'].items()))
-    return ('Beside its steps (%.1f %% of one core, at a real-time factor of %.2f) the node costs **%.1f %% '
-            'of one core**: snapshots and hand-over in the stepping thread %.1f %%, and the rest for '
-            'messages; %.1f %% of it in the kernel. By thread: %s. The time from a command to a clamp to '
-            'the first `~frame` that shows it, of %d commands at random times: median **%.2f**, 99th '
-            'percentile **%.2f** frames of 1/60 s.' %
-            (overhead['steps_percent'], overhead['real_time_factor'], overhead['overhead_percent'],
-             overhead['snapshot_percent'], overhead['overhead_in_kernel_percent'], threads,
-             latency['commands'], latency['median_frames'], latency['p99_frames']))
+    threads = ', '.join('`%s` %.1f %%' % pair
+                        for pair in sorted(overhead['threads_percent'].items()))
+    return paragraph(
+        'Beside its steps (%.1f %% of one core, at a real-time factor of %.2f) the node costs '
+        '**%.1f %% of one core**: %.1f %% for snapshots and their hand-over in the simulation thread, '
+        'and the rest for messages. %.1f %% are spent in the kernel. By thread: %s. The time from a '
+        'command to a clamp until the first `~frame` that shows its effect, for %d commands at random '
+        'times: median **%.2f**, 99th percentile **%.2f** frames of 1/60 s.' %
+        (overhead['steps_percent'], overhead['real_time_factor'], overhead['overhead_percent'],
+         overhead['snapshot_percent'], overhead['overhead_in_kernel_percent'], threads,
+         latency['commands'], latency['median_frames'], latency['p99_frames']))
 
 
 def threads(document):
-    """What a second thread gains, beside what the machine gives."""
+    """Speed-up by a second thread, and that of two independent simulations on this machine."""
     rows = []
     for name, entry in medians(document).items():
         _, method, side = name.split('/')[:3]
         one, two, gain, apart = (with_spread(entry, figure)
                                  for figure in ('one', 'two', 'gain', 'gain_apart'))
         rows.append(['`%s`' % method, side.split(':')[1], one, two, '**%s**' % gain, apart])
-    return table(['method', 'side', 'ms a step', 'with 2 threads', 'times faster',
-                  'two simulations apart'], rows)
+    return table(['method', 'side', 'ms per step', 'with 2 threads', 'speed-up',
+                  'two independent simulations'], rows)
 
 
 def scale(document):
@@ -198,98 +206,107 @@ def scale(document):
         median = entry['median']
         rows.append(['`%s`' % name, '%.3g' % (1e-3 * median['cpu_time'])] +
                     ['%.0f' % median[key] if key in median else '' for key in counters])
-    return table(['what', 'CPU time, s'] + counters, rows)
+    return table(['benchmark', 'CPU time, s'] + counters, rows)
 
 
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__ + '\nusage: bench/report.py FOLDER')
     folder = sys.argv[1]
-    with open(TRIED, encoding='utf-8') as file:
-        tried = file.read().strip()
     print('''# What a step costs
 
-Measured by `bench/measure.sh BUILD` on %(machine)s. Times are CPU times (steps: wall times); each is a
-median of five, with the spread. Accuracy stands beside speed: how far the cloth of a peer hangs through is
-part of its row. What errors cost is in [accuracy.md](accuracy.md).
+%(measured)s
+
+Times are CPU times; those of steps are wall times. Each is the median of five runs, with the
+spread. A speed counts only with its accuracy, so each row of a comparison says how far the cloth
+is stretched. [accuracy.md](accuracy.md) relates cost to error, and
+[verification.md](verification.md) compares with closed forms. The decisions behind these numbers
+are in [decisions](decisions/README.md), the experiments that lost in
+[bench/tried.md](../bench/tried.md).
 
 ## Beside a peer
 
-A cloth of 1 m and 0.2 kg, frames of 1/60 s for 5 s, one thread. *Column*: how much longer than at rest the worst
-column is at the end; *edge*: the longest edge over its rest length; *m/s*: the fastest particle then. Bullet is
-the soft body of Bullet 3.24, `substeps x iterations`, with bending links and full stiffness. Tearing is armed in
-ours. The run has five parts, at each of which all take turns. `bench/peer/peer_bullet.cpp`
+A cloth of 1 m and 0.2 kg, frames of 1/60 s for 5 s, one thread. *Column* says how much longer
+than at rest the worst column is at the end, *edge* is the longest edge over its rest length, and
+*m/s* is the speed of the fastest particle at the end. Bullet is the soft body of Bullet 3.24 with
+bending links and full stiffness; its setting is `substeps x iterations`. Tearing is enabled in
+cloth_sim. The run is divided into five parts, and in each part all contenders take turns
+(`bench/peer/peer_bullet.cpp`).
 
 %(peers)s
-## The field
+## Other engines
 
-The same hanging cloth. The rows above *here* were measured by others, on another machine with two cores and AVX2
-(`bench/field.json`), and are not repeated by `bench/measure.sh`: only what each is over Bullet in its own run
-compares. With the same `12 x 4` Bullet stretched twice as far there; its other settings are not known.
+The same hanging cloth. Others measured the rows above *here*, on another machine with two cores
+and AVX2 (`bench/field.json`); `bench/measure.sh` does not repeat them. Only the cost relative to
+Bullet in the same run can be compared. With the same `12 x 4`, Bullet stretched twice as far
+there; its other settings are not known.
 
 %(field)s
 
 ## The floor
 
-Nanoseconds a spring, in turns with the floors: sweeps that do nothing but correct lengths, on a grid whose
-structure is known and over any topology by colours, in the double precision that `xpbd` has and in single
-precision. *Any*: particles along a Z curve, so that no springs are in a row. *Later*: those springs of a grid that three
-slits, refined around, have made or moved, over any topology, too. `bench/kernels/floor_bench.cpp`
+Nanoseconds per spring, measured in turns with the floors. A floor is a sweep that does nothing
+but correct lengths: on a grid whose structure is known, and over any topology by colours; in
+double precision, which `xpbd` uses, and in single precision. *Arbitrary*: particles along a Z
+curve, so that no springs form a row. *Overflow*: the springs of a grid that three slits with
+refinement have created or moved, also over any topology (`bench/kernels/floor_bench.cpp`).
 
 %(floors)s
 
 ## Whole scenes
 
-128 x 128 particles, one thread, in turns; `projective` with one substep and one iteration. `bench/kernels/whole_bench.cpp`
+128 x 128 particles, one thread, measured in turns; `projective` with one substep and one
+iteration (`bench/kernels/whole_bench.cpp`).
 
 %(whole)s
 
 ## Parts
 
-`part/start_up` is a simulation made and its first step.
+`part/start_up` creates a simulation and makes its first step.
 
 %(parts)s
 
 ## Steps of every method
 
-The hanging cloth, with each method's default parameters; methods with a limit of stability divide the
-frame until they are below (`solver.step_guard: subdivide`). `explicit_euler` has none without damping.
+The hanging cloth, with the default parameters of each method. Methods with a limit of stability
+divide the frame until they are below it (`solver.step_guard: subdivide`). `explicit_euler` has no
+stable substep without damping, so it has no row.
 
 %(steps)s
 
 ## Two threads
 
-The hanging cloth by `xpbd` (its defaults) and by `projective` (one substep, one iteration), wall time: one thread,
-two threads and, for what this machine's two cores give at all, two simulations that have nothing to do with
-each other, in turns, before each of which threads are given 50 ms to settle on their cores. `bench/kernels/threads_bench.cpp`
+The hanging cloth with `xpbd` (its defaults) and with `projective` (one substep, one iteration),
+wall time. One thread, two threads and two independent simulations take turns; the last show what
+the two cores of this machine give at all. Before each turn threads are given 50 ms to settle on
+their cores (`bench/kernels/threads_bench.cpp`).
 
 %(threads)s
 
 ## The node
 
-The node at 128 x 128, with the pace of the wall's clock, one subscriber of `~frame` (60 Hz) and one of
-`~markers` (30 Hz). `bench/node_overhead`
+The node at 128 x 128, at the pace of the wall clock, with one subscriber of `~frame` (60 Hz) and
+one of `~markers` (30 Hz) (`bench/node_overhead`).
 
 %(node)s
 
 ## Large cloths
 
-What is there before the first step, in bytes per particle; *model* has a mesh and springs of its own.
-`bench/kernels/scale_bench.cpp`
+Memory before the first step, in bytes per particle. *Model* has a mesh and springs of its own
+(`bench/kernels/scale_bench.cpp`).
 
-%(scale)s
-
-%(tried)s''' % {'machine': read(folder, 'machine.txt'),
-                'peers': told((read(folder, 'hang.json') or []) + (read(folder, 'sphere.json') or []),
-                              peers),
-                'field': told(read(folder, 'hang.json'), field),
-                'floors': told(read(folder, 'turns.json'), floors),
-                'whole': told(read(folder, 'turns.json'), whole),
-                'parts': told(read(folder, 'parts.json'), parts),
-                'node': told(read(folder, 'node.json'), node),
-                'threads': told(read(folder, 'threads.json'), threads),
-                'scale': told(read(folder, 'scale.json'), scale),
-                'steps': told(read(folder, 'steps.json'), steps), 'tried': tried})
+%(scale)s''' % {'measured': paragraph('Measured by `bench/measure.sh BUILD` on %s.' %
+                                      read(folder, 'machine.txt')),
+                'peers': described((read(folder, 'hang.json') or []) +
+                                   (read(folder, 'sphere.json') or []), peers),
+                'field': described(read(folder, 'hang.json'), field),
+                'floors': described(read(folder, 'turns.json'), floors),
+                'whole': described(read(folder, 'turns.json'), whole),
+                'parts': described(read(folder, 'parts.json'), parts),
+                'node': described(read(folder, 'node.json'), node),
+                'threads': described(read(folder, 'threads.json'), threads),
+                'scale': described(read(folder, 'scale.json'), scale),
+                'steps': described(read(folder, 'steps.json'), steps)})
 
 
 if __name__ == '__main__':

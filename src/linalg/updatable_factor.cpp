@@ -13,7 +13,7 @@ namespace {
 /// A change of an entry, relative to it, that is taken for rounding.
 constexpr double kSameEntry = 1e-12;
 /// A factorisation costs the sum over columns of the square of their entries; a change costs this
-/// much per entry that it passes, in the same unit (measured: docs/design_notes.md).
+/// much per entry that it passes, in the same unit (measured: docs/decisions/030).
 constexpr double kCostOfEntry = 3.0;
 
 /// Changes after which rounding may have added up to something.

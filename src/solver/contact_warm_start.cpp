@@ -7,7 +7,7 @@ namespace cloth_sim {
 namespace {
 
 /// What remains of a force from one substep to the next. With all of it a cloth that falls on a
-/// sphere is thrown up again; below 0.9 the strain is back (docs/performance.md).
+/// sphere is thrown up again; below 0.9 the strain is back (docs/decisions/032).
 constexpr double kKeep = 0.95;
 
 /// Instead of an index: has been listed.

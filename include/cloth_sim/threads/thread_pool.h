@@ -23,7 +23,7 @@ struct TaskGraph {
 /// they let others run first). A loop does not wait for helpers: who is not there gets nothing to
 /// do.
 ///
-/// Why not TBB's: docs/design_notes.md.
+/// See docs/decisions/011.
 class ThreadPool {
  public:
   ThreadPool();
