@@ -12,8 +12,9 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::uint32_t kNewest = 1;  ///< only the newest pose or width counts
-constexpr std::uint32_t kEvery = 10;  ///< every grasp does
+// Queue lengths.
+constexpr std::uint32_t kNewest = 1;  ///< of poses and widths: a newer one replaces an older one
+constexpr std::uint32_t kEvery = 10;  ///< of grasps: each one counts
 
 }  // namespace
 
@@ -35,7 +36,7 @@ ros::Subscriber ClampPorts::listen(const std::string& topic, std::uint32_t queue
                                                           check](const Message& message) {
     for (const Request& request : check(message)) submit(topic, request, simulation_);
   };
-  // Without that hint, TCP may keep small messages back that come in quick succession.
+  // Nagle's algorithm would hold back small messages sent in quick succession.
   return node_.subscribe<Message, const Message&>(topic, queue, callback, ros::VoidConstPtr(),
                                                   ros::TransportHints().tcpNoDelay());
 }
@@ -71,19 +72,19 @@ void ClampPorts::open(const std::string& clamp) {
   port.commands.push_back(listen<GripperCommand>(
       base + "/gripper_command", kNewest,
       [this, clamp](const GripperCommand& command) { return checker_.gripper(clamp, command); }));
-  const auto source = parameters_.follow.find(clamp);
-  if (source != parameters_.follow.end()) attach(clamp, source->second, port);
+  const auto source = parameters_.clampSources.find(clamp);
+  if (source != parameters_.clampSources.end()) attach(clamp, source->second, port);
 }
 
-void ClampPorts::attach(const std::string& clamp, const FollowSource& source, Port& port) {
-  port.follower.reset();
+void ClampPorts::attach(const std::string& clamp, const PoseSource& source, Port& port) {
+  port.tracker.reset();
   port.width.shutdown();
-  if (source.kind != FollowSource::Kind::kNothing) {
-    const PoseFollower::Sink sink = [this, clamp](const MovingPose& target) {
+  if (source.kind != PoseSource::Kind::kNothing) {
+    const PoseTracker::Sink sink = [this, clamp](const MovingPose& target) {
       submit("follow/" + clamp, Command{GuideClamp{clamp, target}}, simulation_);
     };
-    port.follower = std::make_unique<PoseFollower>(node_, "clamp " + clamp, source, world_,
-                                                   parameters_.rateFollow, sink);
+    port.tracker = std::make_unique<PoseTracker>(node_, "clamp " + clamp, source, world_,
+                                                 parameters_.rateTracking, sink);
   }
   if (source.graspWidth.empty()) return;
   port.width = listen<std_msgs::Float64>(
@@ -92,7 +93,7 @@ void ClampPorts::attach(const std::string& clamp, const FollowSource& source, Po
       });
 }
 
-CommandResult ClampPorts::follow(const std::string& clamp, const FollowSource& source) {
+CommandResult ClampPorts::track(const std::string& clamp, const PoseSource& source) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const auto port = ports_.find(clamp);
   if (port == ports_.end()) return {false, "unknown clamp '" + clamp + "'"};
@@ -100,11 +101,11 @@ CommandResult ClampPorts::follow(const std::string& clamp, const FollowSource& s
   return {true, "clamp " + clamp + " follows " + toString(source)};
 }
 
-std::vector<FollowStatus> ClampPorts::followers() const {
+std::vector<TrackingStatus> ClampPorts::statuses() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  std::vector<FollowStatus> result;
+  std::vector<TrackingStatus> result;
   for (const auto& [clamp, port] : ports_) {
-    if (port.follower) result.push_back(port.follower->status());
+    if (port.tracker) result.push_back(port.tracker->status());
   }
   return result;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The topics of each clamp, which come and go with it.
+/// \file The topics of the clamps; they open and close as clamps are added and removed.
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
@@ -11,31 +11,31 @@
 #include <vector>
 
 #include "parameters.h"
-#include "pose_follower.h"
+#include "pose_tracker.h"
 #include "requests.h"
 #include "simulation_thread.h"
 #include "wrench_filter.h"
 
 namespace cloth_sim {
 
-/// For each clamp that there is: its command topics, what it follows, and its wrench. Its methods
-/// may be called from any thread.
+/// The command topics, the tracker and the wrench topic of every clamp. Thread-safe.
 class ClampPorts {
  public:
-  /// All must outlive this.
+  /// All arguments must outlive this.
   ClampPorts(ros::NodeHandle& node, const NodeParameters& parameters, const RequestChecker& checker,
              const WorldFrame& world, SimulationThread& simulation);
 
-  /// Opens and closes topics so that they are those of the clamps that there are. An observation
-  /// older than one that was seen changes nothing.
+  /// Opens topics of new clamps and closes those of removed ones. Ignores an observation older than
+  /// one seen before.
   void update(const Observation& observation);
 
-  /// Has a clamp follow something else than before.
-  CommandResult follow(const std::string& clamp, const FollowSource& source);
-  /// Of every clamp that follows something.
-  std::vector<FollowStatus> followers() const;
+  /// Replaces the source that a clamp tracks; PoseSource::Kind::kNothing ends tracking.
+  CommandResult track(const std::string& clamp, const PoseSource& source);
+  /// The status of every clamp that tracks a source.
+  std::vector<TrackingStatus> statuses() const;
 
-  /// Sends the wrench of every clamp that somebody listens to. \param nodeName  for the frames.
+  /// Publishes the wrench of every clamp whose topic has subscribers.
+  /// \param nodeName  prefix of the clamps' tf frames.
   void sendWrenches(const Snapshot& snapshot, const ros::Time& stamp, const std::string& nodeName);
   std::uint32_t wrenchSubscribers() const;
 
@@ -45,12 +45,12 @@ class ClampPorts {
     std::vector<ros::Subscriber> commands;
     ros::Publisher wrench;
     WrenchFilter filter;
-    std::unique_ptr<PoseFollower> follower;
-    ros::Subscriber width;
+    std::unique_ptr<PoseTracker> tracker;  ///< null while the clamp tracks nothing
+    ros::Subscriber width;                 ///< of the hand
   };
 
   void open(const std::string& clamp);
-  void attach(const std::string& clamp, const FollowSource& source, Port& port);
+  void attach(const std::string& clamp, const PoseSource& source, Port& port);
   template <typename Message, typename Check>
   ros::Subscriber listen(const std::string& topic, std::uint32_t queue, const Check& check);
 
@@ -60,7 +60,7 @@ class ClampPorts {
   const WorldFrame& world_;
   SimulationThread& simulation_;
   mutable std::mutex mutex_;
-  std::map<std::string, Port> ports_;  ///< by the name of the clamp
+  std::map<std::string, Port> ports_;  ///< by clamp name
   std::uint64_t seen_ = 0;             ///< number of the newest observation
 };
 

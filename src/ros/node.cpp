@@ -18,7 +18,7 @@
 #include "inputs.h"
 #include "live_parameters.h"
 #include "master_watch.h"
-#include "obstacle_followers.h"
+#include "obstacle_trackers.h"
 #include "publishers.h"
 #include "scene/names.h"
 #include "scene_path.h"
@@ -46,11 +46,11 @@ Scene loadNodeScene(const NodeParameters& parameters) {
   return scene;
 }
 
-/// \throws ParameterError if an obstacle that is to follow something is not in the scene.
-void checkFollowers(const NodeParameters& parameters, const Scene& scene) {
+/// \throws ParameterError if ~follow_obstacle names an obstacle that is not in the scene.
+void checkTrackedObstacles(const NodeParameters& parameters, const Scene& scene) {
   std::vector<std::string> known;
   for (const Obstacle& obstacle : scene.obstacles) known.push_back(obstacle.name);
-  for (const auto& [name, source] : parameters.followObstacle) {
+  for (const auto& [name, source] : parameters.obstacleSources) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     throw ParameterError("~follow_obstacle: " + unknownName("obstacle", name, known));
   }
@@ -127,7 +127,7 @@ class Node {
   ClockPublisher clock_;
   SimulationThread simulation_;
   ClampPorts clamps_;
-  ObstacleFollowers obstacles_;
+  ObstacleTrackers obstacles_;
   Publishers publishers_;
   Services services_;
   Actions actions_;
@@ -147,7 +147,7 @@ int runNode(int argc, char** argv) {
     ros::NodeHandle privateHandle("~");
     const NodeParameters parameters = readParameters(privateHandle);
     const Scene scene = loadNodeScene(parameters);
-    checkFollowers(parameters, scene);
+    checkTrackedObstacles(parameters, scene);
     Node node(handle, privateHandle, parameters, scene);
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();

@@ -88,12 +88,11 @@ class Reader {
   }
 
   /// {name: {tf: FRAME} | {pose: TOPIC} | {odometry: TOPIC}, ...}; a string is a tf frame.
-  void read(const std::string& name, std::map<std::string, FollowSource>& value) {
+  void read(const std::string& name, std::map<std::string, PoseSource>& value) {
     XmlRpcValue raw;
     if (!find(name, raw)) return;
-    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, kFollowed, raw);
-    for (auto& [follower, source] : raw)
-      value[follower] = readSource(name + "/" + follower, source);
+    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, kSources, raw);
+    for (auto& [tracked, source] : raw) value[tracked] = readSource(name + "/" + tracked, source);
   }
 
   /// Warns about private parameters that nobody reads.
@@ -116,10 +115,10 @@ class Reader {
   void allow(const std::string& name) { known_.push_back(name); }
 
  private:
-  static constexpr const char* kFollowed =
+  static constexpr const char* kSources =
       "a map {name: {tf: FRAME}}, or pose: TOPIC or odometry: TOPIC in place of tf";
 
-  FollowSource readSource(const std::string& name, XmlRpcValue& raw) const {
+  PoseSource readSource(const std::string& name, XmlRpcValue& raw) const {
     Follow::Request request;
     if (raw.getType() == XmlRpcValue::TypeString) {
       request.tf = static_cast<std::string>(raw);
@@ -138,9 +137,9 @@ class Reader {
     } else {
       fail(name, "{tf | pose | odometry: NAME, grasp_width: TOPIC}", raw);
     }
-    const std::string defect = followDefect(request);
-    if (!defect.empty()) throw ParameterError(node_.resolveName(name) + ": " + defect);
-    return toFollowSource(request);
+    const std::string error = sourceError(request);
+    if (!error.empty()) throw ParameterError(node_.resolveName(name) + ": " + error);
+    return toPoseSource(request);
   }
 
   /// A parameter that is read, or a part of one.
@@ -181,7 +180,7 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("rate_surface", Range{0.0, kMaxRate}, result.rateSurface);
   reader.read("rate_state", Range{0.0, kMaxRate, false}, result.rateState);
   reader.read("rate_wrench", Range{0.0, kMaxRate}, result.rateWrench);
-  reader.read("rate_follow", Range{0.0, kMaxRate, false}, result.rateFollow);
+  reader.read("rate_follow", Range{0.0, kMaxRate, false}, result.rateTracking);
   reader.read("wrench_cutoff", Range{0.0, kMaxRate}, result.wrenchCutoff);
   reader.read("real_time_factor", Range{0.0, kMaxFactor}, result.realTimeFactor);
   reader.read("threads", Range{0.0, kMaxThreads}, result.threads);
@@ -191,8 +190,8 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("strain_range", Range{0.0, 100.0, false}, result.strainRange);
   reader.read("handles", result.handles);
   reader.read("two_sided", result.twoSided);
-  reader.read("follow", result.follow);
-  reader.read("follow_obstacle", result.followObstacle);
+  reader.read("follow", result.clampSources);
+  reader.read("follow_obstacle", result.obstacleSources);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
   for (const std::string& name : liveParameterNames()) reader.allow(name);
   reader.warnAboutOthers();

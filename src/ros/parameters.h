@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "follow_source.h"
+#include "pose_source.h"
 
 namespace cloth_sim {
 
@@ -28,7 +28,7 @@ struct NodeParameters {
   double rateSurface = 30.0;         ///< of ~points and ~mesh, >= 0; 0: never [Hz]
   double rateState = 30.0;           ///< of ~state and tf, > 0 [Hz]
   double rateWrench = 60.0;          ///< of the clamps' wrenches, >= 0; 0: never [Hz]
-  double rateFollow = 100.0;         ///< at which tf is looked at for what is followed, > 0 [Hz]
+  double rateTracking = 100.0;       ///< of tf look-ups of tracked frames, > 0 [Hz]
   double wrenchCutoff = 0.0;         ///< of the low-pass over the wrenches, >= 0; 0: none [Hz]
   double realTimeFactor = 1.0;       ///< simulated over wall time, >= 0; 0: as fast as it can
   int threads = 0;                   ///< of the simulation, >= 0; 0: one per processor
@@ -38,8 +38,8 @@ struct NodeParameters {
   double strainRange = 0.2;  ///< strain of the last colour of the markers, > 0 [-]
   bool handles = false;      ///< interactive markers on clamps and obstacles
   bool twoSided = false;     ///< markers show the back of the cloth in its own colour
-  std::map<std::string, FollowSource> follow;          ///< by clamp: what it follows
-  std::map<std::string, FollowSource> followObstacle;  ///< by obstacle: what it follows
+  std::map<std::string, PoseSource> clampSources;     ///< tracked poses, by clamp
+  std::map<std::string, PoseSource> obstacleSources;  ///< tracked poses, by obstacle
 };
 
 /// Reads and checks the private parameters. Unknown ones are warned about.

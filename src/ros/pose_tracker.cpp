@@ -1,44 +1,108 @@
 #include "pose_tracker.h"
 
-#include <cmath>
+#include <geometry_msgs/PoseStamped.h>
+#include <nav_msgs/Odometry.h>
+#include <ros/console.h>
+
+#include <utility>
+
+#include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/validation.h"
 
 namespace cloth_sim {
-namespace {
-
-bool isSame(const Pose& p, const Pose& q) {
-  return p.position == q.position && p.orientation.coeffs() == q.orientation.coeffs();
+PoseTracker::PoseTracker(ros::NodeHandle& node, std::string name, const PoseSource& source,
+                         const WorldFrame& world, double rate, Sink sink)
+    : name_(std::move(name)), source_(source), world_(world), sink_(std::move(sink)) {
+  subscribe(node);
+  timer_ = node.createSteadyTimer(ros::WallDuration(1.0 / rate),
+                                  [this](const ros::SteadyTimerEvent&) { onTimer(); });
 }
 
-/// The shortest turn from one orientation to another, in the world's axes [rad].
-Vec3 turnBetween(const Quat& from, const Quat& to) {
-  const Eigen::AngleAxisd turn(to * from.conjugate());
-  const double angle = turn.angle() > M_PI ? turn.angle() - 2.0 * M_PI : turn.angle();
-  return angle * turn.axis();
-}
-
-}  // namespace
-
-std::optional<MovingPose> PoseTracker::add(double stamp, const Pose& pose) {
-  const std::optional<Sample> before = last_;
-  if (before && stamp == before->stamp && (stamp != 0.0 || isSame(pose, before->pose))) {
-    return std::nullopt;
+/// Subscribes to the source if it is a topic; a frame is looked up by the timer.
+void PoseTracker::subscribe(ros::NodeHandle& node) {
+  if (source_.kind == PoseSource::Kind::kPose) {
+    const boost::function<void(const geometry_msgs::PoseStamped&)> callback =
+        [this](const geometry_msgs::PoseStamped& it) { onPose(it.header, it.pose); };
+    subscriber_ = node.subscribe<geometry_msgs::PoseStamped, const geometry_msgs::PoseStamped&>(
+        source_.name, 1, callback);
+  } else if (source_.kind == PoseSource::Kind::kOdometry) {
+    const boost::function<void(const nav_msgs::Odometry&)> callback =
+        [this](const nav_msgs::Odometry& it) { onPose(it.header, it.pose.pose); };
+    subscriber_ =
+        node.subscribe<nav_msgs::Odometry, const nav_msgs::Odometry&>(source_.name, 1, callback);
   }
-  last_ = {stamp, pose};
-  MovingPose target;
-  target.pose = pose;
-  const double period = before ? stamp - before->stamp : 0.0;
-  if (!(period > 0.0) || period > kLongestPeriod) return target;
-  target.linear = (pose.position - before->pose.position) / period;
-  target.angular = turnBetween(before->pose.orientation, pose.orientation) / period;
-  target.horizon = kHorizonPeriods * period;
-  return target;
 }
 
-std::optional<MovingPose> PoseTracker::rest() const {
-  if (!last_) return std::nullopt;
-  MovingPose target;
-  target.pose = last_->pose;
-  return target;
+TrackingStatus PoseTracker::status() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool tracking = state_ == TrackingStatus::State::kTracking;
+  return {name_, toString(source_), state_, tracking ? "" : problem_};
+}
+
+void PoseTracker::lookUpFrame() {
+  try {
+    const WorldFrame::Sighting seen = world_.latest(source_.name);
+    accept(seen.stamp, seen.pose);
+  } catch (const std::runtime_error& error) {
+    reject(error.what());
+  }
+}
+
+void PoseTracker::onPose(const std_msgs::Header& header, const geometry_msgs::Pose& message) {
+  Pose pose{fromPoint(message.position), fromQuaternion(message.orientation)};
+  if (const std::string error = validationError(pose); !error.empty()) return reject(error);
+  pose.orientation.normalize();
+  try {
+    const Pose inWorld = world_.toWorld(pose, header);
+    // An unstamped pose is taken as current.
+    const ros::Time stamp = header.stamp.isZero() ? ros::Time::now() : header.stamp;
+    accept(stamp.toSec(), inWorld);
+  } catch (const std::runtime_error& error) {
+    reject(error.what());
+  }
+}
+
+void PoseTracker::accept(double stamp, const Pose& pose) {
+  std::optional<MovingPose> target;
+  bool isBack = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    isStatic_ = stamp == 0.0;
+    problem_.clear();
+    target = motion_.add(stamp, pose);
+    if (target) lastNews_ = Clock::now();
+    if (target || isStatic_) {
+      isBack =
+          std::exchange(state_, TrackingStatus::State::kTracking) == TrackingStatus::State::kLost;
+    }
+  }
+  if (target) sink_(*target);
+  if (isBack) ROS_INFO_STREAM(name_ << " follows " << toString(source_) << " again");
+}
+
+void PoseTracker::reject(const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  isStatic_ = false;
+  problem_ = reason;
+}
+
+/// Looks up the frame, and declares the source lost after kSourceTimeout without a new pose.
+void PoseTracker::onTimer() {
+  if (source_.kind == PoseSource::Kind::kFrame) lookUpFrame();
+  std::string reason;
+  std::optional<MovingPose> rest;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const double silence = std::chrono::duration<double>(Clock::now() - lastNews_).count();
+    if (isStatic_ || silence < kSourceTimeout || state_ == TrackingStatus::State::kLost) return;
+    state_ = TrackingStatus::State::kLost;
+    if (problem_.empty()) problem_ = "it says nothing new";
+    reason = problem_;
+    rest = motion_.rest();
+  }
+  if (rest) sink_(*rest);
+  ROS_WARN_STREAM(name_ << " holds its place: " << toString(source_) << " is lost (" << reason
+                        << ")");
 }
 
 }  // namespace cloth_sim

@@ -1,35 +1,65 @@
 #pragma once
-/// \file From a sequence of poses to a pose that moves. No node, no master.
+/// \file Tracks a tf frame or a topic of poses.
 
-#include <optional>
+#include <geometry_msgs/Pose.h>
+#include <ros/node_handle.h>
+#include <ros/steady_timer.h>
+#include <ros/subscriber.h>
 
-#include "cloth_sim/clamp/moving_pose.h"
+#include <chrono>
+#include <functional>
+#include <mutex>
+
+#include "motion_estimator.h"
+#include "pose_source.h"
+#include "world_frame.h"
 
 namespace cloth_sim {
 
-/// Poses farther apart in time than this are single commands, and say nothing of a velocity [s].
-constexpr double kLongestPeriod = 0.1;
-/// A target goes on for this many periods of its source without a new pose.
-constexpr double kHorizonPeriods = 2.0;
+/// A source without a new pose for longer than this is lost [s].
+constexpr double kSourceTimeout = 0.5;
 
-/// Gives each new pose the velocity of the way from the one before. So a target that is sampled
-/// moves evenly.
+/// Turns the poses of a source into moving targets in the world frame. While the source is silent,
+/// unknown to tf, or sends invalid poses, the target stays at the last valid pose. The tracker
+/// warns once when the source is lost, and reports once when it is back.
 class PoseTracker {
  public:
-  /// \param stamp  of the pose [s]; 0: it holds for all time.
-  /// \return the new target; nothing if the pose is the one that was there already. A stamp that is
-  ///         older than the last one begins a new sequence.
-  std::optional<MovingPose> add(double stamp, const Pose& pose);
+  /// Receives each new target; called from any thread, must not block.
+  using Sink = std::function<void(const MovingPose&)>;
 
-  /// The last pose, standing still, if there is one: where a target belongs whose source is gone.
-  std::optional<MovingPose> rest() const;
+  /// \param name   of what is moved, for messages to the user: "clamp left".
+  /// \param world  must outlive this.
+  /// \param rate   of tf look-ups [Hz].
+  PoseTracker(ros::NodeHandle& node, std::string name, const PoseSource& source,
+              const WorldFrame& world, double rate, Sink sink);
+
+  TrackingStatus status() const;
 
  private:
-  struct Sample {
-    double stamp = 0.0;  ///< [s]
-    Pose pose;
-  };
-  std::optional<Sample> last_;
+  using Clock = std::chrono::steady_clock;
+
+  void subscribe(ros::NodeHandle& node);
+  void lookUpFrame();
+  void onPose(const std_msgs::Header& header, const geometry_msgs::Pose& pose);
+  void accept(double stamp, const Pose& pose);
+  void reject(const std::string& reason);
+  void onTimer();
+
+  std::string name_;
+  PoseSource source_;
+  const WorldFrame& world_;
+  Sink sink_;
+
+  mutable std::mutex mutex_;
+  MotionEstimator motion_;
+  Clock::time_point lastNews_ = Clock::now();
+  bool isStatic_ = false;  ///< the source is a static transform: its silence is no loss
+  std::string problem_;    ///< with the source at the last look; "" if there was none
+  TrackingStatus::State state_ = TrackingStatus::State::kWaiting;
+
+  // Last: their callbacks use everything above.
+  ros::Subscriber subscriber_;
+  ros::SteadyTimer timer_;
 };
 
 }  // namespace cloth_sim

@@ -36,10 +36,10 @@ MarkerStyle markerStyle(const NodeParameters& parameters) {
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
                        const NodeParameters& parameters, const std::string& scene,
-                       SimulationThread& simulation, const Followers& followers)
+                       SimulationThread& simulation, const Trackers& trackers)
     : parameters_(parameters),
       simulation_(simulation),
-      followers_(followers),
+      trackers_(trackers),
       nodeName_(ros::this_node::getName()),
       updater_(node, privateNode, ros::this_node::getName()),
       markersSchedule_(parameters.rateMarkers),
@@ -69,7 +69,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   sceneText_.data = scene;
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
-  updater_.add("followers", this, &Publishers::diagnoseFollowers);
+  updater_.add("followers", this, &Publishers::diagnoseTrackers);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -105,7 +105,7 @@ double Publishers::wantedRate() const {
   if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
     rate = std::max(rate, parameters_.rateSurface);
   }
-  if (followers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
+  if (trackers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
   return rate;
 }
 
@@ -130,7 +130,7 @@ void Publishers::tick() {
   const Observation observation = simulation_.observe();
   header_.stamp = stampOf(*observation.snapshot);
   header_.frame_id = parameters_.worldFrame;
-  followers_.clamps.update(observation);
+  trackers_.clamps.update(observation);
   repeatLatched();
   sendCommands();
   sendTopology(observation);
@@ -143,8 +143,8 @@ void Publishers::tick() {
   if (stateSchedule_.due(now, observation.wholeNumber, state_.getNumSubscribers())) {
     sendState(observation);
   }
-  if (wrenchSchedule_.due(now, number, followers_.clamps.wrenchSubscribers())) {
-    followers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
+  if (wrenchSchedule_.due(now, number, trackers_.clamps.wrenchSubscribers())) {
+    trackers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
   if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
@@ -267,15 +267,15 @@ void Publishers::sendSceneMarkers(const Observation& observation) {
 }
 
 /// A source that is lost is for people to look at.
-void Publishers::diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void Publishers::diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
-  std::vector<FollowStatus> all = followers_.clamps.followers();
-  for (const FollowStatus& obstacle : followers_.obstacles.statuses()) all.push_back(obstacle);
+  std::vector<TrackingStatus> all = trackers_.clamps.statuses();
+  for (const TrackingStatus& obstacle : trackers_.obstacles.statuses()) all.push_back(obstacle);
   std::string lost;
-  for (const FollowStatus& it : all) {
-    status.add(it.follower, std::string(toString(it.state)) + " " + it.source +
-                                (it.reason.empty() ? "" : ": " + it.reason));
-    if (it.state == FollowStatus::State::kLost) lost += (lost.empty() ? "" : ", ") + it.follower;
+  for (const TrackingStatus& it : all) {
+    status.add(it.name, std::string(toString(it.state)) + " " + it.source +
+                            (it.reason.empty() ? "" : ": " + it.reason));
+    if (it.state == TrackingStatus::State::kLost) lost += (lost.empty() ? "" : ", ") + it.name;
   }
   if (!lost.empty()) {
     status.summary(DiagnosticStatus::WARN, "lost what it follows: " + lost);

@@ -15,16 +15,16 @@
 #include "clamp_ports.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
-#include "obstacle_followers.h"
+#include "obstacle_trackers.h"
 #include "parameters.h"
 #include "simulation_thread.h"
 
 namespace cloth_sim {
 
 /// What moves by commands from outside: for its topics, and to report how it gets on.
-struct Followers {
+struct Trackers {
   ClampPorts& clamps;
-  const ObstacleFollowers& obstacles;
+  const ObstacleTrackers& obstacles;
 };
 
 /// Sends every topic of the node, tf and diagnostics, each at its rate. What nobody subscribes to
@@ -33,7 +33,7 @@ class Publishers {
  public:
   /// \param scene  its text, for whoever records.
   Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
-             const std::string& scene, SimulationThread& simulation, const Followers& followers);
+             const std::string& scene, SimulationThread& simulation, const Trackers& trackers);
   ~Publishers();
   Publishers(const Publishers&) = delete;
   Publishers& operator=(const Publishers&) = delete;
@@ -69,14 +69,14 @@ class Publishers {
   void sendSurfaces(const Observation& observation, Clock::time_point now);
   void sendMarkers(const Observation& observation);
   void sendSceneMarkers(const Observation& observation);
-  void diagnoseFollowers(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
   double wantedFigures() const;
 
   NodeParameters parameters_;
   SimulationThread& simulation_;
-  Followers followers_;
+  Trackers trackers_;
   std::string nodeName_;
   ros::Publisher markers_;
   ros::Publisher sceneMarkers_;

@@ -36,7 +36,7 @@ Services::Services(ros::NodeHandle& privateNode, SceneFacts facts, const Request
   advertise<Grasp>(privateNode, "grasp", &Services::grasp);
   advertise<AddClamp>(privateNode, "add_clamp", &Services::addClamp);
   advertise<RemoveClamp>(privateNode, "remove_clamp", &Services::removeClamp);
-  advertise<Follow>(privateNode, "follow", &Services::follow);
+  advertise<Follow>(privateNode, "follow", &Services::track);
   advertise<Cut>(privateNode, "cut", &Services::cut);
   advertise<Refine>(privateNode, "refine", &Services::refine);
   advertise<StartPhase>(privateNode, "set_phase", &Services::setPhase);
@@ -98,11 +98,11 @@ void Services::removeClamp(const RemoveClamp::Request& request, RemoveClamp::Res
   clamps_.update(simulation_.observe());
 }
 
-void Services::follow(const Follow::Request& request, Follow::Response& reply) {
+void Services::track(const Follow::Request& request, Follow::Response& reply) {
   reply.success = false;
-  reply.message = followDefect(request);
+  reply.message = sourceError(request);
   if (!reply.message.empty()) return;
-  const CommandResult result = clamps_.follow(request.clamp, toFollowSource(request));
+  const CommandResult result = clamps_.track(request.clamp, toPoseSource(request));
   reply.success = result.success;
   reply.message = result.message;
 }

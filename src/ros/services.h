@@ -55,7 +55,7 @@ class Services {
   void grasp(const Grasp::Request& request, Grasp::Response& reply);
   void addClamp(const AddClamp::Request& request, AddClamp::Response& reply);
   void removeClamp(const RemoveClamp::Request& request, RemoveClamp::Response& reply);
-  void follow(const Follow::Request& request, Follow::Response& reply);
+  void track(const Follow::Request& request, Follow::Response& reply);
   void cut(const Cut::Request& request, Cut::Response& reply);
   void refine(const Refine::Request& request, Refine::Response& reply);
   void setPhase(const StartPhase::Request& request, StartPhase::Response& reply);

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ros/follow_source.h"
-#include "ros/pose_tracker.h"
+#include "ros/motion_estimator.h"
+#include "ros/pose_source.h"
 #include "ros/wrench_filter.h"
 
 namespace cloth_sim {
@@ -13,8 +13,8 @@ Pose at(double x, double yaw = 0.0) {
   return {Vec3(x, 0.0, 0.0), Quat(Eigen::AngleAxisd(yaw, Vec3::UnitZ()))};
 }
 
-TEST(PoseTracker, GivesTheVelocityOfTheWay) {
-  PoseTracker tracker;
+TEST(MotionEstimator, GivesTheVelocityOfTheWay) {
+  MotionEstimator tracker;
   ASSERT_TRUE(tracker.add(10.0, at(0.0)));
   const std::optional<MovingPose> target = tracker.add(10.02, at(0.01, 0.004));
   ASSERT_TRUE(target);
@@ -23,27 +23,27 @@ TEST(PoseTracker, GivesTheVelocityOfTheWay) {
   EXPECT_NEAR(target->horizon, 0.04, 1e-9);
 }
 
-TEST(PoseTracker, TurnsTheShortWay) {
-  PoseTracker tracker;
+TEST(MotionEstimator, TurnsTheShortWay) {
+  MotionEstimator tracker;
   tracker.add(1.0, at(0.0, 0.01));
   Pose turned = at(0.0, -0.01);
   turned.orientation.coeffs() *= -1.0;  // the same orientation
   EXPECT_NEAR(tracker.add(1.05, turned)->angular.z(), -0.4, 1e-9);
 }
 
-TEST(PoseTracker, SinglePosesStandStill) {
-  PoseTracker tracker;
+TEST(MotionEstimator, SinglePosesStandStill) {
+  MotionEstimator tracker;
   EXPECT_EQ(tracker.add(1.0, at(0.0))->horizon, 0.0);
   EXPECT_EQ(tracker.add(2.0, at(1.0))->linear, Vec3::Zero()) << "too long ago";
   EXPECT_EQ(tracker.add(1.5, at(0.5))->linear, Vec3::Zero()) << "time went back";
   EXPECT_NE(tracker.add(1.52, at(0.6))->linear, Vec3::Zero());
 }
 
-TEST(PoseTracker, SaysNothingOfWhatIsOld) {
-  PoseTracker tracker;
+TEST(MotionEstimator, SaysNothingOfWhatIsOld) {
+  MotionEstimator tracker;
   ASSERT_TRUE(tracker.add(1.0, at(0.0)));
   EXPECT_FALSE(tracker.add(1.0, at(0.0)));
-  PoseTracker fixed;
+  MotionEstimator fixed;
   ASSERT_TRUE(fixed.add(0.0, at(0.0)));
   EXPECT_FALSE(fixed.add(0.0, at(0.0)));
   EXPECT_TRUE(fixed.add(0.0, at(1.0))) << "a fixed frame that was put elsewhere";
@@ -73,19 +73,19 @@ TEST(WrenchFilter, IsOffAtZero) {
   EXPECT_EQ(filter.filter(1e-6, one).force.x(), 1.0);
 }
 
-TEST(FollowSource, TakesOneSource) {
+TEST(PoseSource, TakesOneSource) {
   Follow::Request request;
-  EXPECT_EQ(followDefect(request), "");
-  EXPECT_EQ(toString(toFollowSource(request)), "nothing");
+  EXPECT_EQ(sourceError(request), "");
+  EXPECT_EQ(toString(toPoseSource(request)), "nothing");
   request.tf = "gripper_link";
-  EXPECT_EQ(followDefect(request), "");
-  EXPECT_EQ(toString(toFollowSource(request)), "tf frame gripper_link");
+  EXPECT_EQ(sourceError(request), "");
+  EXPECT_EQ(toString(toPoseSource(request)), "tf frame gripper_link");
   request.pose = "/arm/pose";
-  EXPECT_NE(followDefect(request), "");
+  EXPECT_NE(sourceError(request), "");
   request.tf.clear();
-  EXPECT_EQ(toString(toFollowSource(request)), "topic /arm/pose");
+  EXPECT_EQ(toString(toPoseSource(request)), "topic /arm/pose");
   request.grasp_width = "not a topic";
-  EXPECT_NE(followDefect(request).find("grasp_width"), std::string::npos);
+  EXPECT_NE(sourceError(request).find("grasp_width"), std::string::npos);
 }
 
 }  // namespace

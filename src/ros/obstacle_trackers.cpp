@@ -1,0 +1,24 @@
+#include "obstacle_trackers.h"
+
+#include "submit.h"
+
+namespace cloth_sim {
+
+ObstacleTrackers::ObstacleTrackers(ros::NodeHandle& node, const NodeParameters& parameters,
+                                   const WorldFrame& world, SimulationThread& simulation) {
+  for (const auto& [obstacle, source] : parameters.obstacleSources) {
+    const PoseTracker::Sink sink = [&simulation, name = obstacle](const MovingPose& target) {
+      submit("follow_obstacle/" + name, Command{GuideObstacle{name, target}}, simulation);
+    };
+    trackers_.push_back(std::make_unique<PoseTracker>(node, "obstacle " + obstacle, source, world,
+                                                      parameters.rateTracking, sink));
+  }
+}
+
+std::vector<TrackingStatus> ObstacleTrackers::statuses() const {
+  std::vector<TrackingStatus> result;
+  for (const auto& tracker : trackers_) result.push_back(tracker->status());
+  return result;
+}
+
+}  // namespace cloth_sim
