@@ -27,7 +27,7 @@ class RosApiDocTest(unittest.TestCase):
         self.assertEqual(set(documented('Parameters\n')), code)
 
     def test_defaults(self):
-        header = read('include', 'cloth_sim', 'ros', 'parameters.h')
+        header = read('src', 'ros', 'parameters.h')
         fields = dict(re.findall(r'^  [\w:]+ (\w+) = ([^;]+);', header, re.M))
         for name, row in documented('Parameters\n').items():
             field = re.sub(r'_(\w)', lambda match: match.group(1).upper(), name)
@@ -35,7 +35,7 @@ class RosApiDocTest(unittest.TestCase):
                 self.assertIn('`%s`' % fields[field].strip('"'), row, name)
 
     def test_dynamic_parameters(self):
-        section = read('docs', 'ros_api.md').split('\n## Parameters that may be turned')[1]
+        section = read('docs', 'ros_api.md').split('\n## Dynamic parameters')[1]
         rows = [row for row in section.split('\n## ')[0].splitlines() if row.startswith('| `~')]
         tree = ast.parse(read('cfg', 'Cloth.cfg'))
         added = [call.args for call in ast.walk(tree)
@@ -52,7 +52,7 @@ class RosApiDocTest(unittest.TestCase):
         code = read('src', 'ros', 'publishers.cpp')
         names = set(re.findall(r'own\.advertise<[\w:]+>\("(\w+)"', code))
         self.assertIn('base + "/wrench"', read('src', 'ros', 'clamp_ports.cpp'))
-        self.assertEqual(set(documented('Topics that the node sends')),
+        self.assertEqual(set(documented('Published topics')),
                          names | {'clamps/<name>/wrench'})
 
     def test_topics_in(self):
@@ -60,14 +60,14 @@ class RosApiDocTest(unittest.TestCase):
         names = set(re.findall(r'subscribe\("(\w+)"', code))
         clamps = set(re.findall(r'\bbase \+ "/(\w+)"', read('src', 'ros', 'clamp_ports.cpp')))
         clamps.remove('wrench')
-        self.assertEqual(set(documented('Topics that the node takes')),
+        self.assertEqual(set(documented('Subscribed topics')),
                          names | {'clamps/<name>/' + name for name in clamps} |
                          {'handles/feedback'})
         self.assertIn('resolveName("handles")', read('src', 'ros', 'handles.cpp'))
 
     def test_actions(self):
         code = set(re.findall(r'privateNode, "(run_\w+)"', read('src', 'ros', 'actions.cpp')))
-        text = read('docs', 'ros_api.md').split('| action | type | what |')[1].split('\n\n')[0]
+        text = read('docs', 'ros_api.md').split('| action | type | effect |')[1].split('\n\n')[0]
         self.assertEqual(set(re.findall(r'^\| `~(\w+)`', text, re.M)), code)
         self.assertEqual(len(code), 2)
 
