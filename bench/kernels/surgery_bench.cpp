@@ -83,7 +83,7 @@ std::size_t cutAlong(const Stroke& stroke, int generations, Cloth& cloth) {
   cloth.solver->onModelChanged(cloth.model, result.changes);
   cloth.tearing->applyChanges(cloth.model, result.changes);
   benchmark::DoNotOptimize(cloth.tearing->plan(cloth.model, cloth.state, kStep).paths.size());
-  benchmark::DoNotOptimize(findPieces(cloth.model.mesh).count);
+  benchmark::DoNotOptimize(connectedComponents(cloth.model.mesh).count);
   return result.events.size();
 }
 

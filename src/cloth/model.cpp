@@ -34,6 +34,12 @@ void setParticleMasses(double particleMass, std::size_t cloth, Model& model) {
   }
 }
 
+SpringChanges Model::applyChanges(const MeshChanges& changes) {
+  applyMassChanges(changes, *this);
+  bending.applyChanges(mesh, changes);
+  return springs.applyChanges(mesh, changes);
+}
+
 void applyMassChanges(const MeshChanges& changes, Model& model) {
   std::vector<double> before(model.cloths.size(), 0.0);
   std::vector<double> after(model.cloths.size(), 0.0);

@@ -129,7 +129,7 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
         {recipe.selection, {recipe.fabric, recipe.selection}, recipe.raw, {0.0, 0.0}});
     anyRaw_ = anyRaw_ || recipe.raw;
   }
-  if (anyRaw_) rawShares_ = RawShares(mesh);
+  if (anyRaw_) rawShares_ = RawSpringFractions(mesh);
   build(mesh);
   if (anyRaw_) measureRawBends(mesh);
 }
@@ -271,7 +271,7 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
   spring.restLength = d.norm();
   const Cloth& cloth = clothAt(mesh, spring.a);
   if (cloth.raw) {
-    const RawShare share = rawShare(mesh, on, spring);
+    const RawSpringFraction share = rawShare(mesh, on, spring);
     const double constant = cloth.raw->constant[static_cast<int>(spring.kind)];
     // Half of a spring is twice as stiff.
     const double perLength = cloth.raw->perStretch ? 1.0 : share.length;
@@ -283,10 +283,10 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
   }
 }
 
-RawShare SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,
-                                 const Spring& spring) const {
+RawSpringFraction SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,
+                                          const Spring& spring) const {
   if (spring.kind == SpringKind::kBend) {
-    RawShare share = rawShares_.ofCorners(mesh, on, spring.support[0]);
+    RawSpringFraction share = rawShares_.ofCorners(mesh, on, spring.support[0]);
     const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
     const double usual = clothAt(mesh, spring.a).rawBendLength[thread];
     share.length = share.length == 0.0 && usual > 0.0 ? usual : spring.restLength;
@@ -303,7 +303,7 @@ SpringChanges SpringNetwork::applyChanges(const TriangleMesh& mesh, const MeshCh
   for (std::size_t lists = standing().size(); lists < vertices; ++lists) standing_.addList();
   if (anyRaw_) rawShares_.applyChanges(mesh, changes);
   applyClearedEdges(changes);
-  const std::vector<std::int32_t> standing = standingOnAny(changes.touched);
+  const std::vector<std::int32_t> standing = springsOnAny(changes.touched);
   std::vector<Spring> derived;
   derived.reserve(kUsualSprings * changes.touched.size());
   deriveAroundAll(mesh, changes.touched, [&](const Spring& spring) { derived.push_back(spring); });
@@ -408,11 +408,10 @@ SpringChanges SpringNetwork::applyRemoval(const TriangleMesh& mesh, const MeshCh
   return result;
 }
 
-std::vector<std::int32_t> SpringNetwork::standingOnAny(
-    const std::vector<VertexId>& vertices) const {
+std::vector<std::int32_t> SpringNetwork::springsOnAny(const std::vector<VertexId>& vertices) const {
   std::vector<std::int32_t> slots;
   for (VertexId v : vertices) {
-    const IndexSpan there = standingOn(v);
+    const IndexSpan there = springsOn(v);
     slots.insert(slots.end(), there.begin(), there.end());
   }
   std::sort(slots.begin(), slots.end());
@@ -420,7 +419,7 @@ std::vector<std::int32_t> SpringNetwork::standingOnAny(
   return slots;
 }
 
-IndexSpan SpringNetwork::standingOn(VertexId v) const {
+IndexSpan SpringNetwork::springsOn(VertexId v) const {
   if (static_cast<std::size_t>(v) >= standing().size()) return {nullptr, nullptr};
   return standing()[v];
 }

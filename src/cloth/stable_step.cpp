@@ -17,7 +17,7 @@ using Field = std::vector<Vec3>;
 /// Rows of the bending energy's stiffness, summed without signs [N/m].
 std::vector<double> bendingRows(const Model& model) {
   std::vector<double> rows(static_cast<std::size_t>(model.particleCount()), 0.0);
-  for (const BendElement& element : model.bending.elements()) {
+  for (const PlateElement& element : model.bending.elements()) {
     double sum = 0.0;
     for (double weight : element.weight) sum += std::abs(weight);
     for (int k = 0; k < element.count; ++k) {
@@ -57,7 +57,7 @@ void multiply(const Model& model, const VertexData<Vec3>& x, const Field& v, Fie
     out[a] += f;
     out[b] -= f;
   }
-  for (const BendElement& element : model.bending.elements()) {
+  for (const PlateElement& element : model.bending.elements()) {
     Vec3 curvature = Vec3::Zero();
     for (int k = 0; k < element.count; ++k) {
       const auto i = static_cast<std::size_t>(k);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int32_t kGrainElements = 512;
 
-bool sameStencil(const BendElement& a, const BendElement& b) {
+bool sameStencil(const PlateElement& a, const PlateElement& b) {
   if (a.vertex != b.vertex) return false;
   // Families of a face may share their vertices: then the weights tell them apart.
   const double scale = std::abs(a.weight[0]) + std::abs(a.weight[1]);
@@ -21,7 +21,7 @@ bool sameStencil(const BendElement& a, const BendElement& b) {
 }
 
 /// Elements with the same stencil, joined.
-std::vector<BendElement> joined(const BendNetwork& bending) {
+std::vector<PlateElement> joined(const PlateBending& bending) {
   std::vector<std::size_t> order;
   for (std::size_t e = 0; e < bending.elements().size(); ++e) {
     if (bending.elements()[e].count > 0) order.push_back(e);
@@ -29,9 +29,9 @@ std::vector<BendElement> joined(const BendNetwork& bending) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return bending.elements()[a].vertex < bending.elements()[b].vertex;
   });
-  std::vector<BendElement> result;
+  std::vector<PlateElement> result;
   for (const std::size_t e : order) {
-    const BendElement& element = bending.elements()[e];
+    const PlateElement& element = bending.elements()[e];
     if (!result.empty() && sameStencil(result.back(), element)) {
       result.back().stiffness += element.stiffness;
     } else {
@@ -43,12 +43,12 @@ std::vector<BendElement> joined(const BendNetwork& bending) {
 
 }  // namespace
 
-void BendSweep::build(const BendNetwork& bending, const Particles& particles) {
-  const std::vector<BendElement> all = joined(bending);
+void BendSweep::build(const PlateBending& bending, const Particles& particles) {
+  const std::vector<PlateElement> all = joined(bending);
   // Greedily, the smallest colour that no particle of the element has yet.
   std::vector<std::vector<bool>> seen;  // by colour, by slot
   std::vector<std::vector<std::size_t>> ofColour;
-  const auto isFree = [&](std::size_t colour, const BendElement& element) {
+  const auto isFree = [&](std::size_t colour, const PlateElement& element) {
     for (int k = 0; k < element.count; ++k) {
       const VertexId v = element.vertex[static_cast<std::size_t>(k)];
       if (seen[colour][static_cast<std::size_t>(particles.slotOf[v])]) return false;

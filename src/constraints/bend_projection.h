@@ -6,12 +6,12 @@
 
 namespace cloth_sim {
 
-/// The elements of a BendNetwork as constraints with compliance: those with the same stencil joined
-/// into one, and coloured, so that no two of a colour share a particle. A function of the network
-/// alone.
+/// The elements of a PlateBending as constraints with compliance: those with the same stencil
+/// joined into one, and coloured, so that no two of a colour share a particle. A function of the
+/// network alone.
 class BendSweep {
  public:
-  void build(const BendNetwork& bending, const Particles& particles);
+  void build(const PlateBending& bending, const Particles& particles);
 
   bool empty() const { return elements_.empty(); }
 
@@ -36,9 +36,9 @@ class BendSweep {
 
  private:
   struct Element {
-    std::array<std::int32_t, BendElement::kMostVertices> slot;
-    std::array<double, BendElement::kMostVertices> weight;  ///< [1/m^2]
-    double stiffness;                                       ///< [N m^3]
+    std::array<std::int32_t, PlateElement::kMostVertices> slot;
+    std::array<double, PlateElement::kMostVertices> weight;  ///< [1/m^2]
+    double stiffness;                                        ///< [N m^3]
     double gain;         ///< 1 / ((1 + lag) sum of w weight^2 + 1 / (k h^2)) [kg m^4]
     std::int32_t count;  ///< of vertices
     bool held;           ///< some particle of it has prescribed motion

@@ -15,12 +15,12 @@ struct Incidence {
   std::vector<std::size_t> element;
 };
 
-Incidence incidence(const BendNetwork& bending, const Particles& particles) {
+Incidence incidence(const PlateBending& bending, const Particles& particles) {
   Incidence result;
   result.start.assign(static_cast<std::size_t>(particles.slots) + 1, 0);
   const auto forAll = [&](const auto& visit) {
     for (std::size_t e = 0; e < bending.elements().size(); ++e) {
-      const BendElement& element = bending.elements()[e];
+      const PlateElement& element = bending.elements()[e];
       for (int k = 0; k < element.count; ++k) {
         const VertexId v = element.vertex[static_cast<std::size_t>(k)];
         visit(e, static_cast<std::size_t>(particles.slotOf[v]));
@@ -38,7 +38,7 @@ Incidence incidence(const BendNetwork& bending, const Particles& particles) {
 }  // namespace
 
 void BendMatrix::build(const Model& model, const Particles& particles) {
-  const BendNetwork& bending = model.bending;
+  const PlateBending& bending = model.bending;
   retardation_ = model.bendRetardation();
   const auto slots = static_cast<std::size_t>(particles.slots);
   const Incidence incident = incidence(bending, particles);
@@ -51,7 +51,7 @@ void BendMatrix::build(const Model& model, const Particles& particles) {
   for (std::size_t slot = 0; slot < slots; ++slot) {
     columns.clear();
     for (std::size_t k = incident.start[slot]; k < incident.start[slot + 1]; ++k) {
-      const BendElement& element = bending.elements()[incident.element[k]];
+      const PlateElement& element = bending.elements()[incident.element[k]];
       const auto count = static_cast<std::size_t>(element.count);
       double own = 0.0;
       for (std::size_t j = 0; j < count; ++j) {

@@ -6,7 +6,7 @@
 
 namespace cloth_sim {
 
-/// K of the energy 1/2 x^T K x of a BendNetwork: one row per particle slot, the same for the three
+/// K of the energy 1/2 x^T K x of a PlateBending: one row per particle slot, the same for the three
 /// coordinates, in compressed rows. Constant until the model changes.
 class BendMatrix {
  public:

@@ -29,7 +29,7 @@ TriangleMesh makeGridMesh(const Grid& grid) {
   material.reserve(static_cast<std::size_t>(grid.columns) * grid.rows);
   for (int j = 0; j < grid.rows; ++j) {
     for (int i = 0; i < grid.columns; ++i) {
-      material.push_back(grid.place(i, j));
+      material.push_back(grid.material(i, j));
     }
   }
   std::vector<Face> faces;

@@ -131,7 +131,7 @@ void MeshEditor::raiseGeneration(FaceId f) {
   if (mesh_.generation_[f] < 255) ++mesh_.generation_[f];
 }
 
-void MeshEditor::removePieces(const std::vector<FaceId>& faces) {
+void MeshEditor::removeComponents(const std::vector<FaceId>& faces) {
   std::vector<VertexId> vertices;
   for (FaceId f : faces) {
     const Face& face = mesh_.faces_[f];

@@ -50,7 +50,7 @@ class Ring {
   }
 
   /// Whether the edge from the vertex in the k-th of the faces is in no other one.
-  bool isRim(std::size_t k) const { return to(next_[k]) < 0; }
+  bool isOriginalBoundary(std::size_t k) const { return to(next_[k]) < 0; }
 
   std::string describeDoubleEdge(VertexId v) const {
     const auto describe = [](VertexId from, VertexId to) {
@@ -69,7 +69,7 @@ class Ring {
   bool isOneFan() const {
     int first = 0;  // any, if they close around it
     for (std::size_t k = 0; k < next_.size(); ++k) {
-      if (isRim(k)) first = static_cast<int>(k);
+      if (isOriginalBoundary(k)) first = static_cast<int>(k);
     }
     std::size_t count = 0;
     int at = first;
@@ -141,7 +141,7 @@ TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
     for (std::size_t k = 0; k < around.size(); ++k) {
       const Face& face = faces_[around[k]];
       const auto corner = std::find(face.begin(), face.end(), v) - face.begin();
-      if (ring.isRim(k)) rim_[around[k]] |= 1U << corner;
+      if (ring.isOriginalBoundary(k)) rim_[around[k]] |= 1U << corner;
     }
   }
 }
@@ -237,7 +237,7 @@ double areaAround(const TriangleMesh& mesh, VertexId v) {
   return area;
 }
 
-Pieces findPieces(const TriangleMesh& mesh) {
+ConnectedComponents connectedComponents(const TriangleMesh& mesh) {
   // On a manifold, faces that share a vertex are joined by edges around it: join vertices.
   std::vector<VertexId> parent(static_cast<std::size_t>(mesh.vertexCount()));
   std::iota(parent.begin(), parent.end(), 0);
@@ -252,7 +252,7 @@ Pieces findPieces(const TriangleMesh& mesh) {
     const VertexId root = std::min({a, b, c});
     parent[a] = parent[b] = parent[c] = root;
   }
-  Pieces pieces;
+  ConnectedComponents pieces;
   pieces.ofFace.reserve(mesh.faces().size());
   std::vector<std::int32_t> ofRoot(parent.size(), kNone);
   for (const Face& face : mesh.faces()) {

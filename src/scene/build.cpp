@@ -83,8 +83,8 @@ void layOut(const std::vector<ClothSpec>& cloths, Model& model) {
   model.mesh = TriangleMesh(std::move(material), std::move(faces));
 }
 
-BendNetwork makeBending(const std::vector<ClothSpec>& cloths, const Model& model) {
-  std::vector<BendNetwork::Plate> plates(cloths.size());
+PlateBending makeBending(const std::vector<ClothSpec>& cloths, const Model& model) {
+  std::vector<PlateBending::Plate> plates(cloths.size());
   bool any = false;
   for (std::size_t k = 0; k < cloths.size(); ++k) {
     if (!cloths[k].hinge) continue;
@@ -92,7 +92,7 @@ BendNetwork makeBending(const std::vector<ClothSpec>& cloths, const Model& model
     plates[k] = {fabric.bending, std::min(fabric.tensileWarp, fabric.tensileWeft)};
     any = true;
   }
-  return any ? BendNetwork(model.mesh, model.strips, std::move(plates)) : BendNetwork();
+  return any ? PlateBending(model.mesh, model.strips, std::move(plates)) : PlateBending();
 }
 
 /// In the cloth's frame.
@@ -102,7 +102,7 @@ Vec3 startPosition(const ClothSpec& cloth, VertexId v) {
   const Grid grid{cloth.columns, cloth.rows, cloth.width, cloth.height};
   Vec3 position = Vec3::Zero();
   position.head<2>() =
-      grid.place(v % grid.columns, v / grid.columns) - 0.5 * Vec2(cloth.width, cloth.height);
+      grid.material(v % grid.columns, v / grid.columns) - 0.5 * Vec2(cloth.width, cloth.height);
   return position;
 }
 

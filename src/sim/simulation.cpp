@@ -57,7 +57,7 @@ Simulation::Simulation(Scene scene)
       script_(scene_.phases),
       tearing_(scene_.tearing, model_),
       limits_(limitsFor(scene_.surgery, model_.mesh)),
-      pieces_(findPieces(model_.mesh)) {
+      pieces_(connectedComponents(model_.mesh)) {
   controls_.gravity = scene_.gravity;
   controls_.drag = scene_.drag;
   controls_.wind = scene_.wind;

@@ -102,7 +102,7 @@ void Simulation::load(const std::string& bytes) {
   } catch (const cereal::Exception&) {
     throw StateError("the saved state ends too early");
   }
-  loaded.pieces_ = findPieces(loaded.model_.mesh);
+  loaded.pieces_ = connectedComponents(loaded.model_.mesh);
   *this = std::move(loaded);
 }
 

@@ -9,8 +9,8 @@ namespace {
 /// A path in material coordinates as a stroke over the cloth laid flat.
 std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath& notch) {
   std::vector<Vec3> path;
-  for (const Vec2& p : notch) path.push_back(laidFlat(p));
-  return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, laidFlat(mesh));
+  for (const Vec2& p : notch) path.push_back(inMaterialPlane(p));
+  return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, inMaterialPlane(mesh));
 }
 
 const KinematicTarget* findPin(const std::vector<KinematicTarget>& pins, VertexId v) {
@@ -66,7 +66,7 @@ SurgeryResult Simulation::operate(const CutPlan& plan) {
   SurgeryResult result = cut(plan, limits_, heldVertices(), model_, state_);
   // Before anything is renumbered.
   if (plan.cause == FailureCause::kTear) {
-    tearing_.opened(result);
+    tearing_.noteOpened(result);
   } else {
     tearing_.noteTips(result);
   }
@@ -86,7 +86,7 @@ void Simulation::applyChanges(const SurgeryResult& result) {
   applyChangesToPins(result.changes.mesh, pins_);
   solver_->onModelChanged(model_, result.changes);
   tearing_.applyChanges(model_, result.changes);
-  pieces_ = findPieces(model_.mesh);
+  pieces_ = connectedComponents(model_.mesh);
   topology_.reset();
   if (scene_.surgery.dropBelow > 0.0 && pieces_.count > 1) dropScraps();
 }
@@ -111,7 +111,7 @@ void Simulation::dropScraps() {
   if (faces.empty()) return;
   dropped_.count += static_cast<int>(std::count_if(
       area.begin(), area.end(), [this](double a) { return a < scene_.surgery.dropBelow; }));
-  applyChanges(takeAway(faces, model_, state_));
+  applyChanges(removeComponents(faces, model_, state_));
   dropped_.mass += massBefore - totalMass(model_);
   dropped_.restArea += areaBefore - model_.mesh.totalRestArea();
 }

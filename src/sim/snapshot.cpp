@@ -111,7 +111,7 @@ std::shared_ptr<const Topology> Simulation::makeTopology() const {
       const VertexId a = face[k];
       const VertexId b = face[(k + 1) % 3];
       const bool border = model_.mesh.facesOnEdge(a, b)[1] == kNone;
-      if (border && !model_.mesh.isRim(f, k)) topology->tornEdges.push_back({a, b});
+      if (border && !model_.mesh.isOriginalBoundary(f, k)) topology->tornEdges.push_back({a, b});
     }
   }
   topology->shortestEdge = shortestEdge(model_.mesh);

@@ -45,10 +45,10 @@ bool segmentSeparates(const Vec2& from, const Vec2& to, const Vec2& p, const Vec
 
 }  // namespace
 
-VertexData<Vec3> laidFlat(const TriangleMesh& mesh) {
+VertexData<Vec3> inMaterialPlane(const TriangleMesh& mesh) {
   std::vector<Vec3> points;
   points.reserve(mesh.material().size());
-  for (const Vec2& p : mesh.material()) points.push_back(laidFlat(p));
+  for (const Vec2& p : mesh.material()) points.push_back(inMaterialPlane(p));
   return VertexData<Vec3>(std::move(points), mesh.revision());
 }
 

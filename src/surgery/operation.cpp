@@ -14,14 +14,14 @@ namespace {
 /// Vertices that a path of some points can make, at most, for each of them.
 constexpr double kVerticesPerPoint = 8.0;
 
-/// Brings everything that belongs to the cloth up to an edit of its mesh.
+/// Brings model and state up to date after an edit of the mesh, and keeps the momentum of the
+/// vertices that it touched.
 SpringChanges applyChanges(const MeshChanges& changes, Model& model, State& state) {
   const Momentum before = momentumOf(changes.touched, model.mass, state);
   state.applyChanges(changes);
-  applyMassChanges(changes, model);
+  SpringChanges springs = model.applyChanges(changes);
   restoreMomentum(before, changes.touched, model.mass, state);
-  model.bending.applyChanges(model.mesh, changes);
-  return model.springs.applyChanges(model.mesh, changes);
+  return springs;
 }
 
 template <typename T>
@@ -35,7 +35,7 @@ bool contains(const std::vector<std::int32_t>& ascending, std::int32_t slot) {
 
 std::vector<Vec3> pointsOf(const SurfacePath& path) {
   std::vector<Vec3> points;
-  for (const SurfacePoint& p : path.points) points.push_back(laidFlat(p.material));
+  for (const SurfacePoint& p : path.points) points.push_back(inMaterialPlane(p.material));
   return points;
 }
 
@@ -46,7 +46,8 @@ std::vector<EmbeddedPath> prepare(const CutPlan& plan, std::int32_t maxVertices,
       const Neighbourhood near(pointsOf(path), plan.refine->radius);
       std::vector<FaceId> seeds;
       for (const SurfacePoint& p : path.points) seeds.push_back(locate(remesher.mesh(), p));
-      refineNear(near, *plan.refine, laidFlat(remesher.mesh()), seeds, maxVertices, remesher);
+      refineNear(near, *plan.refine, inMaterialPlane(remesher.mesh()), seeds, maxVertices,
+                 remesher);
     }
   }
   std::vector<EmbeddedPath> embedded;
@@ -94,7 +95,7 @@ void checkCount(const CutPlan& plan, const SurgeryLimits& limits, const Triangle
 
 MaterialPath materialOf(const EmbeddedPath& path, const TriangleMesh& mesh) {
   MaterialPath points;
-  for (VertexId v : path.chain) points.push_back(mesh.material(v));
+  for (VertexId v : path.vertices) points.push_back(mesh.material(v));
   return points;
 }
 
@@ -155,7 +156,7 @@ class CutOperation {
       lines_.push_back(materialOf(path, model_.mesh));
       result_.length += path.length;
       result_.deviation = std::max(result_.deviation, path.deviation);
-      append({path.chain.front(), path.chain.back()}, result_.tips);
+      append({path.vertices.front(), path.vertices.back()}, result_.tips);
     }
   }
 
@@ -165,7 +166,7 @@ class CutOperation {
   void reportSevered() {
     const MaterialBefore before(model_.mesh, result_.changes.mesh);
     const std::vector<PathIndex> lines(lines_.begin(), lines_.end());
-    for (std::int32_t slot : model_.springs.standingOnAny(result_.changes.mesh.touched)) {
+    for (std::int32_t slot : model_.springs.springsOnAny(result_.changes.mesh.touched)) {
       const Spring& spring = model_.springs[slot];
       const Vec2& a = before[spring.a];
       const Vec2& b = before[spring.b];
@@ -234,10 +235,10 @@ SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
   return result;
 }
 
-SurgeryResult takeAway(const std::vector<FaceId>& faces, Model& model, State& state) {
+SurgeryResult removeComponents(const std::vector<FaceId>& faces, Model& model, State& state) {
   SurgeryResult result;
   MeshEditor editor(model.mesh);
-  editor.removePieces(faces);
+  editor.removeComponents(faces);
   result.changes.mesh = editor.finish();
   if (!result.changes.mesh.empty()) {
     result.changes.springs = applyChanges(result.changes.mesh, model, state);

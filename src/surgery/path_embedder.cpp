@@ -79,7 +79,7 @@ class Embedding {
 
   EmbeddedPath run() {
     placeAnchors();
-    result_.chain.push_back(anchors_.front().vertex);
+    result_.vertices.push_back(anchors_.front().vertex);
     for (std::size_t k = 0; k + 1 < anchors_.size(); ++k) walk(anchors_[k], anchors_[k + 1]);
     return std::move(result_);
   }
@@ -199,15 +199,15 @@ void Embedding::walk(const Anchor& from, const Anchor& to) {
   Vec2 at = point(segment);
   // Every step gets farther along the path, so there is an end to it.
   while (true) {
-    const VertexId centre = result_.chain.back();
-    if (centre == to.vertex && result_.chain.size() > 1 && segment + 1 >= to.point) break;
+    const VertexId centre = result_.vertices.back();
+    if (centre == to.vertex && result_.vertices.size() > 1 && segment + 1 >= to.point) break;
     const std::optional<Exit> exit = findExit(centre, segment, at, to.point);
     if (!exit) break;
     step(makeVertex(*exit));
     segment = exit->segment;
     at = exit->at;
   }
-  if (to.vertex != kNone && result_.chain.back() != to.vertex) detour(to.vertex);
+  if (to.vertex != kNone && result_.vertices.back() != to.vertex) detour(to.vertex);
 }
 
 std::optional<Exit> Embedding::findExit(VertexId centre, std::size_t segment, const Vec2& at,
@@ -272,9 +272,9 @@ VertexId Embedding::makeVertex(const Exit& exit) {
 }
 
 void Embedding::step(VertexId to) {
-  const VertexId from = result_.chain.back();
+  const VertexId from = result_.vertices.back();
   remesher_.mark(from, to);
-  result_.chain.push_back(to);
+  result_.vertices.push_back(to);
   result_.length += (mesh_.material(to) - mesh_.material(from)).norm();
 }
 
@@ -286,7 +286,7 @@ double Embedding::distanceFromPath(VertexId v) const {
 
 /// The shortest way along edges, where the last vertex is not next to the one before it.
 void Embedding::detour(VertexId to) {
-  const VertexId from = result_.chain.back();
+  const VertexId from = result_.vertices.back();
   std::vector<std::pair<VertexId, VertexId>> reached{{from, kNone}};  // vertex, where it came from
   std::set<VertexId> seen{from};
   for (std::size_t k = 0; k < reached.size() && seen.count(to) == 0; ++k) {

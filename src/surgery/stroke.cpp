@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "stroke_pieces.h"
+#include "stroke_segments.h"
 
 namespace cloth_sim {
 
@@ -42,10 +42,10 @@ std::vector<SurfacePath> findPaths(const Stroke& stroke, const TriangleMesh& mes
   if (positions.size() != static_cast<std::size_t>(mesh.vertexCount())) {
     throw std::invalid_argument("the cloth needs one position per vertex");
   }
-  const Strip strip = makeStrip(stroke);
-  std::vector<PathChain> chains = joinPieces(crossFaces(strip, mesh, positions), mesh);
-  if (stroke.firstLayerOnly) chains = nearestParts(chains);
-  return toPaths(std::move(chains), strip.tolerance);
+  const SweptSurface surface = makeSweptSurface(stroke);
+  std::vector<Polyline> polylines = joinSegments(crossFaces(surface, mesh, positions), mesh);
+  if (stroke.firstLayerOnly) polylines = lowerEnvelope(polylines);
+  return toPaths(std::move(polylines), surface.tolerance);
 }
 
 }  // namespace cloth_sim

@@ -3,8 +3,8 @@
 #include <iterator>
 #include <limits>
 
-#include "stroke_pieces.h"
 #include "stroke_predicates.h"
+#include "stroke_segments.h"
 
 namespace cloth_sim {
 namespace {
@@ -33,21 +33,21 @@ double snapped(double part) {
 
 class Crossing {
  public:
-  Crossing(const Strip& strip, const TriangleMesh& mesh, const VertexData<Vec3>& positions)
-      : strip_(strip),
+  Crossing(const SweptSurface& surface, const TriangleMesh& mesh, const VertexData<Vec3>& positions)
+      : surface_(surface),
         mesh_(mesh),
         x_(positions),
         side_(positions.size(), 0),
         sideOfFacet_(positions.size(), kNone) {}
 
-  std::vector<PathPiece> run() {
+  std::vector<PathSegment> run() {
     std::vector<FaceId> faces;
-    const Box box = boxOf(0, strip_.slices.size());
+    const Box box = boxOf(0, surface_.slices.size());
     for (FaceId f = 0; f < mesh_.faceCount(); ++f) {
       if (mayMeet(f, box)) faces.push_back(f);
     }
-    meet(0, strip_.slices.size(), faces);
-    return std::move(pieces_);
+    meet(0, surface_.slices.size(), faces);
+    return std::move(segments_);
   }
 
  private:
@@ -55,15 +55,15 @@ class Crossing {
   struct Edge {
     VertexId below = kNone;
     VertexId above = kNone;
-    std::array<bool, 3> inside{};  ///< of each border
+    std::array<bool, 3> inside{};  ///< of each edge
     bool crossesFacet() const { return inside[0] && inside[1] && inside[2]; }
   };
 
   Box boxOf(std::size_t first, std::size_t last) const {
     Box box;
     for (std::size_t k = first; k < last; ++k) {
-      box.add(strip_.slices[k].first);
-      box.add(strip_.slices[k].last);
+      box.add(surface_.slices[k].first);
+      box.add(surface_.slices[k].last);
     }
     return box;
   }
@@ -87,7 +87,7 @@ class Crossing {
   void meet(std::size_t first, std::size_t last, const std::vector<FaceId>& faces) {
     if (faces.empty() || first == last) return;
     if (last - first == 1) {
-      const StripSlice& slice = strip_.slices[first];
+      const SweptSlice& slice = surface_.slices[first];
       for (std::int32_t k = slice.firstFacet; k < slice.lastFacet; ++k) {
         for (FaceId f : faces) meet(slice, k, f);
       }
@@ -106,19 +106,19 @@ class Crossing {
   /// Side of a vertex of a facet's plane, worked out once.
   int sideOf(std::int32_t facet, VertexId v) {
     if (sideOfFacet_[v] != facet) {
-      const auto& [p, q, r] = strip_.facets[facet].corners;
+      const auto& [p, q, r] = surface_.facets[facet].corners;
       side_[v] = static_cast<std::int8_t>(sideOfPlane(p, q, r, x_[v]));
       sideOfFacet_[v] = facet;
     }
     return side_[v];
   }
 
-  void meet(const StripSlice& slice, std::int32_t facetId, FaceId f) {
+  void meet(const SweptSlice& slice, std::int32_t facetId, FaceId f) {
     const Face& face = mesh_.face(f);
     std::array<bool, 3> above{};
     for (std::size_t k = 0; k < 3; ++k) above[k] = sideOf(facetId, face[k]) > 0;
     if (above[0] == above[1] && above[1] == above[2]) return;
-    const StripFacet& facet = strip_.facets[facetId];
+    const SweptFacet& facet = surface_.facets[facetId];
     std::array<Edge, 2> edges;  // one that goes up in the face's orientation, one that goes down
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t next = (k + 1) % 3;
@@ -128,10 +128,10 @@ class Crossing {
     for (std::size_t k = 0; k < 3; ++k) {
       if (!edges[0].inside[k] && !edges[1].inside[k]) return;
     }
-    if (!isCoplanar(facet, face)) addPiece(slice, facetId, f, edges);
+    if (!isCoplanar(facet, face)) addSegment(slice, facetId, f, edges);
   }
 
-  Edge edgeOf(const StripFacet& facet, VertexId below, VertexId above) const {
+  Edge edgeOf(const SweptFacet& facet, VertexId below, VertexId above) const {
     Edge edge{below, above};
     for (std::size_t k = 0; k < 3; ++k) {
       edge.inside[k] =
@@ -140,8 +140,8 @@ class Crossing {
     return edge;
   }
 
-  /// Cloth in the plane of the strip is not crossed, though rounding may say so.
-  bool isCoplanar(const StripFacet& facet, const Face& face) const {
+  /// Cloth in the plane of the surface is not crossed, though rounding may say so.
+  bool isCoplanar(const SweptFacet& facet, const Face& face) const {
     const double none = kCoplanar * facet.length * facet.normal.norm();
     return std::all_of(face.begin(), face.end(), [&](VertexId v) {
       return std::abs(facet.normal.dot(x_[v] - facet.corners[0])) <= none;
@@ -150,9 +150,9 @@ class Crossing {
 
   /// A triangle and a triangle cross in a segment: each end is on an edge of the face or on one of
   /// the facet.
-  void addPiece(const StripSlice& slice, std::int32_t facetId, FaceId f,
-                const std::array<Edge, 2>& edges) {
-    const StripFacet& facet = strip_.facets[facetId];
+  void addSegment(const SweptSlice& slice, std::int32_t facetId, FaceId f,
+                  const std::array<Edge, 2>& edges) {
+    const SweptFacet& facet = surface_.facets[facetId];
     std::array<PathSample, 2> ends;
     std::size_t count = 0;
     for (const Edge& edge : edges) {
@@ -161,9 +161,9 @@ class Crossing {
     for (std::size_t k = 0; k < 3 && count < 2; ++k) {
       if (edges[0].inside[k] == edges[1].inside[k]) continue;
       if (!straddle(f, facet.corners[k], facet.corners[(k + 1) % 3])) continue;
-      ends[count++] = onBorder(slice, facet.borders[k], f);
+      ends[count++] = onFacetEdge(slice, facet.edges[k], f);
     }
-    if (count == 2) pieces_.push_back({ends[0], ends[1], f});
+    if (count == 2) segments_.push_back({ends[0], ends[1], f});
   }
 
   bool straddle(FaceId f, const Vec3& p, const Vec3& q) const {
@@ -171,9 +171,9 @@ class Crossing {
     return sideOfFace(x_[a], x_[b], x_[c], p) != sideOfFace(x_[a], x_[b], x_[c], q);
   }
 
-  PathSample onEdge(const StripSlice& slice, std::int32_t facetId, const Edge& edge) const {
+  PathSample onEdge(const SweptSlice& slice, std::int32_t facetId, const Edge& edge) const {
     const auto [a, b] = std::minmax(edge.below, edge.above);
-    const StripFacet& facet = strip_.facets[facetId];
+    const SweptFacet& facet = surface_.facets[facetId];
     const auto& [p, q, r] = facet.corners;
     double atA = facet.normal.dot(x_[a] - p);
     double atB = facet.normal.dot(x_[b] - p);
@@ -191,18 +191,18 @@ class Crossing {
     return sample;
   }
 
-  PathSample onBorder(const StripSlice& slice, std::int32_t border, FaceId f) const {
-    const std::array<double, 3> weight = pierce(strip_.borders[border], f);
+  PathSample onFacetEdge(const SweptSlice& slice, std::int32_t edge, FaceId f) const {
+    const std::array<double, 3> weight = pierce(surface_.edges[edge], f);
     PathSample sample;
-    sample.node = {-1 - border, f, 0};
-    sample.need = strip_.borders[border].need;
+    sample.node = {-1 - edge, f, 0};
+    sample.keep = surface_.edges[edge].keep;
     for (std::size_t k = 0; k < 3; ++k) {
       sample.material += weight[k] * mesh_.material(mesh_.face(f)[k]);
       sample.position += weight[k] * x_[mesh_.face(f)[k]];
     }
-    if (border == slice.firstBorder) {
+    if (edge == slice.firstEdge) {
       sample.at = parametersAtFirst(slice, sample.position);
-    } else if (border == slice.lastBorder) {
+    } else if (edge == slice.lastEdge) {
       sample.at = parametersAtLast(slice, sample.position);
     } else {
       sample.at = parametersAt(slice, sample.position);
@@ -210,22 +210,22 @@ class Crossing {
     return sample;
   }
 
-  /// Where a border pierces a face, as weights of the face's corners: each is as large as the
-  /// volume that the border spans with the edge across from the corner.
-  std::array<double, 3> pierce(const StripBorder& border, FaceId f) const {
+  /// Where a edge pierces a face, as weights of the face's corners: each is as large as the
+  /// volume that the edge spans with the edge across from the corner.
+  std::array<double, 3> pierce(const SweptEdge& edge, FaceId f) const {
     const Face& face = mesh_.face(f);
-    const Vec3 d = border.to - border.from;
+    const Vec3 d = edge.to - edge.from;
     std::array<double, 3> weight{};
     double sum = 0.0;
     double longest = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 a = x_[face[(k + 1) % 3]];
       const Vec3 b = x_[face[(k + 2) % 3]];
-      weight[k] = d.dot((a - border.from).cross(b - border.from));
+      weight[k] = d.dot((a - edge.from).cross(b - edge.from));
       sum += weight[k];
       longest = std::max(longest, (b - a).squaredNorm());
     }
-    if (std::abs(sum) < kExactBelow * d.norm() * longest) sum = pierceExactly(border, face, weight);
+    if (std::abs(sum) < kExactBelow * d.norm() * longest) sum = pierceExactly(edge, face, weight);
     double kept = 0.0;
     for (double& part : weight) {
       part = snapped(part / sum);
@@ -235,31 +235,31 @@ class Crossing {
     return weight;
   }
 
-  double pierceExactly(const StripBorder& border, const Face& face,
+  double pierceExactly(const SweptEdge& edge, const Face& face,
                        std::array<double, 3>& weight) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
       weight[k] =
-          exactOrientation(border.from, border.to, x_[face[(k + 1) % 3]], x_[face[(k + 2) % 3]]);
+          exactOrientation(edge.from, edge.to, x_[face[(k + 1) % 3]], x_[face[(k + 2) % 3]]);
       sum += weight[k];
     }
     return sum;
   }
 
-  const Strip& strip_;
+  const SweptSurface& surface_;
   const TriangleMesh& mesh_;
   const VertexData<Vec3>& x_;
   std::vector<std::int8_t> side_;          ///< by vertex, of the plane of `sideOfFacet_`
   std::vector<std::int32_t> sideOfFacet_;  ///< by vertex
-  std::vector<PathPiece> pieces_;
+  std::vector<PathSegment> segments_;
 };
 
 }  // namespace
 
-std::vector<PathPiece> crossFaces(const Strip& strip, const TriangleMesh& mesh,
-                                  const VertexData<Vec3>& positions) {
-  if (strip.slices.empty()) return {};
-  return Crossing(strip, mesh, positions).run();
+std::vector<PathSegment> crossFaces(const SweptSurface& surface, const TriangleMesh& mesh,
+                                    const VertexData<Vec3>& positions) {
+  if (surface.slices.empty()) return {};
+  return Crossing(surface, mesh, positions).run();
 }
 
 }  // namespace cloth_sim

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "stroke_pieces.h"
+#include "stroke_segments.h"
 
 namespace cloth_sim {
 namespace {
@@ -13,17 +13,17 @@ double distanceToSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
   return (a + part * d - p).norm();
 }
 
-/// Leaves out points inside a face that the path does not need (Douglas and Peucker, 1973).
+/// Leaves out points inside a face that the path does not keep (Douglas and Peucker, 1973).
 class Simplifier {
  public:
-  Simplifier(const std::vector<PathPiece>& pieces, double tolerance)
-      : pieces_(pieces), tolerance_(tolerance) {}
+  Simplifier(const std::vector<PathSegment>& segments, double tolerance)
+      : segments_(segments), tolerance_(tolerance) {}
 
-  std::vector<PathPiece> run() {
+  std::vector<PathSegment> run() {
     std::size_t first = 0;
-    for (std::size_t k = 0; k < pieces_.size(); ++k) {
-      const bool ends = k + 1 == pieces_.size() || pieces_[k].to.need == Need::kAlways ||
-                        pieces_[k].face != pieces_[k + 1].face;
+    for (std::size_t k = 0; k < segments_.size(); ++k) {
+      const bool ends = k + 1 == segments_.size() || segments_[k].to.keep == Keep::kAlways ||
+                        segments_[k].face != segments_[k + 1].face;
       if (!ends) continue;
       simplify(first, k);
       first = k + 1;
@@ -32,59 +32,59 @@ class Simplifier {
   }
 
  private:
-  /// One piece instead of those from `first` to `last`, or more if that takes it too far.
+  /// One segment instead of those from `first` to `last`, or more if that takes it too far.
   void simplify(std::size_t first, std::size_t last) {
-    const Vec3& a = pieces_[first].from.position;
-    const Vec3& b = pieces_[last].to.position;
+    const Vec3& a = segments_[first].from.position;
+    const Vec3& b = segments_[last].to.position;
     double farthest = 0.0;
     std::size_t split = first;
     for (std::size_t k = first; k < last; ++k) {
-      if (pieces_[k].to.need == Need::kNever) continue;
-      const double distance = distanceToSegment(a, b, pieces_[k].to.position);
+      if (segments_[k].to.keep == Keep::kNever) continue;
+      const double distance = distanceToSegment(a, b, segments_[k].to.position);
       if (distance <= farthest) continue;
       farthest = distance;
       split = k;
     }
     if (farthest <= tolerance_) {
-      result_.push_back({pieces_[first].from, pieces_[last].to, pieces_[first].face});
+      result_.push_back({segments_[first].from, segments_[last].to, segments_[first].face});
       return;
     }
     simplify(first, split);
     simplify(split + 1, last);
   }
 
-  const std::vector<PathPiece>& pieces_;
+  const std::vector<PathSegment>& segments_;
   const double tolerance_;
-  std::vector<PathPiece> result_;
+  std::vector<PathSegment> result_;
 };
 
-SurfacePath toPath(const PathChain& chain) {
+SurfacePath toPath(const Polyline& polyline) {
   SurfacePath path;
-  path.points.reserve(chain.pieces.size() + 1);
-  for (const PathPiece& piece : chain.pieces) {
-    path.points.push_back({piece.face, piece.from.material});
+  path.points.reserve(polyline.segments.size() + 1);
+  for (const PathSegment& segment : polyline.segments) {
+    path.points.push_back({segment.face, segment.from.material});
   }
-  path.points.push_back({chain.pieces.back().face, chain.pieces.back().to.material});
-  if (chain.closed) path.points.back() = path.points.front();
+  path.points.push_back({polyline.segments.back().face, polyline.segments.back().to.material});
+  if (polyline.closed) path.points.back() = path.points.front();
   return path;
 }
 
-bool startsEarlier(const PathChain& a, const PathChain& b) {
-  const PathPiece& p = a.pieces.front();
-  const PathPiece& q = b.pieces.front();
+bool startsEarlier(const Polyline& a, const Polyline& b) {
+  const PathSegment& p = a.segments.front();
+  const PathSegment& q = b.segments.front();
   return std::tie(p.from.at.stroke, p.from.at.blade, p.face) <
          std::tie(q.from.at.stroke, q.from.at.blade, q.face);
 }
 
 }  // namespace
 
-std::vector<SurfacePath> toPaths(std::vector<PathChain> chains, double tolerance) {
-  std::stable_sort(chains.begin(), chains.end(), startsEarlier);
+std::vector<SurfacePath> toPaths(std::vector<Polyline> polylines, double tolerance) {
+  std::stable_sort(polylines.begin(), polylines.end(), startsEarlier);
   std::vector<SurfacePath> paths;
-  paths.reserve(chains.size());
-  for (PathChain& chain : chains) {
-    chain.pieces = Simplifier(chain.pieces, tolerance).run();
-    paths.push_back(toPath(chain));
+  paths.reserve(polylines.size());
+  for (Polyline& polyline : polylines) {
+    polyline.segments = Simplifier(polyline.segments, tolerance).run();
+    paths.push_back(toPath(polyline));
   }
   return paths;
 }

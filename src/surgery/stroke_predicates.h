@@ -1,6 +1,6 @@
 #pragma once
-/// \file On which side of each other points, lines and planes of a strip and of a cloth lie: signs
-/// that contradict each other nowhere, however close the geometry.
+/// \file On which side of each other points, lines and planes of a surface and of a cloth lie:
+/// signs that contradict each other nowhere, however close the geometry.
 ///
 /// Signs are those of exact arithmetic (a floating-point filter decides the clear cases; the method
 /// is that of Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric
@@ -15,14 +15,14 @@ namespace cloth_sim {
 /// det(b - a, c - a, d - a), correct to nearly the last digit.
 double exactOrientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// Sign of the cloth's point `v` over the strip's plane (p, q, r), along (q - p) x (r - p).
+/// Sign of the cloth's point `v` over the surface's plane (p, q, r), along (q - p) x (r - p).
 int sideOfPlane(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& v);
 
-/// Sign of the turn between the strip's line p -> q and the cloth's a -> b: positive if, looked at
-/// against a -> b, the latter passes to the left of the former.
+/// Sign of the turn between the surface's line p -> q and the cloth's a -> b: positive if, looked
+/// at against a -> b, the latter passes to the left of the former.
 int sideOfLine(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b);
 
-/// Sign of the strip's point `p` over the cloth's face (a, b, c), along (b - a) x (c - a).
+/// Sign of the surface's point `p` over the cloth's face (a, b, c), along (b - a) x (c - a).
 int sideOfFace(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p);
 
 /// Whether three points are not on one line.

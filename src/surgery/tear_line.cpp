@@ -159,7 +159,7 @@ Vec2 tensionDirection(const Model& model, const State& state, VertexId v) {
     ring = std::move(wider);
   }
   Eigen::Matrix<double, 3, 2> stress = Eigen::Matrix<double, 3, 2>::Zero();
-  for (std::int32_t slot : model.springs.standingOnAny(ring)) {
+  for (std::int32_t slot : model.springs.springsOnAny(ring)) {
     const Spring& s = model.springs[slot];
     const Vec3 d = state.x[s.b] - state.x[s.a];
     const double length = d.norm();

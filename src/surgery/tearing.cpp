@@ -118,7 +118,7 @@ void Tearing::applyChangesNear(const Model& model, const ModelChanges& changes) 
     around.push_back(edit.id);
     around.insert(around.end(), ring.begin(), ring.end());
   }
-  for (const std::int32_t slot : model.springs.standingOnAny(around)) near_.lookAt(slot);
+  for (const std::int32_t slot : model.springs.springsOnAny(around)) near_.lookAt(slot);
 }
 
 void Tearing::watch(const Model& model) {
@@ -278,7 +278,7 @@ void Tearing::shiftTime(double by) {
   for (Stride& stride : strides_) stride.start += by;
 }
 
-void Tearing::opened(const SurgeryResult& result) {
+void Tearing::noteOpened(const SurgeryResult& result) {
   if (result.changes.mesh.empty()) {
     for (const Stride& stride : strides_) idle_.insert(stride.slot);
   }

@@ -74,8 +74,8 @@ class ClothFixture {
     model_.springs = with.raw ? SpringNetwork(model_.mesh, raw(), selection)
                               : SpringNetwork(model_.mesh, model_.cloths[0].fabric, selection);
     if (deep && with.bend && with.seed % 3 == 0) {
-      model_.bending = BendNetwork(model_.mesh, model_.cloths[0].fabric.bending,
-                                   model_.cloths[0].fabric.tensileWeft);
+      model_.bending = PlateBending(model_.mesh, model_.cloths[0].fabric.bending,
+                                    model_.cloths[0].fabric.tensileWeft);
     }
     lumpMasses(model_.cloths[0].fabric.arealDensity, model_);
     if (with.ownMasses) setParticleMasses(1e-3, 0, model_);
@@ -258,7 +258,7 @@ class ClothFixture {
       const std::string error =
           applyAndValidate([&] { return result = cut(plan, limits_, held(), model_, state_); });
       if (!error.empty()) return error;
-      tearing.opened(result);
+      tearing.noteOpened(result);
       tearing.applyChanges(model_, result.changes);
     }
     return "";
@@ -266,7 +266,7 @@ class ClothFixture {
 
   /// Takes a piece away, if there are several.
   std::string removePiece(const Operation& o) {
-    const Pieces pieces = findPieces(model_.mesh);
+    const ConnectedComponents pieces = connectedComponents(model_.mesh);
     if (pieces.count < 2) return "";
     const int gone = std::abs(o.size) % pieces.count;
     std::vector<FaceId> faces;
@@ -278,7 +278,8 @@ class ClothFixture {
     }
     renumbered_ = true;
     taken_ = {faces, {vertices.begin(), vertices.end()}};
-    const std::string error = applyAndValidate([&] { return takeAway(faces, model_, state_); });
+    const std::string error =
+        applyAndValidate([&] { return removeComponents(faces, model_, state_); });
     taken_ = {};
     return error;
   }

@@ -38,7 +38,7 @@ struct Cloth {
     return result;
   }
 
-  int pieces() const { return findPieces(model.mesh).count; }
+  int pieces() const { return connectedComponents(model.mesh).count; }
 
   Model model;
   State state;

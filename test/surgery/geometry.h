@@ -49,7 +49,7 @@ inline std::vector<TornEdge> tornEdges(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const VertexId a = mesh.face(f)[k];
       const VertexId b = mesh.face(f)[(k + 1) % 3];
-      if (mesh.facesOnEdge(a, b)[1] != kNone || mesh.isRim(f, k)) continue;
+      if (mesh.facesOnEdge(a, b)[1] != kNone || mesh.isOriginalBoundary(f, k)) continue;
       edges.push_back({a, b, mesh.material(a), mesh.material(b)});
     }
   }

@@ -146,7 +146,7 @@ inline std::string validateSprings(const Model& model) {
     }
     for (VertexId v : s.support) {
       if (v == kNone) continue;
-      const auto& standing = springs.standingOn(v);
+      const auto& standing = springs.springsOn(v);
       if (std::count(standing.begin(), standing.end(), static_cast<std::int32_t>(slot)) != 1) {
         return say("spring ", slot, " is not listed at ", v);
       }

@@ -36,7 +36,7 @@ Model tearThrough(const ClothSpec& spec, const MaterialPath& seam) {
     const CutPlan plan = tearing.plan(model, state, 0.01);
     if (plan.paths.empty()) break;
     const SurgeryResult result = cut(plan, usualLimits(model.mesh), {}, model, state);
-    tearing.opened(result);
+    tearing.noteOpened(result);
     tearing.applyChanges(model, result.changes);
     state.t += 0.01;
   }
@@ -124,7 +124,7 @@ TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
   }
   const SurgeryResult result = cut(plan, usualLimits(model.mesh), {}, model, state);
   EXPECT_EQ(validationError(model.mesh), "");
-  EXPECT_EQ(findPieces(model.mesh).count, 1);
+  EXPECT_EQ(connectedComponents(model.mesh).count, 1);
   EXPECT_LT(farthestFrom(path, model.mesh), 1e-9);
   EXPECT_NEAR(result.length, 0.35, 1e-9);
   std::multiset<SpringKind> failed;

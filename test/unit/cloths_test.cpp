@@ -170,7 +170,7 @@ TEST(Cloths, ArePiecesOfOneModel) {
   EXPECT_EQ(model.cloths[1].firstVertex, 63);
   EXPECT_EQ(model.cloths[1].vertices, 66);
   EXPECT_EQ(model.particleCount(), 63 + 66);
-  EXPECT_EQ(findPieces(model.mesh).count, 2);
+  EXPECT_EQ(connectedComponents(model.mesh).count, 2);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
     EXPECT_EQ(model.clothOf(v), v < 63 ? 0U : 1U) << v;
   }
@@ -207,7 +207,7 @@ TEST(Cloths, MayDifferInWhatSpringsTheyHave) {
                 "cloth.strip.particle_mass=0.001"})
           .cloths);
   int hinges = 0;
-  for (const BendElement& element : model.bending.elements()) {
+  for (const PlateElement& element : model.bending.elements()) {
     if (element.count == 0) continue;
     ++hinges;
     EXPECT_EQ(model.clothOf(element.vertex[0]), 0U);

@@ -111,7 +111,7 @@ inline Opening randomOpening(const TriangleMesh& mesh, Generator& random) {
 
 /// Rest area of every piece, in their order.
 inline std::vector<double> pieceAreas(const TriangleMesh& mesh) {
-  const Pieces pieces = findPieces(mesh);
+  const ConnectedComponents pieces = connectedComponents(mesh);
   std::vector<double> areas(static_cast<std::size_t>(pieces.count), 0.0);
   for (FaceId f = 0; f < mesh.faceCount(); ++f) areas[pieces.ofFace[f]] += mesh.restArea(f);
   return areas;
@@ -144,7 +144,7 @@ inline double rimLength(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     for (int k = 0; k < 3; ++k) {
       const Face& face = mesh.face(f);
-      if (mesh.isRim(f, k)) {
+      if (mesh.isOriginalBoundary(f, k)) {
         length += (mesh.material(face[(k + 1) % 3]) - mesh.material(face[k])).norm();
       }
     }
@@ -168,7 +168,8 @@ inline std::string validateMesh(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const Face& face = mesh.face(f);
       const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
-      if (mesh.isRim(f, k) && !border) return "rim inside, at face " + std::to_string(f);
+      if (mesh.isOriginalBoundary(f, k) && !border)
+        return "rim inside, at face " + std::to_string(f);
     }
   }
   return "";

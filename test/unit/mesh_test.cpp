@@ -89,12 +89,12 @@ TEST(Grid, HasCellsThatAreTheSameToTheLastBitAlsoBesideOtherCloths) {
       const Grid grid{columns, columns, side, side};
       for (const double offset : {0.0, 2.0 * std::ceil(side)}) {
         for (int i = 1; i < columns; ++i) {
-          const double before = offset + grid.place(i - 1, 0).x();
-          EXPECT_EQ(offset + grid.place(i, 0).x() - before, grid.spacingU());
+          const double before = offset + grid.material(i - 1, 0).x();
+          EXPECT_EQ(offset + grid.material(i, 0).x() - before, grid.spacingU());
         }
       }
-      EXPECT_NEAR(grid.place(columns - 1, 0).x(), side, 1e-15 * (columns - 1) * side);
-      EXPECT_EQ(grid.place(0, columns - 1).y(), grid.place(columns - 1, 0).x());
+      EXPECT_NEAR(grid.material(columns - 1, 0).x(), side, 1e-15 * (columns - 1) * side);
+      EXPECT_EQ(grid.material(0, columns - 1).y(), grid.material(columns - 1, 0).x());
     }
   }
 }
@@ -135,7 +135,7 @@ TEST(Mesh, EveryVertexOfAManifoldHasOneFan) {
 TEST(Mesh, FindsPiecesInTheOrderOfTheirFirstFaces) {
   const TriangleMesh mesh({{5, 0}, {6, 0}, {5, 1}, {0, 0}, {1, 0}, {0, 1}, {1, 1}},
                           {{0, 1, 2}, {3, 4, 5}, {5, 4, 6}});
-  const Pieces pieces = findPieces(mesh);
+  const ConnectedComponents pieces = connectedComponents(mesh);
   EXPECT_EQ(pieces.count, 2);
   EXPECT_THAT(pieces.ofFace, ElementsAre(0, 1, 1));
 }
@@ -147,7 +147,7 @@ TEST(Mesh, RimGoesOnceAround) {
     for (int k = 0; k < 3; ++k) {
       const Face& face = mesh.face(f);
       const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
-      EXPECT_EQ(mesh.isRim(f, k), border);
+      EXPECT_EQ(mesh.isOriginalBoundary(f, k), border);
       rim += border ? 1 : 0;
     }
     EXPECT_EQ(mesh.generation(f), 0);
@@ -214,7 +214,7 @@ TEST(SplitVertex, AtTheBorderOpensANotch) {
   EXPECT_EQ(editor.finish().vertices.size(), 1U);
   EXPECT_EQ(validationError(mesh), "");
   EXPECT_TRUE(mesh.isBoundary(grid.vertex(2, 1))) << "the tip of the notch is on the border now";
-  EXPECT_EQ(findPieces(mesh).count, 1);
+  EXPECT_EQ(connectedComponents(mesh).count, 1);
 }
 
 TEST(SplitVertex, SplitsTheEndsOfTheSlitThatReachTheBorder) {
@@ -255,7 +255,8 @@ TEST(SplitVertex, ScatteredFacesEachGetTheirOwnCopy) {
   EXPECT_EQ(editor.finish().vertices.size(), 5U);
   EXPECT_EQ(mesh.facesAround(v).size(), 1U);
   EXPECT_EQ(validationError(mesh), "");
-  EXPECT_EQ(findPieces(mesh).count, 1) << "the faces still hold together at their outer vertices";
+  EXPECT_EQ(connectedComponents(mesh).count, 1)
+      << "the faces still hold together at their outer vertices";
 }
 
 TEST(SplitVertex, DoesNothingForNoneOrAllOfTheFaces) {
@@ -305,18 +306,19 @@ std::vector<Face> turnedFaces(const TriangleMesh& mesh, const std::vector<FaceId
 }
 
 /// Whether an edge is marked as rim in one of its faces.
-bool isRimEdge(const TriangleMesh& mesh, VertexId a, VertexId b) {
+bool isOriginalBoundaryEdge(const TriangleMesh& mesh, VertexId a, VertexId b) {
   for (FaceId f : mesh.facesOnEdge(a, b)) {
     for (int k = 0; f != kNone && k < 3; ++k) {
       const VertexId from = mesh.face(f)[k];
       const VertexId to = mesh.face(f)[(k + 1) % 3];
-      if (((from == a && to == b) || (from == b && to == a)) && mesh.isRim(f, k)) return true;
+      if (((from == a && to == b) || (from == b && to == a)) && mesh.isOriginalBoundary(f, k))
+        return true;
     }
   }
   return false;
 }
 
-/// What every edit but `removePieces` keeps.
+/// What every edit but `removeComponents` keeps.
 void expectSound(const TriangleMesh& mesh, double area, double rim) {
   EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_NEAR(testing_support::preciseArea(mesh), area, 1e-14 * area);
@@ -343,10 +345,10 @@ TEST(SplitEdge, InsideHalvesBothFaces) {
   EXPECT_THAT(turnedFaces(mesh, {0, 3, 8, 9}),
               UnorderedElementsAre(Face{0, 1, 9}, Face{0, 9, 4}, Face{4, 9, 5}, Face{1, 5, 9}));
   EXPECT_DOUBLE_EQ(mesh.restArea(0) + mesh.restArea(8), 0.5) << "halves of the same face";
-  EXPECT_TRUE(isRimEdge(mesh, 0, 1));
-  EXPECT_FALSE(isRimEdge(mesh, 1, 9));
-  EXPECT_FALSE(isRimEdge(mesh, 0, 9));
-  EXPECT_FALSE(isRimEdge(mesh, 0, 4));
+  EXPECT_TRUE(isOriginalBoundaryEdge(mesh, 0, 1));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 1, 9));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 0, 9));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 0, 4));
   EXPECT_THAT((std::vector<int>{mesh.generation(0), mesh.generation(8), mesh.generation(3),
                                 mesh.generation(9)}),
               ElementsAre(1, 1, 0, 0))
@@ -364,9 +366,9 @@ TEST(SplitEdge, AtTheBorderHalvesOneFaceAndBothPartsAreRim) {
   EXPECT_THAT(changes.reshapedFaces, ElementsAre(0, 8));
   EXPECT_THAT(changes.touched, ElementsAre(0, 1, 4, 9));
   EXPECT_THAT(turnedFaces(mesh, {0, 8}), UnorderedElementsAre(Face{0, 9, 4}, Face{1, 4, 9}));
-  EXPECT_TRUE(isRimEdge(mesh, 0, 9));
-  EXPECT_TRUE(isRimEdge(mesh, 9, 1));
-  EXPECT_FALSE(isRimEdge(mesh, 9, 4));
+  EXPECT_TRUE(isOriginalBoundaryEdge(mesh, 0, 9));
+  EXPECT_TRUE(isOriginalBoundaryEdge(mesh, 9, 1));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 9, 4));
   EXPECT_TRUE(mesh.isBoundary(9));
 }
 
@@ -377,8 +379,8 @@ TEST(SplitEdge, WhereItCameApartMakesNoRim) {
   editor.splitEdge(9, 4, 0.5);
   editor.finish();
   expectSound(mesh, 4.0, 8.0);
-  EXPECT_FALSE(isRimEdge(mesh, 9, 10));
-  EXPECT_FALSE(isRimEdge(mesh, 10, 4));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 9, 10));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 10, 4));
   EXPECT_TRUE(mesh.isBoundary(10));
 }
 
@@ -401,8 +403,8 @@ TEST(SplitFace, MakesThreeByWeight) {
     const bool opposite0 = turned(mesh.face(f)) == Face{1, 4, 9};
     EXPECT_DOUBLE_EQ(mesh.restArea(f), opposite0 ? 0.25 : 0.125);
   }
-  EXPECT_TRUE(isRimEdge(mesh, 0, 1));
-  EXPECT_FALSE(isRimEdge(mesh, 1, 4));
+  EXPECT_TRUE(isOriginalBoundaryEdge(mesh, 0, 1));
+  EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 1, 4));
 }
 
 TEST(FlipEdge, SwapsTheDiagonalAndKeepsTheRim) {
@@ -419,10 +421,10 @@ TEST(FlipEdge, SwapsTheDiagonalAndKeepsTheRim) {
     EXPECT_THAT(changes.reshapedFaces, ElementsAre(0, 1));
     EXPECT_THAT(changes.touched, ElementsAre(0, 1, 3, 4));
     EXPECT_EQ(changes.toRevision, 1U);
-    EXPECT_TRUE(isRimEdge(mesh, 0, 1));
-    EXPECT_TRUE(isRimEdge(mesh, 3, 0));
-    EXPECT_FALSE(isRimEdge(mesh, 1, 3));
-    EXPECT_FALSE(isRimEdge(mesh, 1, 4));
+    EXPECT_TRUE(isOriginalBoundaryEdge(mesh, 0, 1));
+    EXPECT_TRUE(isOriginalBoundaryEdge(mesh, 3, 0));
+    EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 1, 3));
+    EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 1, 4));
     EXPECT_EQ(mesh.generation(0), 1);
     EXPECT_EQ(mesh.generation(1), 1);
   }
@@ -487,7 +489,7 @@ TEST(RemovePieces, TheLastTakeTheFreePlaces) {
   MeshEditor editor(mesh);
   editor.raiseGeneration(4);
   editor.finish();
-  editor.removePieces({0, 1});
+  editor.removeComponents({0, 1});
   const MeshChanges changes = editor.finish();
   EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_EQ(mesh.faceCount(), 4);
@@ -508,7 +510,7 @@ TEST(RemovePieces, OfTheEndRenumbersNothing) {
   TriangleMesh mesh = squares(3);
   const std::vector<Face> before(mesh.faces().begin(), mesh.faces().begin() + 4);
   MeshEditor editor(mesh);
-  editor.removePieces({4, 5});
+  editor.removeComponents({4, 5});
   editor.finish();
   EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_EQ(mesh.faces(), before);
@@ -529,12 +531,12 @@ TEST(RemovePieces, AnyOfManyAndDataFollows) {
       }
     }
     MeshEditor editor(mesh);
-    editor.removePieces(faces);
+    editor.removeComponents(faces);
     data.applyChanges(editor.finish());
     ASSERT_EQ(testing_support::validateMesh(mesh), "") << gone;
     EXPECT_EQ(data.values(), mesh.material()) << gone;
     EXPECT_DOUBLE_EQ(mesh.totalRestArea(), static_cast<double>(left.size()));
-    EXPECT_EQ(findPieces(mesh).count, static_cast<int>(left.size()));
+    EXPECT_EQ(connectedComponents(mesh).count, static_cast<int>(left.size()));
     std::vector<double> corners;
     for (const Vec2& p : mesh.material()) {
       if (std::fmod(p.x(), 2.0) == 0.0 && p.y() == 0.0) corners.push_back(p.x());

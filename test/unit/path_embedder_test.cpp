@@ -136,18 +136,18 @@ bool isMarkedBetween(const Remesher& remesher, VertexId from, VertexId to) {
   return true;
 }
 
-bool isMarkedChain(const Remesher& remesher, const std::vector<VertexId>& chain) {
-  for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
-    if (chain[k] == chain[k + 1]) return false;
-    if (!isMarkedBetween(remesher, chain[k], chain[k + 1])) return false;
+bool isMarkedPolyline(const Remesher& remesher, const std::vector<VertexId>& vertices) {
+  for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
+    if (vertices[k] == vertices[k + 1]) return false;
+    if (!isMarkedBetween(remesher, vertices[k], vertices[k + 1])) return false;
   }
   return true;
 }
 
-double lengthOf(const TriangleMesh& mesh, const std::vector<VertexId>& chain) {
+double lengthOf(const TriangleMesh& mesh, const std::vector<VertexId>& vertices) {
   double length = 0.0;
-  for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
-    length += (mesh.material(chain[k + 1]) - mesh.material(chain[k])).norm();
+  for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
+    length += (mesh.material(vertices[k + 1]) - mesh.material(vertices[k])).norm();
   }
   return length;
 }
@@ -167,11 +167,11 @@ EmbeddedPath embed(const SurfacePath& path, Remesher& remesher, PathEnd end = Pa
   const double area = preciseArea(remesher.mesh());
   const EmbeddedPath done = embedPath(path, end, remesher);
   expectSound(remesher.mesh(), area);
-  EXPECT_TRUE(isMarkedChain(remesher, done.chain));
-  EXPECT_NEAR(done.length, lengthOf(remesher.mesh(), done.chain), 1e-12);
+  EXPECT_TRUE(isMarkedPolyline(remesher, done.vertices));
+  EXPECT_NEAR(done.length, lengthOf(remesher.mesh(), done.vertices), 1e-12);
   Polyline line;
   for (const SurfacePoint& p : path.points) line.push_back(p.material);
-  for (VertexId v : done.chain) {
+  for (VertexId v : done.vertices) {
     EXPECT_LE(distanceTo(line, remesher.mesh().material(v)), done.deviation + 1e-12);
   }
   return done;
@@ -268,7 +268,7 @@ TEST(EmbedPath, StraightAcrossAGridGivesTwoPiecesOfTheRightAreas) {
     EXPECT_NEAR(done.length, (line.to - line.from).norm(), 1e-12);
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
     remesher.improve();
-    EXPECT_TRUE(isMarkedChain(remesher, done.chain));
+    EXPECT_TRUE(isMarkedPolyline(remesher, done.vertices));
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
     remesher.openMarks();
     remesher.finish();
@@ -285,7 +285,7 @@ TEST(EmbedPath, StraightAcrossAGridGivesTwoPiecesOfTheRightAreas) {
 struct AlongTheMesh {
   const char* name;
   Polyline line;
-  std::vector<VertexId> chain;
+  std::vector<VertexId> vertices;
 };
 
 class EmbedAlongTheMesh : public testing::TestWithParam<AlongTheMesh> {};
@@ -294,7 +294,7 @@ TEST_P(EmbedAlongTheMesh, MakesNoVertexWhereThereAreSome) {
   TriangleMesh mesh = makeGridMesh({5, 5, 4.0, 4.0});
   Remesher remesher(mesh, {}, {});
   const EmbeddedPath done = embed(pathAlong(mesh, GetParam().line), remesher);
-  EXPECT_EQ(done.chain, GetParam().chain);
+  EXPECT_EQ(done.vertices, GetParam().vertices);
   EXPECT_EQ(done.deviation, 0.0);
   EXPECT_EQ(mesh.vertexCount(), 25);
   EXPECT_EQ(mesh.material(), makeGridMesh({5, 5, 4.0, 4.0}).material());
@@ -319,7 +319,7 @@ TEST(EmbedPath, GoesThroughAVertexThatLiesOnIt) {
   TriangleMesh mesh = makeGridMesh({5, 5, 4.0, 4.0});
   Remesher remesher(mesh, {}, {});
   const EmbeddedPath done = embed(pathAlong(mesh, {{0.0, 0.5}, {4.0, 3.5}}), remesher);
-  EXPECT_THAT(done.chain, testing::Contains(12));
+  EXPECT_THAT(done.vertices, testing::Contains(12));
   EXPECT_EQ(mesh.material(12), Vec2(2.0, 2.0));
   EXPECT_LT(done.deviation, 1e-14);
   remesher.openMarks();
@@ -339,14 +339,14 @@ TEST(EmbedPath, EndsAtExactlyItsLastPoint) {
     const Vec2 from(uniform(random, 0.1, 0.9), 0.0);
     Remesher remesher(mesh, {}, {});
     const EmbeddedPath done = embed(pathAlong(mesh, {from, to}), remesher);
-    EXPECT_LT((mesh.material(done.chain.back()) - to).norm(), 1e-14);
-    EXPECT_LT((mesh.material(done.chain.front()) - from).norm(), 1e-14);
+    EXPECT_LT((mesh.material(done.vertices.back()) - to).norm(), 1e-14);
+    EXPECT_LT((mesh.material(done.vertices.front()) - from).norm(), 1e-14);
     EXPECT_LT(done.deviation, 0.5 * std::sqrt(2.0) / 8.0);
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
     remesher.openMarks();
     remesher.finish();
     expectSound(mesh, 1.0);
-    EXPECT_EQ(findPieces(mesh).count, 1);
+    EXPECT_EQ(connectedComponents(mesh).count, 1);
   }
 }
 
@@ -357,7 +357,7 @@ TEST(EmbedPath, EndsAtTheLastCrossingIfAsked) {
   const Vec2 from(4.0, 0.0);
   const Vec2 to(4.8, 3.4);
   const EmbeddedPath done = embed(pathAlong(mesh, {from, to}), remesher, PathEnd::kLastCross);
-  const Vec2& end = mesh.material(done.chain.back());
+  const Vec2& end = mesh.material(done.vertices.back());
   EXPECT_LT(std::abs(doubleArea(from, to, end)), 1e-13);
   EXPECT_LT(end.y(), 3.4 - 1e-3);
   EXPECT_GT(end.y(), 2.9);
@@ -374,19 +374,19 @@ TEST(EmbedPath, OfTwoPointsInOneFace) {
     if ((to - from).norm() < 0.2) continue;
     Remesher remesher(mesh, {}, {});
     const EmbeddedPath done = embed(pathAlong(mesh, {from, to}), remesher);
-    EXPECT_GE(done.chain.size(), 2U) << "from " << from.transpose() << " to " << to.transpose();
+    EXPECT_GE(done.vertices.size(), 2U) << "from " << from.transpose() << " to " << to.transpose();
     EXPECT_LT(done.deviation, 0.5 * std::sqrt(2.0));
     if (done.deviation < 1e-14) {
       ++exact;
-      EXPECT_LT((mesh.material(done.chain.front()) - from).norm(), 1e-14);
-      EXPECT_LT((mesh.material(done.chain.back()) - to).norm(), 1e-14);
+      EXPECT_LT((mesh.material(done.vertices.front()) - from).norm(), 1e-14);
+      EXPECT_LT((mesh.material(done.vertices.back()) - to).norm(), 1e-14);
       EXPECT_NEAR(done.length, (to - from).norm(), 1e-12);
     }
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
     remesher.openMarks();
     remesher.finish();
     expectSound(mesh, 16.0);
-    EXPECT_EQ(findPieces(mesh).count, 1);
+    EXPECT_EQ(connectedComponents(mesh).count, 1);
   }
   EXPECT_GT(exact, 90) << "most need not bend";
 }
@@ -398,8 +398,8 @@ TEST(EmbedPath, InsideAFaceWithRoomIsExact) {
   const Vec2 to(1.8, 1.5);
   const EmbeddedPath done = embed(pathAlong(mesh, {from, to}), remesher);
   EXPECT_LT(done.deviation, 1e-14);
-  EXPECT_LT((mesh.material(done.chain.front()) - from).norm(), 1e-14);
-  EXPECT_LT((mesh.material(done.chain.back()) - to).norm(), 1e-14);
+  EXPECT_LT((mesh.material(done.vertices.front()) - from).norm(), 1e-14);
+  EXPECT_LT((mesh.material(done.vertices.back()) - to).norm(), 1e-14);
   EXPECT_NEAR(done.length, (to - from).norm(), 1e-13);
 }
 
@@ -439,7 +439,7 @@ TEST(EmbedPath, AClosedOneFreesADisc) {
     ASSERT_TRUE(path.isClosed());
     Remesher remesher(mesh, {}, {});
     const EmbeddedPath done = embed(path, remesher);
-    EXPECT_EQ(done.chain.front(), done.chain.back());
+    EXPECT_EQ(done.vertices.front(), done.vertices.back());
     remesher.improve();
     remesher.openMarks();
     remesher.finish();
@@ -656,7 +656,7 @@ TEST(Locate, DoesNotGoOverWhatHasComeApart) {
   MeshEditor editor(mesh);
   ASSERT_TRUE(editor.splitVertex(4, {3, 6, 7}));
   editor.finish();
-  ASSERT_EQ(findPieces(mesh).count, 2);
+  ASSERT_EQ(connectedComponents(mesh).count, 2);
   const FaceId found = locate(mesh, {0, Vec2(1.5, 0.2)});
   EXPECT_THAT((std::vector<FaceId>{0, 1, 4, 5}), testing::Contains(found));
 }

@@ -161,7 +161,7 @@ bool conforms(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const Face& face = mesh.face(f);
       const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
-      if (border != mesh.isRim(f, k)) return false;
+      if (border != mesh.isOriginalBoundary(f, k)) return false;
     }
   }
   return true;

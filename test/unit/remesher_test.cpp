@@ -214,7 +214,7 @@ bool conforms(const TriangleMesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const Face& face = mesh.face(f);
       const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
-      if (border != mesh.isRim(f, k)) return false;
+      if (border != mesh.isOriginalBoundary(f, k)) return false;
     }
   }
   return true;
@@ -434,7 +434,7 @@ TEST(OpenMarks, TwoInnerEdgesInARowOpenAtTheVertexBetween) {
   ASSERT_EQ(changes.vertices.size(), 1U);
   EXPECT_EQ(changes.vertices[0].kind, VertexEdit::Kind::kCopy);
   EXPECT_EQ(changes.vertices[0].from[0], 12);
-  EXPECT_EQ(findPieces(mesh).count, 1);
+  EXPECT_EQ(connectedComponents(mesh).count, 1);
   EXPECT_TRUE(mesh.isBoundary(11));
   EXPECT_TRUE(mesh.isBoundary(13));
 }
@@ -580,7 +580,7 @@ TEST(OpenMarks, AnySetOfEdgesOpensExactlyAlongThem) {
       remesher.finish();
       ASSERT_EQ(validateMesh(mesh), "") << "trial " << trial;
       ASSERT_EQ(mesh.vertexCount(), expected.vertices) << "trial " << trial;
-      ASSERT_EQ(findPieces(mesh).count, expected.pieces) << "trial " << trial;
+      ASSERT_EQ(connectedComponents(mesh).count, expected.pieces) << "trial " << trial;
     }
     expectSound(mesh, area);
   }

@@ -27,7 +27,7 @@ TEST(SpringNetwork, OfAGridHasFewDifferentSpringsAndKeepsEachOnce) {
   for (const char* fabric : {"cotton", "silk", "denim"}) {
     for (const int side : {33, 64, 128}) {
       const SpringNetwork springs(makeGridMesh({side, side, 1.0, 1.0}), fabricPreset(fabric), {});
-      EXPECT_LT(springs.slots().makeCount(), springs.slots().size() / 20)
+      EXPECT_LT(springs.slots().typeCount(), springs.slots().size() / 20)
           << fabric << ", " << side << " particles a side";
     }
   }
@@ -336,7 +336,7 @@ void expectChangesTell(const std::vector<Spring>& before, const std::vector<Spri
   }
 }
 
-/// `standingOn` names, for every vertex, the springs whose support it is in, and no others.
+/// `springsOn` names, for every vertex, the springs whose support it is in, and no others.
 void expectStandingAgrees(const TriangleMesh& mesh, const SpringNetwork& springs) {
   std::vector<std::vector<std::int32_t>> expected(mesh.vertexCount());
   const auto count = static_cast<std::int32_t>(springs.slots().size());
@@ -346,7 +346,7 @@ void expectStandingAgrees(const TriangleMesh& mesh, const SpringNetwork& springs
     }
   }
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    std::vector<std::int32_t> listed = springs.standingOn(v);
+    std::vector<std::int32_t> listed = springs.springsOn(v);
     std::sort(listed.begin(), listed.end());
     EXPECT_EQ(listed, expected[v]) << "vertex " << v;
   }
@@ -460,7 +460,7 @@ void expectRemovalFollowed(Generator& random, const std::vector<FaceId>& faces, 
                            SpringNetwork& springs, const Fabric& fabric) {
   const std::vector<Spring> before = springs.slots();
   MeshEditor editor(mesh);
-  editor.removePieces(faces);
+  editor.removeComponents(faces);
   const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
   EXPECT_TRUE(changes.added.empty());
   expectChangesTell(before, springs.slots(), changes);
@@ -487,12 +487,12 @@ TEST(SpringNetworkFollow, GivesTheNetworkOfTheMeshWithoutThePiecesThatWereTakenA
     SpringNetwork springs(mesh, fabric, {});
     MeshEditor editor(mesh);
     RandomEditor edits(editor, random);
-    while (findPieces(mesh).count < 4) {
+    while (connectedComponents(mesh).count < 4) {
       edits.open();
       edits.any();
     }
     springs.applyChanges(mesh, editor.finish());
-    const Pieces pieces = findPieces(mesh);
+    const ConnectedComponents pieces = connectedComponents(mesh);
     const int kept = whole(random, 0, pieces.count - 1);
     std::vector<FaceId> faces;
     for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -757,7 +757,7 @@ TEST(SpringNetworkClear, TheyStayAwayWhenPiecesAreTakenAway) {
   }
   ASSERT_GT(gone.size(), 4U);
   MeshEditor editor(mesh);
-  editor.removePieces({0, 1, 2, 3, 4, 5, 6, 7});
+  editor.removeComponents({0, 1, 2, 3, 4, 5, 6, 7});
   springs.applyChanges(mesh, editor.finish());
   expectStandingAgrees(mesh, springs);
   for (VertexId v = 0; v < 9; ++v) {
@@ -883,8 +883,8 @@ TEST(Masses, OfPiecesGoWithThem) {
   MeshEditor editor(model.mesh);
   ASSERT_TRUE(editor.splitVertex(4, {3, 6, 7}));
   applyMassChanges(editor.finish(), model);
-  ASSERT_EQ(findPieces(model.mesh).count, 2);
-  editor.removePieces({0, 1, 4, 5});
+  ASSERT_EQ(connectedComponents(model.mesh).count, 2);
+  editor.removeComponents({0, 1, 4, 5});
   applyMassChanges(editor.finish(), model);
   EXPECT_NEAR(totalMass(model), 0.15, 1e-15);
   Model expected = modelOn(model.mesh);

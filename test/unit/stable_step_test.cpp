@@ -146,7 +146,7 @@ double largestEigenvalueAt(const Model& model, const State& state) {
     add(spring.a, spring.b, -block);
     add(spring.b, spring.a, -block);
   }
-  for (const BendElement& element : model.bending.elements()) {
+  for (const PlateElement& element : model.bending.elements()) {
     for (int i = 0; i < element.count; ++i) {
       for (int j = 0; j < element.count; ++j) {
         add(element.vertex[i], element.vertex[j],

@@ -76,7 +76,7 @@ std::vector<SurgeryResult> tearOut(Tearing& tearing, Model& model, State& state,
     if (plan.paths.empty()) return results;
     if (overloaded != nullptr) overloaded->insert(plan.overloaded.begin(), plan.overloaded.end());
     results.push_back(cut(plan, {}, {}, model, state));
-    tearing.opened(results.back());
+    tearing.noteOpened(results.back());
     tearing.applyChanges(model, results.back().changes);
   }
   ADD_FAILURE() << "no end of it";
@@ -297,7 +297,7 @@ TEST(TearingSpeed, ATipRunsNoFasterThanItMay) {
           length += lengthOf(path);
         }
         const SurgeryResult result = cut(plan, {}, {}, model, state);
-        tearing.opened(result);
+        tearing.noteOpened(result);
         tearing.applyChanges(model, result.changes);
       }
     }
@@ -324,7 +324,7 @@ TEST(TearingFollow, SpringsThatAnEditMadeMayFailToo) {
   }
   ASSERT_FALSE(overloaded.empty());
   EXPECT_GE(*overloaded.rbegin(), before);
-  EXPECT_GT(findPieces(model.mesh).count, 1);
+  EXPECT_GT(connectedComponents(model.mesh).count, 1);
   EXPECT_EQ(validationError(model.mesh), "");
 }
 
@@ -413,7 +413,7 @@ TEST(Notch, SeversTheTwelveRowsThatItCrosses) {
   EXPECT_EQ(*rows.begin(), 0);
   EXPECT_EQ(*rows.rbegin(), 11);
   EXPECT_NEAR(result.length, 0.089, 1e-12);
-  EXPECT_EQ(findPieces(model.mesh).count, 1);
+  EXPECT_EQ(connectedComponents(model.mesh).count, 1);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 /// \file The cloth, or several: everything that is constant during a step.
 
-#include "cloth_sim/cloth/bend_network.h"
+#include "cloth_sim/cloth/plate_bending.h"
 #include "cloth_sim/cloth/spring_network.h"
 #include "cloth_sim/mesh/grid.h"
 #include "cloth_sim/mesh/material_strips.h"
@@ -23,7 +23,7 @@ struct ClothPart {
 struct Model {
   TriangleMesh mesh;
   SpringNetwork springs;
-  BendNetwork bending;      ///< empty: bending is none, or of springs
+  PlateBending bending;     ///< empty: bending is none, or of springs
   VertexData<double> mass;  ///< lumped [kg], > 0
   /// Mass over a third of the rest area around each vertex [kg/m^2]: the fabric's, unless the scene
   /// gave the particles masses of their own.
@@ -38,7 +38,10 @@ struct Model {
   /// same.
   double bendRetardation() const { return cloths.front().fabric.damping; }
 
-  /// What edits change; the rest is as the scene has it.
+  /// Brings masses, springs and bending up to date after an edit of the mesh.
+  SpringChanges applyChanges(const MeshChanges& changes);
+
+  /// Archives what edits and commands change; the rest follows from the scene.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(mesh, springs, bending, mass, arealDensity);

@@ -88,7 +88,7 @@ class SpringSlots {
 
   std::size_t size() const { return slots_.size(); }
   /// What slots take their springs from; at least as many as there are different ones.
-  std::size_t makeCount() const { return makes_.size() - unused_.size(); }
+  std::size_t typeCount() const { return makes_.size() - unused_.size(); }
   Spring operator[](std::int32_t slot) const {
     const Slot& at = slots_[static_cast<std::size_t>(slot)];
     if (at.make == kNone) return {};

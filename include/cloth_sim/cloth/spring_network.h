@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "cloth_sim/cloth/raw_shares.h"
+#include "cloth_sim/cloth/raw_spring_fractions.h"
 #include "cloth_sim/cloth/spring_calibration.h"
 #include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/mesh_changes.h"
@@ -57,10 +57,10 @@ class SpringNetwork {
   SpringChanges allModified() const;
   Spring operator[](std::int32_t slot) const { return slots_[slot]; }
   /// Slots of the springs that stand on the faces around `v` (see Spring::support).
-  IndexSpan standingOn(VertexId v) const;
+  IndexSpan springsOn(VertexId v) const;
   /// The same around any of `vertices`, ascending, unique. Vertices that the network does not know
   /// have none.
-  std::vector<std::int32_t> standingOnAny(const std::vector<VertexId>& vertices) const;
+  std::vector<std::int32_t> springsOnAny(const std::vector<VertexId>& vertices) const;
   std::int32_t count() const { return count_[0] + count_[1] + count_[2]; }
   std::int32_t count(SpringKind kind) const { return count_[static_cast<int>(kind)]; }
 
@@ -102,7 +102,8 @@ class SpringNetwork {
   void deriveBends(const TriangleMesh& mesh, VertexId v, const std::vector<VertexId>& neighbours,
                    const Sink& sink) const;
   void setConstants(const TriangleMesh& mesh, const IndexSpan& on, Spring& spring) const;
-  RawShare rawShare(const TriangleMesh& mesh, const IndexSpan& on, const Spring& spring) const;
+  RawSpringFraction rawShare(const TriangleMesh& mesh, const IndexSpan& on,
+                             const Spring& spring) const;
   template <typename Sink>
   void deriveAroundAll(const TriangleMesh& mesh, const std::vector<VertexId>& vertices,
                        const Sink& sink) const;
@@ -121,8 +122,8 @@ class SpringNetwork {
   MaterialStrips strips_;
   std::vector<Cloth> cloths_{Cloth()};  ///< by strip
   bool anyRaw_ = false;
-  double scale_ = 1.0;   ///< of every stiffness
-  RawShares rawShares_;  ///< kept if `anyRaw_`
+  double scale_ = 1.0;            ///< of every stiffness
+  RawSpringFractions rawShares_;  ///< kept if `anyRaw_`
   SpringSlots slots_;
   /// By vertex; made when it is first asked for: a cloth that nobody cuts does without.
   mutable IndexLists standing_;

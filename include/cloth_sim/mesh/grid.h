@@ -16,7 +16,7 @@ struct Grid {
   /// Vertices are numbered row by row.
   VertexId vertex(int i, int j) const { return j * columns + i; }
   /// Material coordinates of a vertex [m].
-  Vec2 place(int i, int j) const { return Vec2(i * spacingU(), j * spacingV()); }
+  Vec2 material(int i, int j) const { return Vec2(i * spacingU(), j * spacingV()); }
   /// Between neighbours [m]: what divides the sides evenly, but for a few parts in 10^16 of them,
   /// so that its multiples are exact. Then all cells are the same, to the last bit, and so are the
   /// springs in them. The sides are longer or shorter by as many parts in 10^16 a cell.

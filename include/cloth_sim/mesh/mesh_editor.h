@@ -7,7 +7,7 @@
 namespace cloth_sim {
 
 /// Edits a mesh and records what it did. Each edit leaves a valid manifold, and (but for
-/// `removePieces`) keeps the rest area and the orientation of the faces.
+/// `removeComponents`) keeps the rest area and the orientation of the faces.
 ///
 ///     MeshEditor editor(mesh);
 ///     editor.splitVertex(v, facesOnOneSide);
@@ -42,7 +42,7 @@ class MeshEditor {
   /// Takes whole pieces away. Vertices and faces change their numbers: no other edit may share the
   /// changes with this one.
   /// \param faces  every face of the pieces, ascending.
-  void removePieces(const std::vector<FaceId>& faces);
+  void removeComponents(const std::vector<FaceId>& faces);
 
   /// The edits of the list of vertices so far.
   const std::vector<VertexEdit>& edits() const { return changes_.vertices; }

@@ -49,7 +49,7 @@ class TriangleMesh {
   bool isBoundary(VertexId v) const;
   /// Whether the edge from corner k to the next one of `f` is part of the border that the mesh was
   /// made with. Border edges that are not are where it came apart since.
-  bool isRim(FaceId f, int k) const { return ((rim_[f] >> k) & 1U) != 0; }
+  bool isOriginalBoundary(FaceId f, int k) const { return ((rim_[f] >> k) & 1U) != 0; }
   /// How many bisections a face is from the original mesh.
   int generation(FaceId f) const { return generation_[f]; }
 
@@ -85,12 +85,12 @@ std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v
 double areaAround(const TriangleMesh& mesh, VertexId v);
 
 /// Connected pieces by shared edges: a piece number per face, and how many there are.
-/// Pieces are numbered by their smallest face id.
-struct Pieces {
+/// They are numbered by their smallest face id.
+struct ConnectedComponents {
   std::int32_t count = 0;
   std::vector<std::int32_t> ofFace;
 };
-Pieces findPieces(const TriangleMesh& mesh);
+ConnectedComponents connectedComponents(const TriangleMesh& mesh);
 
 /// Empty if `mesh` is a valid oriented 2-manifold with boundary whose tables agree and whose faces
 /// have positive rest area; otherwise one sentence that names the first error.

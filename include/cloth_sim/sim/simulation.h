@@ -176,7 +176,7 @@ class Simulation {
   std::size_t told_ = 0;  ///< of failures_, by takeEvents
   std::shared_ptr<const Topology> topology_;
   SurgeryLimits limits_;
-  Pieces pieces_;
+  ConnectedComponents pieces_;
   DroppedScraps dropped_;
   std::uint64_t stepCount_ = 0;
   double maxStretchSeen_ = 1.0;

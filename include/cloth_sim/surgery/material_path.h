@@ -13,8 +13,8 @@ namespace cloth_sim {
 using MaterialPath = std::vector<Vec2>;
 
 /// A place, or a whole cloth, in material coordinates as if it lay in the world's plane z = 0 [m].
-inline Vec3 laidFlat(const Vec2& p) { return Vec3(p.x(), p.y(), 0.0); }
-VertexData<Vec3> laidFlat(const TriangleMesh& mesh);
+inline Vec3 inMaterialPlane(const Vec2& p) { return Vec3(p.x(), p.y(), 0.0); }
+VertexData<Vec3> inMaterialPlane(const TriangleMesh& mesh);
 
 /// Signed distance to the nearest segment of `path`: positive to the right of its direction, and
 /// beyond its ends measured from the end segments' lines [m]. Points within 1e-9 m count as right.

@@ -54,6 +54,6 @@ SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
 
 /// Takes whole pieces away.
 /// \param faces  all faces of the pieces, ascending.
-SurgeryResult takeAway(const std::vector<FaceId>& faces, Model& model, State& state);
+SurgeryResult removeComponents(const std::vector<FaceId>& faces, Model& model, State& state);
 
 }  // namespace cloth_sim

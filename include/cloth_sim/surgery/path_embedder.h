@@ -8,9 +8,9 @@ namespace cloth_sim {
 
 /// What became of a path.
 struct EmbeddedPath {
-  std::vector<VertexId> chain;  ///< consecutive ones are joined by marked edges
-  double length = 0.0;          ///< of the chain at rest [m]
-  double deviation = 0.0;       ///< farthest that the chain was bent away from the path [m]
+  std::vector<VertexId> vertices;  ///< consecutive ones are joined by marked edges
+  double length = 0.0;             ///< of the chain at rest [m]
+  double deviation = 0.0;          ///< farthest that the chain was bent away from the path [m]
 };
 
 /// How a path ends.

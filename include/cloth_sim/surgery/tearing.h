@@ -7,9 +7,9 @@
 #include <optional>
 #include <set>
 
-#include "cloth_sim/surgery/long_springs.h"
 #include "cloth_sim/surgery/material_path.h"
 #include "cloth_sim/surgery/operation.h"
+#include "cloth_sim/surgery/spring_length_monitor.h"
 
 namespace cloth_sim {
 
@@ -61,12 +61,12 @@ class Tearing {
 
   /// What tears now, most overloaded first (by stretch over limit; ties by slot); at most one line
   /// through each face. Visits only springs that the gate allows. To be asked again after the cut
-  /// and `opened`, until it has no paths: a fast tip takes several strides in a step.
+  /// and `noteOpened`, until it has no paths: a fast tip takes several strides in a step.
   /// \param dt  how long it may have been overloaded [s].
   CutPlan plan(const Model& model, const State& state, double dt);
 
   /// Tells that the last plan was carried out.
-  void opened(const SurgeryResult& result);
+  void noteOpened(const SurgeryResult& result);
   /// Tells of another operation: tears may go on where cuts end.
   void noteTips(const SurgeryResult& result);
 
@@ -142,7 +142,7 @@ class Tearing {
   std::map<VertexId, double> tips_;  ///< when each may go on [s]
   std::vector<Run> runs_;
   std::set<std::int32_t> idle_;  ///< slots whose lines opened nothing, since they last changed
-  LongSprings near_;             ///< by candidate; empty: not known for springs as they are now
+  SpringLengthMonitor near_;     ///< by candidate; empty: not known for springs as they are now
   double worst_ = 0.0;           ///< largest strain over the strain that tears, if it is near 1
   double plannedAt_ = 0.0;       ///< time of the state of the last plan [s]
   std::vector<Stride> strides_;  ///< of the last plan, by path

@@ -1,4 +1,4 @@
-#include "cloth_sim/surgery/long_springs.h"
+#include "cloth_sim/surgery/spring_length_monitor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +42,7 @@ std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
 
 }  // namespace
 
-void LongSprings::clear() {
+void SpringLengthMonitor::clear() {
   springs_.clear();
   before_.clear();
   isClose_.clear();
@@ -52,25 +52,25 @@ void LongSprings::clear() {
   finite_ = 0;
 }
 
-void LongSprings::reserve(std::size_t springs) {
+void SpringLengthMonitor::reserve(std::size_t springs) {
   springs_.reserve(springs);
   close_.reserve(springs);
   long_.reserve(springs);
 }
 
-void LongSprings::watch(const Spring& spring, double length) {
+void SpringLengthMonitor::watch(const Spring& spring, double length) {
   springs_.push_back({spring.a, spring.b, length});
   if (length == kNever) return;
   margins_ += std::max(0.0, length - spring.restLength);
   ++finite_;
 }
 
-void LongSprings::replace(std::int32_t k, const Spring& spring, double length) {
+void SpringLengthMonitor::replace(std::int32_t k, const Spring& spring, double length) {
   springs_[static_cast<std::size_t>(k)] = {spring.a, spring.b, length};
   lookAt(k);
 }
 
-void LongSprings::lookAt(std::int32_t k) {
+void SpringLengthMonitor::lookAt(std::int32_t k) {
   const auto place = static_cast<std::size_t>(k);
   if (place >= isClose_.size()) isClose_.resize(place + 1, 0);
   if (isClose_[place] != 0) return;
@@ -79,7 +79,7 @@ void LongSprings::lookAt(std::int32_t k) {
   close_.push_back(k);
 }
 
-const std::vector<std::int32_t>& LongSprings::find(const VertexData<Vec3>& x) {
+const std::vector<std::int32_t>& SpringLengthMonitor::find(const VertexData<Vec3>& x) {
   long_.clear();
   if (finite_ == 0) return long_;
   const auto keepIfLong = [&](std::int32_t k) {
@@ -97,7 +97,7 @@ const std::vector<std::int32_t>& LongSprings::find(const VertexData<Vec3>& x) {
 }
 
 /// Takes up what was put, and watched anew.
-void LongSprings::settle(const VertexData<Vec3>& x) {
+void SpringLengthMonitor::settle(const VertexData<Vec3>& x) {
   if (before_.empty()) return;  // all will be looked at
   for (auto k = isClose_.size(); k < springs_.size(); ++k) lookAt(static_cast<std::int32_t>(k));
   if (!isSorted_) std::sort(close_.begin(), close_.end());
@@ -109,7 +109,7 @@ void LongSprings::settle(const VertexData<Vec3>& x) {
 }
 
 /// Where all moved alike, no spring is longer.
-bool LongSprings::haveMoved(const VertexData<Vec3>& x) const {
+bool SpringLengthMonitor::haveMoved(const VertexData<Vec3>& x) const {
   if (before_.size() != x.size() || before_.empty()) return true;
   const Vec3 shift = x[0] - before_[0];
   // Along each axis; so the way is shorter than sqrt(3)/2 of the slack, and rounding has room.
@@ -118,7 +118,7 @@ bool LongSprings::haveMoved(const VertexData<Vec3>& x) const {
          static_cast<std::int64_t>(x.size());
 }
 
-void LongSprings::lookAtAll(const VertexData<Vec3>& x) {
+void SpringLengthMonitor::lookAtAll(const VertexData<Vec3>& x) {
   before_ = x.values();
   put_.clear();
   slack_ = kSlack * margins_ / static_cast<double>(finite_);

@@ -12,7 +12,7 @@ namespace cloth_sim {
 
 /// A quadratic energy 1/2 stiffness |sum over k of weight[k] x[vertex[k]]|^2 [J]. The sum is one
 /// component of the second derivative of the position by the material coordinates [1/m].
-struct BendElement {
+struct PlateElement {
   static constexpr int kMostVertices = 6;
   std::array<VertexId, kMostVertices> vertex;  ///< ascending, then kNone
   std::array<double, kMostVertices> weight;    ///< [1/m^2]; they sum to zero
@@ -36,7 +36,7 @@ struct BendElement {
 /// On a grid the stencils are those of finite differences, three points along a thread and four
 /// around a cell, whichever way the diagonals run; on any mesh they are exact for quadratics
 /// wherever six points determine one, which energies of single hinges are not.
-class BendNetwork {
+class PlateBending {
  public:
   /// What the elements of one cloth are made from.
   struct Plate {
@@ -48,16 +48,16 @@ class BendNetwork {
     double most = std::numeric_limits<double>::infinity();
   };
 
-  BendNetwork() = default;
+  PlateBending() = default;
   /// Of one cloth; see Plate.
-  BendNetwork(const TriangleMesh& mesh, double rigidity,
-              double most = std::numeric_limits<double>::infinity());
+  PlateBending(const TriangleMesh& mesh, double rigidity,
+               double most = std::numeric_limits<double>::infinity());
   /// \param plates  one for each strip.
-  BendNetwork(const TriangleMesh& mesh, MaterialStrips strips, std::vector<Plate> plates);
+  PlateBending(const TriangleMesh& mesh, MaterialStrips strips, std::vector<Plate> plates);
 
   bool empty() const { return elements_.empty(); }
   /// Three per face, of which some may be without stiffness.
-  const std::vector<BendElement>& elements() const { return elements_; }
+  const std::vector<PlateElement>& elements() const { return elements_; }
 
   /// Derives the elements anew on the faces that an edit touched and beside them.
   void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
@@ -84,7 +84,7 @@ class BendNetwork {
   MaterialStrips strips_;
   std::vector<Plate> plates_;  ///< by strip
   double scale_ = 1.0;         ///< of every stiffness
-  std::vector<BendElement> elements_;
+  std::vector<PlateElement> elements_;
 };
 
 }  // namespace cloth_sim

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "stroke_pieces.h"
+#include "stroke_segments.h"
 
 namespace cloth_sim {
 namespace {
@@ -11,19 +11,19 @@ namespace {
 constexpr double kNoTime = 1e-12;
 constexpr double kNoDistance = 1e-9;
 
-/// A part of a piece, 0 at its start and 1 at its end; or of the stroke.
+/// A part of a segment, 0 at its start and 1 at its end; or of the stroke.
 struct Interval {
   double low = 0.0;
   double high = 0.0;
 };
 
-/// A piece over the stroke.
+/// A segment over the stroke.
 struct Span {
   Interval time;
   double bladeLow = 0.0;  ///< along the blade, at the interval's ends
   double bladeHigh = 0.0;
-  std::size_t chain = 0;
-  std::size_t piece = 0;
+  std::size_t polyline = 0;
+  std::size_t segment = 0;
 
   double length() const { return time.high - time.low; }
   bool isInstant() const { return length() <= kNoTime; }
@@ -34,18 +34,19 @@ struct Span {
   }
 };
 
-std::vector<Span> spansOf(const std::vector<PathChain>& chains) {
+std::vector<Span> spansOf(const std::vector<Polyline>& polylines) {
   std::vector<Span> spans;
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    for (std::size_t p = 0; p < chains[c].pieces.size(); ++p) {
-      StripParameters a = chains[c].pieces[p].from.at;
-      StripParameters b = chains[c].pieces[p].to.at;
+  for (std::size_t c = 0; c < polylines.size(); ++c) {
+    for (std::size_t p = 0; p < polylines[c].segments.size(); ++p) {
+      SweptParameters a = polylines[c].segments[p].from.at;
+      SweptParameters b = polylines[c].segments[p].to.at;
       if (b.stroke < a.stroke) std::swap(a, b);
       spans.push_back({{a.stroke, b.stroke}, a.blade, b.blade, c, p});
     }
   }
   std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) {
-    return std::tie(a.time.low, a.chain, a.piece) < std::tie(b.time.low, b.chain, b.piece);
+    return std::tie(a.time.low, a.polyline, a.segment) <
+           std::tie(b.time.low, b.polyline, b.segment);
   });
   return spans;
 }
@@ -58,7 +59,8 @@ Interval hiddenBy(const Span& other, const Span& span) {
   const double atLow = span.bladeAt(low) - other.bladeAt(low);
   const double atHigh = span.bladeAt(high) - other.bladeAt(high);
   if (std::max(std::abs(atLow), std::abs(atHigh)) <= kNoDistance) {
-    const bool earlier = std::tie(other.chain, other.piece) < std::tie(span.chain, span.piece);
+    const bool earlier =
+        std::tie(other.polyline, other.segment) < std::tie(span.polyline, span.segment);
     return earlier ? Interval{low, high} : Interval{};
   }
   if (atLow <= kNoDistance && atHigh <= kNoDistance) return {};
@@ -68,7 +70,7 @@ Interval hiddenBy(const Span& other, const Span& span) {
   return atLow > kNoDistance ? Interval{low, crossing} : Interval{crossing, high};
 }
 
-/// A piece that the blade reaches all at once is seen only if it is no longer than a point, and
+/// A segment that the blade reaches all at once is seen only if it is no longer than a point, and
 /// not behind another one.
 bool hidesInstant(const Span& other, const Span& span) {
   if (other.isInstant()) return false;
@@ -93,16 +95,17 @@ std::vector<Interval> visible(const Span& span, std::vector<Interval> hidden) {
 
 class LayerFilter {
  public:
-  explicit LayerFilter(const std::vector<PathChain>& chains)
-      : chains_(chains), spans_(spansOf(chains)), visible_(chains.size()) {
+  explicit LayerFilter(const std::vector<Polyline>& polylines)
+      : polylines_(polylines), spans_(spansOf(polylines)), visible_(polylines.size()) {
     for (const Span& span : spans_) longest_ = std::max(longest_, span.length());
-    for (std::size_t c = 0; c < chains.size(); ++c) visible_[c].resize(chains[c].pieces.size());
+    for (std::size_t c = 0; c < polylines.size(); ++c)
+      visible_[c].resize(polylines[c].segments.size());
   }
 
-  std::vector<PathChain> run() {
-    for (const Span& span : spans_) visible_[span.chain][span.piece] = visibleParts(span);
-    for (std::size_t c = 0; c < chains_.size(); ++c) rebuild(c);
-    for (PathChain& chain : result_) direct(chain);
+  std::vector<Polyline> run() {
+    for (const Span& span : spans_) visible_[span.polyline][span.segment] = visibleParts(span);
+    for (std::size_t c = 0; c < polylines_.size(); ++c) rebuild(c);
+    for (Polyline& polyline : result_) direct(polyline);
     return std::move(result_);
   }
 
@@ -121,77 +124,78 @@ class LayerFilter {
     return instant ? std::vector<Interval>{span.time} : visible(span, std::move(hidden));
   }
 
-  /// The visible parts of a chain as chains of their own.
+  /// The visible parts of a polyline as polylines of their own.
   void rebuild(std::size_t c) {
-    const PathChain& chain = chains_[c];
+    const Polyline& polyline = polylines_[c];
     const std::size_t before = result_.size();
-    bool goesOn = false;  // the last part reaches the end of its piece
-    for (std::size_t p = 0; p < chain.pieces.size(); ++p) {
-      std::vector<PathPiece> parts = partsOf(chain.pieces[p], visible_[c][p]);
-      for (PathPiece& part : parts) {
-        const bool joined = goesOn && part.from.node == chain.pieces[p].from.node;
+    bool goesOn = false;  // the last part reaches the end of its segment
+    for (std::size_t p = 0; p < polyline.segments.size(); ++p) {
+      std::vector<PathSegment> parts = partsOf(polyline.segments[p], visible_[c][p]);
+      for (PathSegment& part : parts) {
+        const bool joined = goesOn && part.from.node == polyline.segments[p].from.node;
         if (!joined) result_.emplace_back();
-        goesOn = part.to.node == chain.pieces[p].to.node;
-        result_.back().pieces.push_back(std::move(part));
+        goesOn = part.to.node == polyline.segments[p].to.node;
+        result_.back().segments.push_back(std::move(part));
       }
       if (parts.empty()) goesOn = false;
     }
-    if (chain.closed && result_.size() > before) closeRing(chain, before, goesOn);
+    if (polyline.closed && result_.size() > before) closeRing(polyline, before, goesOn);
   }
 
   /// Joins the last part of a ring to the first, if they meet.
-  void closeRing(const PathChain& chain, std::size_t first, bool goesOn) {
-    PathChain& start = result_[first];
-    if (!goesOn || start.pieces.front().from.node != chain.pieces.front().from.node) return;
+  void closeRing(const Polyline& polyline, std::size_t first, bool goesOn) {
+    Polyline& start = result_[first];
+    if (!goesOn || start.segments.front().from.node != polyline.segments.front().from.node) return;
     if (result_.size() == first + 1) {
       start.closed = true;
       return;
     }
-    PathChain last = std::move(result_.back());
+    Polyline last = std::move(result_.back());
     result_.pop_back();
-    PathChain& head = result_[first];
-    head.pieces.insert(head.pieces.begin(), last.pieces.begin(), last.pieces.end());
+    Polyline& head = result_[first];
+    head.segments.insert(head.segments.begin(), last.segments.begin(), last.segments.end());
   }
 
-  static std::vector<PathPiece> partsOf(const PathPiece& piece,
-                                        const std::vector<Interval>& times) {
-    std::vector<PathPiece> parts;
+  static std::vector<PathSegment> partsOf(const PathSegment& segment,
+                                          const std::vector<Interval>& times) {
+    std::vector<PathSegment> parts;
     for (const Interval& time : times) {
-      PathPiece part = piece;
-      const bool forwards = piece.from.at.stroke <= piece.to.at.stroke;
-      cut(piece, forwards ? time.low : time.high, part.from);
-      cut(piece, forwards ? time.high : time.low, part.to);
+      PathSegment part = segment;
+      const bool forwards = segment.from.at.stroke <= segment.to.at.stroke;
+      cut(segment, forwards ? time.low : time.high, part.from);
+      cut(segment, forwards ? time.high : time.low, part.to);
       parts.push_back(part);
     }
-    if (!parts.empty() && piece.from.at.stroke > piece.to.at.stroke) {
+    if (!parts.empty() && segment.from.at.stroke > segment.to.at.stroke) {
       std::reverse(parts.begin(), parts.end());
     }
     return parts;
   }
 
-  /// Moves an end of a part to where the piece is at time `t`, unless it is there already.
-  static void cut(const PathPiece& piece, double t, PathSample& end) {
+  /// Moves an end of a part to where the segment is at time `t`, unless it is there already.
+  static void cut(const PathSegment& segment, double t, PathSample& end) {
     if (std::abs(end.at.stroke - t) <= kNoTime) return;
-    const double part = (t - piece.from.at.stroke) / (piece.to.at.stroke - piece.from.at.stroke);
+    const double part =
+        (t - segment.from.at.stroke) / (segment.to.at.stroke - segment.from.at.stroke);
     end.node = {kNone, kNone, kNone};
-    end.need = Need::kAlways;
-    end.material = (1.0 - part) * piece.from.material + part * piece.to.material;
-    end.position = (1.0 - part) * piece.from.position + part * piece.to.position;
+    end.keep = Keep::kAlways;
+    end.material = (1.0 - part) * segment.from.material + part * segment.to.material;
+    end.position = (1.0 - part) * segment.from.position + part * segment.to.position;
     end.at.stroke = t;
-    end.at.blade = (1.0 - part) * piece.from.at.blade + part * piece.to.at.blade;
+    end.at.blade = (1.0 - part) * segment.from.at.blade + part * segment.to.at.blade;
   }
 
-  const std::vector<PathChain>& chains_;
+  const std::vector<Polyline>& polylines_;
   std::vector<Span> spans_;
   double longest_ = 0.0;
-  std::vector<std::vector<std::vector<Interval>>> visible_;  ///< by chain and piece
-  std::vector<PathChain> result_;
+  std::vector<std::vector<std::vector<Interval>>> visible_;  ///< by polyline and segment
+  std::vector<Polyline> result_;
 };
 
 }  // namespace
 
-std::vector<PathChain> nearestParts(const std::vector<PathChain>& chains) {
-  return LayerFilter(chains).run();
+std::vector<Polyline> lowerEnvelope(const std::vector<Polyline>& polylines) {
+  return LayerFilter(polylines).run();
 }
 
 }  // namespace cloth_sim

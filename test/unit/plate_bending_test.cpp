@@ -1,6 +1,6 @@
 /// \file Bending elements: exact for quadratics on any mesh, blind to what is no bending, local.
 
-#include "cloth_sim/cloth/bend_network.h"
+#include "cloth_sim/cloth/plate_bending.h"
 
 #include <gtest/gtest.h>
 
@@ -35,10 +35,10 @@ bool isInner(const TriangleMesh& mesh, FaceId f) {
   return corners.size() == 3;
 }
 
-double squaredCurvature(const BendNetwork& bending, FaceId f, const std::vector<Vec3>& x) {
+double squaredCurvature(const PlateBending& bending, FaceId f, const std::vector<Vec3>& x) {
   double sum = 0.0;
   for (int e = 3 * f; e < 3 * f + 3; ++e) {
-    const BendElement& element = bending.elements()[static_cast<std::size_t>(e)];
+    const PlateElement& element = bending.elements()[static_cast<std::size_t>(e)];
     Vec3 curvature = Vec3::Zero();
     for (int k = 0; k < element.count; ++k) {
       curvature += element.weight[static_cast<std::size_t>(k)] *
@@ -49,14 +49,14 @@ double squaredCurvature(const BendNetwork& bending, FaceId f, const std::vector<
   return sum;
 }
 
-TEST(BendNetwork, IsExactForQuadraticsOnIrregularMeshes) {
+TEST(PlateBending, IsExactForQuadraticsOnIrregularMeshes) {
   Generator random(5);
   for (int trial = 0; trial < 10; ++trial) {
     TriangleMesh mesh = makeGridMesh({6, 7, 0.5, 0.7});
     MeshEditor editor(mesh);
     RandomEditor edits(editor, random);
     for (int k = 0; k < 3 * trial; ++k) edits.any();
-    const BendNetwork bending(mesh, kRigidity);
+    const PlateBending bending(mesh, kRigidity);
     const double a = uniform(random, -3, 3), b = uniform(random, -3, 3), c = uniform(random, -3, 3);
     const auto x = placed(mesh, [&](const Vec2& p) {
       const double z = 0.5 * a * p.x() * p.x() + 0.5 * b * p.y() * p.y() + c * p.x() * p.y();
@@ -78,12 +78,12 @@ TEST(BendNetwork, IsExactForQuadraticsOnIrregularMeshes) {
   }
 }
 
-TEST(BendNetwork, HasTheStencilsOfFiniteDifferencesOnAGrid) {
+TEST(PlateBending, HasTheStencilsOfFiniteDifferencesOnAGrid) {
   const double h = 0.1;
   const TriangleMesh mesh = makeGridMesh({6, 6, 5 * h, 5 * h});
-  const BendNetwork bending(mesh, kRigidity);
+  const PlateBending bending(mesh, kRigidity);
   int threads = 0, cells = 0;
-  for (const BendElement& element : bending.elements()) {
+  for (const PlateElement& element : bending.elements()) {
     if (element.count == 0) continue;
     EXPECT_NEAR(element.stiffness, kRigidity * 0.5 * h * h, 1e-9 * kRigidity * h * h);
     double largest = 0.0;
@@ -97,13 +97,13 @@ TEST(BendNetwork, HasTheStencilsOfFiniteDifferencesOnAGrid) {
   EXPECT_EQ(threads, 2 * 2 * 5 * 4) << "all but the outermost faces have both sides of a thread";
 }
 
-TEST(BendNetwork, RigidMotionAndUniformStretchCostNothing) {
+TEST(PlateBending, RigidMotionAndUniformStretchCostNothing) {
   Generator random(6);
   TriangleMesh mesh = makeGridMesh({8, 8, 0.7, 0.7});
   MeshEditor editor(mesh);
   RandomEditor edits(editor, random);
   for (int k = 0; k < 10; ++k) edits.any();
-  const BendNetwork bending(mesh, kRigidity);
+  const PlateBending bending(mesh, kRigidity);
   const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
   const auto x = placed(mesh, [&](const Vec2& p) {
     return Vec3(turn * Vec3(1.3 * p.x() + 0.2 * p.y(), 0.9 * p.y(), 0.0) + Vec3(1, 2, 3));
@@ -111,13 +111,13 @@ TEST(BendNetwork, RigidMotionAndUniformStretchCostNothing) {
   EXPECT_LT(bending.energy(x), 1e-18);
 }
 
-TEST(BendNetwork, RollingACylinderCostsWhatAPlateSays) {
+TEST(PlateBending, RollingACylinderCostsWhatAPlateSays) {
   // 1/2 B / R^2 per area, whichever way it is rolled, within what the border leaves out (a row and
   // a column of faces of 40) and the chords of the polygon, (h / R)^2 / 12.
   const int cells = 40;
   const double side = 0.4, radius = 0.08;
   const TriangleMesh mesh = makeGridMesh({cells + 1, cells + 1, side, side});
-  const BendNetwork bending(mesh, kRigidity);
+  const PlateBending bending(mesh, kRigidity);
   const double exact = 0.5 * kRigidity / (radius * radius) * side * side;
   for (const double angle : {0.0, 0.25 * M_PI, 0.5 * M_PI, 0.75 * M_PI, 0.4}) {
     const Vec2 along(std::cos(angle), std::sin(angle));
@@ -134,17 +134,17 @@ TEST(BendNetworkFollow, GivesTheNetworkOfTheEditedMesh) {
   Generator random(12);
   for (int sequence = 0; sequence < 20; ++sequence) {
     TriangleMesh mesh = makeGridMesh({whole(random, 3, 7), whole(random, 3, 7), 0.7, 0.9});
-    BendNetwork bending(mesh, kRigidity);
+    PlateBending bending(mesh, kRigidity);
     MeshEditor editor(mesh);
     RandomEditor edits(editor, random);
     for (int edit = 0; edit < 40; ++edit) {
       for (int k = whole(random, 1, 4); k > 0; --k) edits.any();
       bending.applyChanges(mesh, editor.finish());
-      const BendNetwork scratch(mesh, kRigidity);
+      const PlateBending scratch(mesh, kRigidity);
       ASSERT_EQ(bending.elements().size(), scratch.elements().size());
       for (std::size_t e = 0; e < scratch.elements().size(); ++e) {
-        const BendElement& now = bending.elements()[e];
-        const BendElement& then = scratch.elements()[e];
+        const PlateElement& now = bending.elements()[e];
+        const PlateElement& then = scratch.elements()[e];
         ASSERT_TRUE(now.vertex == then.vertex && now.weight == then.weight &&
                     now.stiffness == then.stiffness && now.count == then.count)
             << "sequence " << sequence << ", edit " << edit << ", face " << e / 3;

@@ -1,4 +1,4 @@
-#include "cloth_sim/cloth/raw_shares.h"
+#include "cloth_sim/cloth/raw_spring_fractions.h"
 
 #include <map>
 
@@ -22,7 +22,7 @@ using Directed = std::pair<VertexId, VertexId>;
 
 /// What the faces that an edit reshaped had before it.
 struct Inheritance {
-  std::map<Directed, RawShare> edges;
+  std::map<Directed, RawSpringFraction> edges;
   std::map<VertexId, double> corners;  ///< all together
 
   /// Both parts of an edge that was split have the share of the whole.
@@ -32,7 +32,7 @@ struct Inheritance {
     for (const auto& [from, to] : {Directed{a, b}, Directed{b, a}}) {
       const auto whole = edges.find({from, to});
       if (whole == edges.end()) continue;
-      const RawShare share = whole->second;
+      const RawSpringFraction share = whole->second;
       edges[{from, edit.id}] = edges[{edit.id, to}] = share;
     }
   }
@@ -40,11 +40,11 @@ struct Inheritance {
 
 }  // namespace
 
-RawShares::RawShares(const TriangleMesh& mesh) {
+RawSpringFractions::RawSpringFractions(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) shares_.push_back(fresh(mesh, f));
 }
 
-RawShares::Shares RawShares::fresh(const TriangleMesh& mesh, FaceId f) {
+RawSpringFractions::Shares RawSpringFractions::fresh(const TriangleMesh& mesh, FaceId f) {
   Shares shares;
   shares.face = mesh.face(f);
   for (int k = 0; k < 3; ++k) {
@@ -61,7 +61,7 @@ RawShares::Shares RawShares::fresh(const TriangleMesh& mesh, FaceId f) {
   return shares;
 }
 
-void RawShares::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
+void RawSpringFractions::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (!changes.removedFaces.empty()) return applyRemoval(mesh, changes);
   Inheritance old;
   const auto known = static_cast<FaceId>(shares_.size());
@@ -101,7 +101,7 @@ void RawShares::applyChanges(const TriangleMesh& mesh, const MeshChanges& change
   for (FaceId f : changes.changedFaces) shares_[f].face = mesh.face(f);
 }
 
-void RawShares::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
+void RawSpringFractions::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
   for (FaceId f : changes.removedFaces) {
     shares_[f] = shares_.back();
     shares_.pop_back();
@@ -109,9 +109,9 @@ void RawShares::applyRemoval(const TriangleMesh& mesh, const MeshChanges& change
   for (FaceId f = 0; f < mesh.faceCount(); ++f) shares_[f].face = mesh.face(f);
 }
 
-RawShare RawShares::ofEdge(const TriangleMesh& mesh, const IndexSpan& on, VertexId a,
-                           VertexId b) const {
-  RawShare sum;
+RawSpringFraction RawSpringFractions::ofEdge(const TriangleMesh& mesh, const IndexSpan& on,
+                                             VertexId a, VertexId b) const {
+  RawSpringFraction sum;
   for (FaceId f : on) {
     const int k = edgeIndex(mesh.face(f), a, b);
     sum.part += shares_[f].edge[k];
@@ -121,8 +121,9 @@ RawShare RawShares::ofEdge(const TriangleMesh& mesh, const IndexSpan& on, Vertex
   return sum;
 }
 
-RawShare RawShares::ofCorners(const TriangleMesh& mesh, const IndexSpan& around, VertexId v) const {
-  RawShare sum{0.0, 1.0};
+RawSpringFraction RawSpringFractions::ofCorners(const TriangleMesh& mesh, const IndexSpan& around,
+                                                VertexId v) const {
+  RawSpringFraction sum{0.0, 1.0};
   for (FaceId f : around) {
     sum.part += shares_[f].corner[cornerIndex(mesh.face(f), v)];
     if (shares_[f].remade) sum.length = 0.0;

@@ -1,4 +1,4 @@
-#include "cloth_sim/cloth/bend_network.h"
+#include "cloth_sim/cloth/plate_bending.h"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -69,9 +69,9 @@ Eigen::Matrix<double, 3, 6> curvatureWeights(const std::array<Vec2, 6>& p, int n
   return svd.solve(offPlane);
 }
 
-BendElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& weights,
-                        double least, double stiffness) {
-  BendElement element;
+PlateElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& weights,
+                         double least, double stiffness) {
+  PlateElement element;
   element.vertex.fill(kNone);
   element.weight.fill(0.0);
   std::array<std::size_t, 6> order{0, 1, 2, 3, 4, 5};
@@ -94,10 +94,11 @@ BendElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& w
 
 }  // namespace
 
-BendNetwork::BendNetwork(const TriangleMesh& mesh, double rigidity, double most)
-    : BendNetwork(mesh, MaterialStrips(), {{rigidity, most}}) {}
+PlateBending::PlateBending(const TriangleMesh& mesh, double rigidity, double most)
+    : PlateBending(mesh, MaterialStrips(), {{rigidity, most}}) {}
 
-BendNetwork::BendNetwork(const TriangleMesh& mesh, MaterialStrips strips, std::vector<Plate> plates)
+PlateBending::PlateBending(const TriangleMesh& mesh, MaterialStrips strips,
+                           std::vector<Plate> plates)
     : strips_(std::move(strips)), plates_(std::move(plates)) {
   if (plates_.size() != strips_.count()) {
     throw std::invalid_argument("bending needs one plate for each strip");
@@ -105,12 +106,12 @@ BendNetwork::BendNetwork(const TriangleMesh& mesh, MaterialStrips strips, std::v
   derive(mesh);
 }
 
-void BendNetwork::derive(const TriangleMesh& mesh) {
+void PlateBending::derive(const TriangleMesh& mesh) {
   elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
   for (FaceId f = 0; f < mesh.faceCount(); ++f) deriveOn(mesh, f);
 }
 
-void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
+void PlateBending::deriveOn(const TriangleMesh& mesh, FaceId f) {
   const Patch patch = patchAround(mesh, f);
   const Plate& plate = plates_[strips_.at(mesh.material(patch.vertex[0]))];
   std::array<Vec2, 6> p;
@@ -133,7 +134,7 @@ void BendNetwork::deriveOn(const TriangleMesh& mesh, FaceId f) {
   }
 }
 
-void BendNetwork::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
+void PlateBending::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (empty()) return;
   if (!changes.removedFaces.empty()) {
     derive(mesh);
@@ -153,14 +154,14 @@ void BendNetwork::applyChanges(const TriangleMesh& mesh, const MeshChanges& chan
   for (FaceId f : faces) deriveOn(mesh, f);
 }
 
-void BendNetwork::scaleBy(double factor) {
+void PlateBending::scaleBy(double factor) {
   scale_ *= factor;
-  for (BendElement& element : elements_) element.stiffness *= factor;
+  for (PlateElement& element : elements_) element.stiffness *= factor;
 }
 
-double BendNetwork::energy(const std::vector<Vec3>& x) const {
+double PlateBending::energy(const std::vector<Vec3>& x) const {
   double sum = 0.0;
-  for (const BendElement& element : elements_) {
+  for (const PlateElement& element : elements_) {
     Vec3 curvature = Vec3::Zero();
     for (int k = 0; k < element.count; ++k) {
       const auto i = static_cast<std::size_t>(k);

@@ -1,6 +1,6 @@
 /// \file Which springs are long is known exactly, though most are not looked at.
 
-#include "cloth_sim/surgery/long_springs.h"
+#include "cloth_sim/surgery/spring_length_monitor.h"
 
 #include <gtest/gtest.h>
 
@@ -37,10 +37,10 @@ struct WatchedCloth {
 
   Model model;
   std::vector<double> limits;
-  LongSprings springs;
+  SpringLengthMonitor springs;
 };
 
-TEST(LongSprings, AreFoundWhileParticlesDriftLittleAndMuchAndAllTogether) {
+TEST(SpringLengthMonitor, AreFoundWhileParticlesDriftLittleAndMuchAndAllTogether) {
   Generator random(3);
   std::size_t found = 0;
   for (const double ratio : {0.02, 0.3, 9.0}) {
@@ -125,10 +125,10 @@ struct EditedSprings {
   Model model;
   State state;
   std::vector<Watched> all;
-  LongSprings springs;
+  SpringLengthMonitor springs;
 };
 
-TEST(LongSprings, AreFoundWhileSpringsAndParticlesChange) {
+TEST(SpringLengthMonitor, AreFoundWhileSpringsAndParticlesChange) {
   Generator random(4);
   for (const double stride : {1e-5, 1e-4, 1e-3}) {
     EditedSprings cloth;
@@ -147,10 +147,10 @@ TEST(LongSprings, AreFoundWhileSpringsAndParticlesChange) {
   }
 }
 
-TEST(LongSprings, AreNoneWhereNothingIsWatchedOrNoneIsEverLong) {
+TEST(SpringLengthMonitor, AreNoneWhereNothingIsWatchedOrNoneIsEverLong) {
   const Model model = buildModel(clothOf(4, 4, 0.01));
   State state = flatState(model);
-  LongSprings springs;
+  SpringLengthMonitor springs;
   EXPECT_TRUE(springs.find(state.x).empty());
   for (const Spring& spring : model.springs.slots()) springs.watch(spring, kInfinity);
   for (int k = 0; k < 20; ++k) springs.watchNothing();
@@ -161,10 +161,10 @@ TEST(LongSprings, AreNoneWhereNothingIsWatchedOrNoneIsEverLong) {
   EXPECT_EQ(springs.find(state.x), std::vector<std::int32_t>{0});
 }
 
-TEST(LongSprings, OfFewerThanThereAreParticlesAreAllLookedAt) {
+TEST(SpringLengthMonitor, OfFewerThanThereAreParticlesAreAllLookedAt) {
   const Model model = buildModel(clothOf(4, 4, 0.01));
   State state = flatState(model);
-  LongSprings springs;
+  SpringLengthMonitor springs;
   const Spring& spring = model.springs[0];
   springs.watch(spring, 1.5 * spring.restLength);
   EXPECT_TRUE(springs.find(state.x).empty());

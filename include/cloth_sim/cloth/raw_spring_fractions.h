@@ -7,7 +7,7 @@
 namespace cloth_sim {
 
 /// What part of a raw constant a spring has, and the rest length that the constant holds for.
-struct RawShare {
+struct RawSpringFraction {
   double part = 0.0;    ///< one in the undamaged mesh
   double length = 0.0;  ///< [m]; 0: not known
 };
@@ -15,18 +15,19 @@ struct RawShare {
 /// Each face's part of the constants of its edges, and of the bend springs at its corners. A part
 /// of an edge takes over the share of the whole and the length that it held for (half of a spring
 /// is twice as stiff); where the surface opens, both sides keep what was theirs.
-class RawShares {
+class RawSpringFractions {
  public:
-  RawShares() = default;
-  explicit RawShares(const TriangleMesh& mesh);
+  RawSpringFractions() = default;
+  explicit RawSpringFractions(const TriangleMesh& mesh);
 
   void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
   /// Of the edge {a, b}, by the faces on it.
-  RawShare ofEdge(const TriangleMesh& mesh, const IndexSpan& on, VertexId a, VertexId b) const;
+  RawSpringFraction ofEdge(const TriangleMesh& mesh, const IndexSpan& on, VertexId a,
+                           VertexId b) const;
   /// Of a bend spring over `v`, by the faces around it. The length is 0 where the mesh is not the
   /// original one, and 1 m where it is.
-  RawShare ofCorners(const TriangleMesh& mesh, const IndexSpan& around, VertexId v) const;
+  RawSpringFraction ofCorners(const TriangleMesh& mesh, const IndexSpan& around, VertexId v) const;
 
  private:
   struct Shares {

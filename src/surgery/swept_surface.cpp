@@ -1,4 +1,4 @@
-#include "stroke_strip.h"
+#include "swept_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -73,14 +73,14 @@ Vec3 crossingOf(const Blade& a, const Blade& b) {
   return b.heel + (std::isfinite(part) ? std::clamp(part, 0.0, 1.0) : 0.5) * v;
 }
 
-class StripBuilder {
+class SweptSurfaceBuilder {
  public:
-  explicit StripBuilder(const Stroke& stroke) : poses_(stroke.poses) {
+  explicit SweptSurfaceBuilder(const Stroke& stroke) : poses_(stroke.poses) {
     for (const Blade& pose : poses_) allow(kDeviation * (pose.tip - pose.heel).norm());
   }
 
-  Strip build() {
-    current_ = addBorder(poses_.front(), Need::kAlways);
+  SweptSurface build() {
+    current_ = addEdge(poses_.front(), Keep::kAlways);
     const bool closed = same(poses_.front(), poses_.back());
     for (std::size_t k = 0; k + 1 < poses_.size(); ++k) {
       if (same(poses_[k], poses_[k + 1])) continue;
@@ -88,16 +88,16 @@ class StripBuilder {
     }
     if (closed) rename(current_, 0);
     markTurns();
-    return std::move(strip_);
+    return std::move(surface_);
   }
 
  private:
-  std::int32_t addBorder(const Blade& at, Need need) {
-    strip_.borders.push_back({at.heel, at.tip, need});
-    return static_cast<std::int32_t>(strip_.borders.size()) - 1;
+  std::int32_t addEdge(const Blade& at, Keep keep) {
+    surface_.edges.push_back({at.heel, at.tip, keep});
+    return static_cast<std::int32_t>(surface_.edges.size()) - 1;
   }
 
-  void allow(double deviation) { strip_.tolerance = std::max(strip_.tolerance, deviation); }
+  void allow(double deviation) { surface_.tolerance = std::max(surface_.tolerance, deviation); }
 
   void addSlices(std::size_t k) {
     const Blade& from = poses_[k];
@@ -108,20 +108,20 @@ class StripBuilder {
     for (int i = 0; i < count; ++i) {
       const double start = static_cast<double>(i) / count;
       const double end = static_cast<double>(i + 1) / count;
-      StripSlice slice{between(from, to, start), between(from, to, end)};
+      SweptSlice slice{between(from, to, start), between(from, to, end)};
       slice.start = static_cast<double>(k) + start;
       slice.end = i + 1 == count ? static_cast<double>(k + 1) : static_cast<double>(k) + end;
       addSlice(slice, i + 1 == count);
     }
   }
 
-  void addSlice(StripSlice slice, bool endsAtPose) {
+  void addSlice(SweptSlice slice, bool endsAtPose) {
     const auto& [heel, tip] = slice.first;
     const auto& [nextHeel, nextTip] = slice.last;
-    if (slides(slice.first, slice.last)) return;  // goes on from the border where it was
-    slice.firstBorder = current_;
-    slice.lastBorder = addBorder(slice.last, endsAtPose ? Need::kAlways : Need::kIfFar);
-    slice.firstFacet = static_cast<std::int32_t>(strip_.facets.size());
+    if (slides(slice.first, slice.last)) return;  // goes on from the edge where it was
+    slice.firstEdge = current_;
+    slice.lastEdge = addEdge(slice.last, endsAtPose ? Keep::kAlways : Keep::kIfFar);
+    slice.firstFacet = static_cast<std::int32_t>(surface_.facets.size());
     // Which diagonal, and whether any, depends on the quadrilateral being convex, or simple.
     const auto agree = [](const Vec3& a, const Vec3& b) { return a.dot(b) >= 0.0; };
     if (agree(areaVector(heel, tip, nextTip), areaVector(heel, nextTip, nextHeel))) {
@@ -131,96 +131,94 @@ class StripBuilder {
     } else {
       addPivot(slice);
     }
-    slice.lastFacet = static_cast<std::int32_t>(strip_.facets.size());
+    slice.lastFacet = static_cast<std::int32_t>(surface_.facets.size());
     for (std::int32_t k = slice.firstFacet; k < slice.lastFacet; ++k) {
-      const Vec3& normal = strip_.facets[k].normal;
+      const Vec3& normal = surface_.facets[k].normal;
       slice.normal += slice.normal.dot(normal) < 0.0 ? Vec3(-normal) : normal;
     }
-    strip_.slices.push_back(slice);
-    current_ = slice.lastBorder;
+    surface_.slices.push_back(slice);
+    current_ = slice.lastEdge;
   }
 
-  void addQuadrilateral(const StripSlice& slice) {
+  void addQuadrilateral(const SweptSlice& slice) {
     const auto& [heel, tip] = slice.first;
     const auto& [nextHeel, nextTip] = slice.last;
     const std::int32_t diagonal =
         diagonalOf({heel, nextTip}, spanPlane(heel, tip, nextTip),
-                   spanPlane(heel, nextTip, nextHeel), slice.firstBorder, slice.lastBorder);
-    addFacet({heel, tip, nextTip}, {slice.firstBorder, kNone, diagonal});
-    addFacet({heel, nextTip, nextHeel}, {diagonal, slice.lastBorder, kNone});
+                   spanPlane(heel, nextTip, nextHeel), slice.firstEdge, slice.lastEdge);
+    addFacet({heel, tip, nextTip}, {slice.firstEdge, kNone, diagonal});
+    addFacet({heel, nextTip, nextHeel}, {diagonal, slice.lastEdge, kNone});
   }
 
-  void addConcave(const StripSlice& slice) {
+  void addConcave(const SweptSlice& slice) {
     const auto& [heel, tip] = slice.first;
     const auto& [nextHeel, nextTip] = slice.last;
     const std::int32_t diagonal =
         diagonalOf({nextHeel, tip}, spanPlane(tip, nextHeel, heel),
-                   spanPlane(tip, nextTip, nextHeel), slice.firstBorder, slice.lastBorder);
-    addFacet({tip, nextHeel, heel}, {diagonal, kNone, slice.firstBorder});
-    addFacet({tip, nextTip, nextHeel}, {kNone, slice.lastBorder, diagonal});
+                   spanPlane(tip, nextTip, nextHeel), slice.firstEdge, slice.lastEdge);
+    addFacet({tip, nextHeel, heel}, {diagonal, kNone, slice.firstEdge});
+    addFacet({tip, nextTip, nextHeel}, {kNone, slice.lastEdge, diagonal});
   }
 
   /// The blade turned in its plane about a point of itself: it swept a triangle to each side.
-  void addPivot(const StripSlice& slice) {
+  void addPivot(const SweptSlice& slice) {
     const Vec3 pivot = crossingOf(slice.first, slice.last);
-    addFacet({slice.first.heel, pivot, slice.last.heel},
-             {slice.firstBorder, slice.lastBorder, kNone});
-    addFacet({slice.first.tip, slice.last.tip, pivot},
-             {kNone, slice.lastBorder, slice.firstBorder});
+    addFacet({slice.first.heel, pivot, slice.last.heel}, {slice.firstEdge, slice.lastEdge, kNone});
+    addFacet({slice.first.tip, slice.last.tip, pivot}, {kNone, slice.lastEdge, slice.firstEdge});
   }
 
   /// A triangle without area between the diagonal and one of the blades makes them one line.
   std::int32_t diagonalOf(const Blade& at, bool firstSpans, bool lastSpans, std::int32_t first,
                           std::int32_t last) {
     if (!firstSpans) return first;
-    return lastSpans ? addBorder(at, Need::kNever) : last;
+    return lastSpans ? addEdge(at, Keep::kNever) : last;
   }
 
   /// Borders without a number are rails: they get one.
-  void addFacet(const std::array<Vec3, 3>& corners, const std::array<std::int32_t, 3>& borders) {
+  void addFacet(const std::array<Vec3, 3>& corners, const std::array<std::int32_t, 3>& edges) {
     if (!spanPlane(corners[0], corners[1], corners[2])) return;
-    StripFacet facet;
+    SweptFacet facet;
     facet.corners = corners;
-    facet.borders = borders;
+    facet.edges = edges;
     facet.normal = areaVector(corners[0], corners[1], corners[2]);
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& next = corners[(k + 1) % 3];
       facet.length = std::max(facet.length, (next - corners[k]).norm());
-      if (borders[k] == kNone) facet.borders[k] = addBorder({corners[k], next}, Need::kAlways);
+      if (edges[k] == kNone) facet.edges[k] = addEdge({corners[k], next}, Keep::kAlways);
     }
-    strip_.facets.push_back(facet);
+    surface_.facets.push_back(facet);
   }
 
-  void rename(std::int32_t border, std::int32_t to) {
-    for (StripFacet& facet : strip_.facets) {
-      std::replace(facet.borders.begin(), facet.borders.end(), border, to);
+  void rename(std::int32_t edge, std::int32_t to) {
+    for (SweptFacet& facet : surface_.facets) {
+      std::replace(facet.edges.begin(), facet.edges.end(), edge, to);
     }
-    for (StripSlice& slice : strip_.slices) {
-      if (slice.lastBorder == border) slice.lastBorder = to;
+    for (SweptSlice& slice : surface_.slices) {
+      if (slice.lastEdge == edge) slice.lastEdge = to;
     }
   }
 
-  /// A path goes straight on over a pose at which the strip does.
+  /// A path goes straight on over a pose at which the surface does.
   void markTurns() {
-    std::vector<std::array<const StripFacet*, 2>> facetsAt(strip_.borders.size());
-    std::vector<int> count(strip_.borders.size(), 0);
-    for (const StripFacet& facet : strip_.facets) {
-      for (std::int32_t border : facet.borders) {
-        if (count[border] < 2) facetsAt[border][count[border]] = &facet;
-        ++count[border];
+    std::vector<std::array<const SweptFacet*, 2>> facetsAt(surface_.edges.size());
+    std::vector<int> count(surface_.edges.size(), 0);
+    for (const SweptFacet& facet : surface_.facets) {
+      for (std::int32_t edge : facet.edges) {
+        if (count[edge] < 2) facetsAt[edge][count[edge]] = &facet;
+        ++count[edge];
       }
     }
-    for (std::size_t k = 0; k < strip_.borders.size(); ++k) {
+    for (std::size_t k = 0; k < surface_.edges.size(); ++k) {
       if (count[k] != 2) continue;
       const Vec3& a = facetsAt[k][0]->normal;
       const Vec3& b = facetsAt[k][1]->normal;
       const bool straight = a.cross(b).norm() <= kPlane * a.norm() * b.norm() && a.dot(b) > 0.0;
-      if (straight) strip_.borders[k].need = std::min(strip_.borders[k].need, Need::kIfFar);
+      if (straight) surface_.edges[k].keep = std::min(surface_.edges[k].keep, Keep::kIfFar);
     }
   }
 
   const std::vector<Blade>& poses_;
-  Strip strip_;
+  SweptSurface surface_;
   std::int32_t current_ = kNone;
 };
 
@@ -247,9 +245,9 @@ double alongBlade(const Blade& blade, const Vec3& point) {
 
 }  // namespace
 
-Strip makeStrip(const Stroke& stroke) { return StripBuilder(stroke).build(); }
+SweptSurface makeSweptSurface(const Stroke& stroke) { return SweptSurfaceBuilder(stroke).build(); }
 
-StripParameters parametersAt(const StripSlice& slice, const Vec3& point) {
+SweptParameters parametersAt(const SweptSlice& slice, const Vec3& point) {
   // Within the plane: (point - heel(t)) x blade(t) = 0, both linear in the part t of the way.
   const Vec3 path = slice.last.heel - slice.first.heel;
   const Vec3 blade = slice.first.tip - slice.first.heel;
@@ -263,11 +261,11 @@ StripParameters parametersAt(const StripSlice& slice, const Vec3& point) {
           alongBlade(between(slice.first, slice.last, t), point)};
 }
 
-StripParameters parametersAtFirst(const StripSlice& slice, const Vec3& point) {
+SweptParameters parametersAtFirst(const SweptSlice& slice, const Vec3& point) {
   return {slice.start, alongBlade(slice.first, point)};
 }
 
-StripParameters parametersAtLast(const StripSlice& slice, const Vec3& point) {
+SweptParameters parametersAtLast(const SweptSlice& slice, const Vec3& point) {
   return {slice.end, alongBlade(slice.last, point)};
 }
 

@@ -13,7 +13,7 @@ namespace cloth_sim {
 /// looked at only when particles have moved against each other further than the slack. Until then
 /// only those can have become long that were nearly so. (What Verlet 1967 does with neighbours in
 /// a list that reaches further than their force.)
-class LongSprings {
+class SpringLengthMonitor {
  public:
   bool empty() const { return springs_.empty(); }
   std::size_t size() const { return springs_.size(); }
