@@ -130,7 +130,7 @@ TEST(PlateBending, RollingACylinderCostsWhatAPlateSays) {
   }
 }
 
-TEST(BendNetworkFollow, GivesTheNetworkOfTheEditedMesh) {
+TEST(PlateBendingChanges, GivesTheNetworkOfTheEditedMesh) {
   Generator random(12);
   for (int sequence = 0; sequence < 20; ++sequence) {
     TriangleMesh mesh = makeGridMesh({whole(random, 3, 7), whole(random, 3, 7), 0.7, 0.9});
