@@ -1,8 +1,8 @@
 # shellcheck shell=bash
-# What scripts/*.sh share: packages, the catkin workspace in .ws, the environment. Sourced, not run.
+# Functions of scripts/*.sh: packages, the environment, the catkin workspace in .ws. Sourced, not run.
 #
-# It works on Debian 12, whose own ROS 1 is in /usr, and on ROS Noetic in /opt/ros/noetic. It says
-# what it does, does only what is missing, and so is quick the second time.
+# They work on Debian 12, whose own ROS 1 is in /usr, and on ROS Noetic in /opt/ros/noetic. They print
+# each step and do only those that are due, so a second run is quick.
 
 set -euo pipefail
 
@@ -15,19 +15,20 @@ die() {
   exit 1
 }
 
-# bad_usage <message>: after the usage, for a wrong command line.
+# bad_usage <message>: prints the usage and the message, and exits with the status of a wrong command
+# line.
 bad_usage() {
   usage >&2
   printf 'error: %s\n' "$*" >&2
   exit 2
 }
 
-# run_timed <what> <command>...: runs it, then says how long it took.
+# run_timed <title> <command>...: runs the command, prints how long it took, returns its status.
 run_timed() {
-  local what=$1 start=$SECONDS status=0
+  local title=$1 start=$SECONDS status=0
   shift
   "$@" || status=$?
-  say "$what: $((SECONDS - start)) s"
+  say "$title: $((SECONDS - start)) s"
   return "$status"
 }
 
@@ -53,7 +54,7 @@ detect_system() {
 
 # ---- packages ------------------------------------------------------------------------------------
 
-# packages_for <group>...: prints what each group of needs is called on this system.
+# packages_for <group>...: prints the names that the packages of these groups have on this system.
 packages_for() {
   local group
   for group in "$@"; do
@@ -66,7 +67,8 @@ packages_for() {
           libnav-msgs-dev libsensor-msgs-dev libshape-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
           libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
-          python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev libtf2-geometry-msgs-dev \
+          python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev \
+          libtf2-geometry-msgs-dev \
           libactionlib-dev libactionlib-msgs-dev libros-rosgraph-msgs-dev ros-actionlib-msgs
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
@@ -84,8 +86,10 @@ packages_for() {
         ;;
       debian/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
       debian/picture) echo python3-matplotlib python3-numpy ;;
-      debian/rviz) echo rviz librviz-dev qtbase5-dev ;;  # and what its plugin is built with
-      debian/photo) echo xvfb xauth imagemagick xdotool ;;  # a screen, and a mouse on it
+      debian/rviz) echo rviz librviz-dev qtbase5-dev ;;  # to show, and to build the plugin
+      debian/photo) echo xvfb xauth imagemagick xdotool ;;  # a screen and its mouse
+      debian/clang) echo clang libclang-rt-dev ;;  # the second compiler, with its sanitizers
+      debian/lint) echo clang clang-tidy ;;
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
@@ -111,6 +115,8 @@ packages_for() {
       noetic/picture) echo python3-matplotlib python3-numpy ;;
       noetic/rviz) echo ros-noetic-rviz qtbase5-dev ;;
       noetic/photo) echo xvfb xauth imagemagick xdotool ;;
+      noetic/clang) echo clang ;;
+      noetic/lint) echo clang clang-tidy ;;
       *) die "no package list called '$group' for $ros_flavour" ;;
     esac
   done
@@ -125,7 +131,7 @@ missing_packages() {
   done
 }
 
-# need <group>...: installs what is missing of these groups, as root or with sudo.
+# need <group>...: installs the missing packages of these groups, as root or with sudo.
 need() {
   local packages missing as_root=()
   read -ra packages <<<"$(packages_for "$@" | tr '\n' ' ')"
@@ -139,17 +145,17 @@ need() {
     command -v sudo >/dev/null || die "these packages are missing, and this is neither root nor" \
       "a user with sudo: ${missing[*]} (as root: apt-get install ${missing[*]})"
     as_root=(sudo)
-    if [[ ! -t 0 ]]; then as_root=(sudo -n); fi  # nobody there to type a password
+    if [[ ! -t 0 ]]; then as_root=(sudo -n); fi  # without a terminal nobody can type a password
   fi
 
   local log=$repo_root/.ws/log/apt.log
   mkdir -p "${log%/*}"
-  say "packages ($*): installing ${#missing[@]} that are missing and what they need (log: $log)"
+  say "packages ($*): installing ${#missing[@]} missing ones and their dependencies (log: $log)"
   printf '     %s\n' "${missing[*]}"
   local start=$SECONDS
   local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -q
     -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3)
-  # A failed update is no reason to stop yet: the lists that are there may do.
+  # A failed update need not stop the run: the package lists from before may suffice.
   "${apt[@]}" update >"$log" 2>&1 || warn "apt-get update failed, see $log"
   if ! "${apt[@]}" install --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
     tail -n 15 "$log" >&2
@@ -160,8 +166,8 @@ need() {
 
 # ---- environment ---------------------------------------------------------------------------------
 
-# Puts ROS's own programs and the Python that its modules are installed for first. A python3 of
-# pyenv or conda before the system's has none of them.
+# Puts the system's programs first on PATH: ROS's Python modules are installed for /usr/bin/python3, not
+# for a python3 of pyenv or conda.
 use_system_python() {
   local first
   first=$(command -v python3 || true)
@@ -172,8 +178,8 @@ use_system_python() {
   unset PYTHONHOME VIRTUAL_ENV
 }
 
-# A host whose own name does not resolve (many containers) would have roslaunch fail: every process
-# these scripts start is on this machine.
+# Makes ROS use the name localhost. Every process that these scripts start is on this machine, and
+# roslaunch fails where the host's own name does not resolve, as in many containers.
 use_local_ros() {
   if [[ -z ${ROS_HOSTNAME:-} && -z ${ROS_IP:-} ]]; then
     export ROS_HOSTNAME=localhost
@@ -181,7 +187,7 @@ use_local_ros() {
   if [[ $ros_flavour == noetic ]]; then source_setup /opt/ros/noetic/setup.bash; fi
 }
 
-# source_setup <file>: ROS's setup files read unset variables.
+# source_setup <file>: sources a setup file of ROS, which may read unset variables.
 source_setup() {
   set +u
   # shellcheck disable=SC1090
@@ -189,7 +195,7 @@ source_setup() {
   set -u
 }
 
-# prepare <group>...: the system checked, the packages there, the environment set.
+# prepare <group>...: checks the system, installs packages and sets the environment.
 prepare() {
   detect_system
   need "$@"
@@ -199,7 +205,7 @@ prepare() {
 
 # ---- the workspace -------------------------------------------------------------------------------
 
-# How many compilers to run: one a core, as far as memory goes (2 GiB each).
+# build_jobs: prints how many compilers to run: one for each core, as far as memory goes (2 GiB each).
 build_jobs() {
   local cores memory_gib
   cores=$(nproc)
@@ -210,22 +216,23 @@ build_jobs() {
   echo "$jobs"
 }
 
-# link_package <workspace>: src/cloth_sim as a folder of links to the repository's own folders.
+# link_package <workspace>: makes src/cloth_sim a folder of links to the folders of the repository.
 #
-# One link to the whole repository would contain the workspace, and so itself: rosrun follows links
-# when it looks for a program, complains of the loop, and asks which to start once there is an
-# install space too. *.xml files are copies, because `make install` copies a linked file as a link.
+# A single link to the whole repository would contain the workspace and thus itself. rosrun follows
+# links when it looks for a program; it would complain of the loop, and with an install space it would
+# ask which of two equal programs to start. *.xml files are copied, because `make install` copies a
+# link as a link.
 link_package() {
   local package=$1/src/cloth_sim entry name
   if [[ -L $package ]]; then rm "$package"; fi
   mkdir -p "$package"
-  for entry in "$package"/*; do  # what is gone from the repository
+  for entry in "$package"/*; do  # links to folders that the repository no longer has
     if [[ ! -e $repo_root/${entry##*/} ]]; then rm -f "$entry"; fi
   done
   for entry in "$repo_root"/*; do
     name=${entry##*/}
     case $name in
-      build | devel | install | logs) ;;  # another workspace's
+      build | devel | install | logs) ;;  # folders of another workspace
       *.xml)
         if [[ -L $package/$name ]] || ! cmp -s "$entry" "$package/$name"; then
           cp --remove-destination "$entry" "$package/$name"
@@ -240,28 +247,62 @@ link_package() {
   done
 }
 
-# build_workspace <workspace> <make targets> [cmake argument]...: configures if need be, and builds.
+# configuration_inputs <cmake argument>...: prints everything on which the result of configuring
+# depends: the compiler, CMake's arguments, and the versions of the packages that CMake looks for.
+configuration_inputs() {
+  local packages
+  echo "compiler: ${CC:-} ${CXX:-}"
+  echo "arguments: $*"
+  read -ra packages <<<"$(packages_for build run test bench rviz | tr '\n' ' ')"
+  dpkg-query -W -f '${Package} ${Version} ${db:Status-Status}\n' "${packages[@]}" 2>/dev/null |
+    grep ' installed$' | sort || true
+}
+
+# drop_stale_configuration <workspace> <cmake argument>...: removes CMake's cache if it was made from
+# other inputs than these, so that the next build configures afresh: CMake searches again for every
+# package, and forgets arguments that are no longer given. Compiled files stay; they are compiled again
+# only if their own command line changes. With another compiler, the whole build is removed.
+drop_stale_configuration() {
+  local workspace=$1 inputs
+  shift
+  local record=$workspace/configured_from cache=$workspace/build/CMakeCache.txt
+  inputs=$(configuration_inputs "$@")
+  if [[ -f $cache ]]; then
+    if ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$workspace/src" "$cache"; then
+      say "workspace: it was built elsewhere and moved here; building it anew"
+      rm -rf "$workspace/build" "$workspace/devel"
+    elif [[ -f $record && $(head -n 1 "$record") != "${inputs%%$'\n'*}" ]]; then
+      say "workspace: another compiler; building it anew"
+      rm -rf "$workspace/build" "$workspace/devel"
+    elif [[ ! -f $record || $(<"$record") != "$inputs" ]]; then
+      say "workspace: packages or arguments changed; configuring it afresh"
+      rm -f "$cache"
+    fi
+  fi
+  printf '%s\n' "$inputs" >"$record"
+}
+
+# build_workspace <workspace> <make targets> [cmake argument]...: configures if necessary, and builds.
+#
+# CLOTH_SIM_HIDE names packages that CMake shall not find although they are installed; .ci/run uses it
+# to test the scripts as on a machine without these packages.
 build_workspace() {
-  local workspace=$1 targets=$2 cache
+  local workspace=$1 targets=$2 name
   shift 2
+  for name in ${CLOTH_SIM_HIDE:-}; do set -- "$@" "-DCMAKE_DISABLE_FIND_PACKAGE_$name=TRUE"; done
   mkdir -p "$workspace/log"
   exec 9>"$workspace/log/lock"
   if ! flock -n 9; then
-    say "build: another one is at work in $workspace; waiting for it"
+    say "build: another build is running in $workspace; waiting for it"
     flock 9
   fi
   link_package "$workspace"
+  drop_stale_configuration "$workspace" "$@"
 
-  cache=$workspace/build/CMakeCache.txt
-  if [[ -f $cache ]] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$workspace/src" "$cache"; then
-    say "workspace: it was built elsewhere and moved here; building it anew"
-    rm -rf "$workspace/build" "$workspace/devel"
-  fi
-
-  # What catkin lets tests see of the workspace is what is there when it configures. In a new one
-  # that would be nothing, and the first run of the tests would not find the message classes.
+  # catkin gives tests only those folders of the workspace that exist when it configures. In a new
+  # workspace, the first run of the tests would not find the Python modules of the messages.
   local modules=$workspace/devel/lib/python3/dist-packages
-  if [[ ! -d $modules ]]; then
+  if [[ ! -f $workspace/build/CMakeCache.txt || ! -d $modules ]]; then
     mkdir -p "$modules"
     set -- --force-cmake "$@"
   fi
@@ -274,7 +315,6 @@ build_workspace() {
   # shellcheck disable=SC2206
   command+=($targets)
   local status=0
-  # The messages of packages below us are of no interest, ours are; errors all are.
   "${command[@]}" 2>&1 </dev/null 9>&- | tee "$log" | show_build || status=$?
   exec 9>&-
   if [[ $status -ne 0 ]]; then
@@ -283,12 +323,13 @@ build_workspace() {
   fi
 }
 
-# Lets through what the reader of a build wants to see.
+# show_build: reduces the output of a build to the lines that its reader wants to see: compiling,
+# linking, errors, and this package's own messages.
 show_build() {
   grep --line-buffered -E 'Building CXX|Linking CXX|warning:|[Ee]rror|cloth_sim: ' || true
 }
 
-# enter_workspace <workspace>: its programs and messages on every path.
+# enter_workspace <workspace>: puts its programs and messages on every search path.
 enter_workspace() {
   source_setup "$1/devel/setup.bash"
 }

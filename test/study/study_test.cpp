@@ -79,7 +79,7 @@ TEST(References, SurviveTheirFile) {
 }
 
 TEST(References, ConvergedRunsAgreeWithCvode) {
-  if (!canIntegrateExactly()) GTEST_SKIP() << "built without SUNDIALS";
+  if (!canIntegrateExactly()) GTEST_SKIP() << "not installed: cvode";
   const StudyScene study = smallStudy();
   const Reference exact = integrateExactly(study);
   EXPECT_LT(exact.ownError, 1e-7);
@@ -91,7 +91,7 @@ TEST(References, ConvergedRunsAgreeWithCvode) {
 }
 
 TEST(References, OnlySmoothScenesAreIntegratedExactly) {
-  if (!canIntegrateExactly()) GTEST_SKIP() << "built without SUNDIALS";
+  if (!canIntegrateExactly()) GTEST_SKIP() << "not installed: cvode";
   EXPECT_THROW(integrateExactly(smallStudy({"obstacles={ground: {type: plane}}"})),
                std::invalid_argument);
 }

@@ -9,7 +9,6 @@ import re
 import shutil
 import subprocess
 import sys
-import unittest
 
 import rosunit
 
@@ -44,8 +43,11 @@ FEATURES = {
 }
 
 
-@unittest.skipUnless(shutil.which('valgrind'), 'valgrind is not installed')
 class InstructionsTest(ScratchTest):
+    def setUp(self):
+        super().setUp()
+        self.assertTrue(shutil.which('valgrind'), 'not installed: valgrind')
+
     def count(self, steps, scene):
         """By function, with what it calls, in all steps."""
         out = self.path('callgrind.out')

@@ -10,7 +10,6 @@ import socket
 import subprocess
 import sys
 import time
-import unittest
 
 import rosunit
 
@@ -19,11 +18,6 @@ from sweep_support import ROOT, SweepTest  # noqa: E402
 
 os.environ['PATH'] += ':/usr/sbin:/sbin'  # where the servers are
 DEADLINE = 30.0  # [s]
-
-
-def installed(*programs):
-    missing = [program for program in programs if shutil.which(program) is None]
-    return unittest.skipIf(missing, 'not installed: ' + ' '.join(missing))
 
 
 def free_port():
@@ -40,6 +34,10 @@ def listens(port):
 class RecipesTest(SweepTest):
     GRID = ('phases.hold.timeout=0.1,0.2', 'seed=1..2')
     LONG = ('phases.hold.timeout=0.1,10000',)  # the second: a minute
+
+    def need(self, *programs):
+        missing = [program for program in programs if shutil.which(program) is None]
+        self.assertFalse(missing, 'not installed: ' + ' '.join(missing))
 
     def wait_until(self, condition, what):
         end = time.monotonic() + DEADLINE
@@ -76,13 +74,13 @@ class RecipesTest(SweepTest):
 
     # ---- one machine -----------------------------------------------------------------------------
 
-    @installed('parallel')
     def test_parallel(self):
+        self.need('parallel')
         self.check('parallel', '--jobs', '2', '--arg-file', self.job_list(*self.GRID), '{}')
         self.all_done()
 
-    @installed('parallel')
     def test_parallel_that_is_killed_is_resumed(self):
+        self.need('parallel')
         process = self.start('parallel', '--jobs', '2', '--arg-file', self.job_list(*self.LONG),
                              '{}')
         self.wait_until(lambda: self.summaries(), 'the short run')
@@ -115,8 +113,8 @@ class RecipesTest(SweepTest):
         self.wait_until(lambda: listens(port), 'sshd')
         return 'ssh -F ' + client
 
-    @installed('parallel', 'sshd', 'ssh', 'ssh-keygen')
     def test_parallel_over_ssh(self):
+        self.need('parallel', 'sshd', 'ssh', 'ssh-keygen')
         ssh = self.ssh_server()
         self.check('parallel', '--ssh', ssh, '--sshlogin', '2/127.0.0.1', '--arg-file',
                    self.job_list(*self.GRID), '{}')
@@ -159,8 +157,8 @@ class RecipesTest(SweepTest):
             env=environment).stdout, 'the node')
         return environment
 
-    @installed('munged', 'slurmctld', 'slurmd', 'sbatch')
     def test_slurm_array(self):
+        self.need('munged', 'slurmctld', 'slurmd', 'sbatch')
         environment = self.cluster()
         script = os.path.join(ROOT, 'scripts', 'sweep.sbatch')
         self.check('sbatch', '--wait', '--array=1-4', script, self.job_list(*self.GRID),

@@ -1,0 +1,32 @@
+# The compiler's options of every target. Include paths are given to each target too, never with
+# include_directories(): cloth_core must not see ROS.
+function(cloth_sim_compile_options target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  # The standard is also set as a property, so that clang-tidy sees it: GCC's default is newer than
+  # clang's.
+  set_target_properties(${target} PROPERTIES CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON
+                        CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow)
+  # Private headers live in src/ and are included as "folder/name.h". The option is -iquote, not -I,
+  # because <ros/x.h> and <rviz/x.h> must not be looked for in src/ros and src/rviz.
+  target_compile_options(${target} PRIVATE "SHELL:-iquote ${PROJECT_SOURCE_DIR}/src")
+  if(CLOTH_SIM_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(CLOTH_SIM_SANITIZE)
+    # GCC reports uninitialised values in the code that sanitizers add (GCC bug 105562 and others);
+    # clang does not know the option.
+    target_compile_options(${target} PRIVATE -fsanitize=${CLOTH_SIM_SANITIZE}
+                           -fno-omit-frame-pointer -g
+                           $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+    target_link_options(${target} PUBLIC -fsanitize=${CLOTH_SIM_SANITIZE})
+  endif()
+endfunction()
+
+# Options for arithmetic that gives the same bits on every machine and at every number of threads:
+# no -ffast-math, no -march=native (hot kernels use target_clones instead), and no contraction into
+# fused multiply-adds, in which those clones would differ. The two options that relax something
+# change no result: nobody reads errno or floating-point traps here.
+function(cloth_sim_arithmetic target)
+  target_compile_options(${target} PRIVATE -ffp-contract=off -fno-math-errno -fno-trapping-math)
+endfunction()
