@@ -10,7 +10,7 @@ if(benchmark_FOUND)
   cloth_sim_arithmetic(cloth_bench)
   target_link_libraries(cloth_bench cloth_ros benchmark::benchmark_main)
 else()
-  cloth_sim_leave_out(benchmark "Google Benchmark was not found (Debian: libbenchmark-dev); "
+  cloth_sim_leave_out(benchmark "Google Benchmark was not found (Debian: libbenchmark-dev): "
     "cloth_bench is not built")
 endif()
 
@@ -35,5 +35,5 @@ if(BULLET_FOUND)
   target_link_libraries(peer_bullet cloth_core BulletSoftBody BulletDynamics BulletCollision
     LinearMath)
 else()
-  cloth_sim_leave_out(bullet "Bullet was not found (Debian: libbullet-dev); peer_bullet is not built")
+  cloth_sim_leave_out(bullet "Bullet was not found (Debian: libbullet-dev): peer_bullet is not built")
 endif()

@@ -9,7 +9,7 @@ endif()
 find_package(rviz QUIET)
 find_package(Qt5 QUIET COMPONENTS Widgets)
 if(NOT rviz_FOUND OR NOT Qt5_FOUND)
-  cloth_sim_leave_out(rviz "rviz's headers or Qt 5 were not found (Debian: librviz-dev qtbase5-dev); "
+  cloth_sim_leave_out(rviz "rviz's headers or Qt 5 were not found (Debian: librviz-dev qtbase5-dev): "
     "the rviz plugin and its tests are not built")
   return()
 endif()

@@ -8,15 +8,15 @@ endif()
 find_package(rostest QUIET)
 find_package(rapidcheck QUIET)
 if(NOT GMOCK_FOUND)
-  cloth_sim_leave_out(gmock "GoogleMock was not found (Debian: libgmock-dev); the tests in C++ are "
+  cloth_sim_leave_out(gmock "GoogleMock was not found (Debian: libgmock-dev): the tests in C++ are "
     "not built")
 endif()
 if(NOT rapidcheck_FOUND)
-  cloth_sim_leave_out(rapidcheck "RapidCheck was not found (Debian: librapidcheck-dev); the property "
+  cloth_sim_leave_out(rapidcheck "RapidCheck was not found (Debian: librapidcheck-dev): the property "
     "tests are not built")
 endif()
 if(NOT rostest_FOUND)
-  cloth_sim_leave_out(rostest "rostest was not found (Debian: librostest-dev); the tests with a ROS "
+  cloth_sim_leave_out(rostest "rostest was not found (Debian: librostest-dev): the tests with a ROS "
     "master are not built")
 endif()
 
