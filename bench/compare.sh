@@ -3,13 +3,13 @@
 #
 # usage: bench/compare.sh [--pairs N] [--core N] COMMIT COMMIT [FILTER]
 #
-# Builds both in build folders under ${TMPDIR:-/tmp}, then runs their benchmarks in turn, N times each
-# (default: 5), and prints, for every benchmark that both have, the median of the ratios of CPU time
-# (second commit over first) with the least and the greatest. FILTER is a regular expression of Google
+# Builds both commits in folders under ${TMPDIR:-/tmp} and runs their benchmarks in turn, N times each
+# (default: 5). For every benchmark that both commits have, it prints the median, the smallest and the
+# largest ratio of CPU times (second commit over first). FILTER is a regular expression of Google
 # Benchmark (default: step/.*/threads:1/side:128).
 set -euo pipefail
 
-usage() { sed -n '2,10p' "$0" | sed 's/^# \{0,1\}//'; }
+usage() { sed -n '2,9p' "$0" | sed 's/^# \{0,1\}//'; }
 pairs=5 core=0 arguments=()
 while [[ $# -gt 0 ]]; do
   case $1 in

@@ -1,20 +1,24 @@
 #!/usr/bin/env bash
-# Measures what docs/performance.md tells, and writes that page.
+# Measures the tables of docs/performance.md and writes that page.
 #
 # usage: bench/measure.sh BUILD [OUT [PART]...]
 #
 # BUILD is a build folder of the package (scripts/bench.sh makes one: .ws/build). The tables go to OUT
-# (default: docs/data/performance), the page to docs/performance.md. PARTS: hang and sphere (beside a
-# peer; ten minutes each), parts (eight minutes), turns (floors and whole scenes, each beside what it
-# is compared with; three minutes), steps (ten minutes: sizes that take minutes a step are left out,
-# `cloth_bench --benchmark_filter=^step/` has them all), threads (two minutes), scale (a minute),
-# node (two minutes; its devel space must be sourced); by default all of them. Parts that are not
-# asked for stay as OUT has them. Nothing else should run. The line in OUT/machine.txt says what
-# machine it was: write it first.
+# (default: docs/data/performance), the page to docs/performance.md. Without PARTs all are measured;
+# parts that are not measured stay as they are in OUT:
+#   hang, sphere  cloth_sim beside Bullet (ten minutes each)
+#   parts         kernels, parts of a step, surgery and messages (eight minutes)
+#   turns         floors and whole scenes, in turns with what they are compared with (three minutes)
+#   steps         steps of every method (ten minutes; without the sizes that take minutes per step,
+#                 which `cloth_bench --benchmark_filter=^step/` includes)
+#   threads       speed-up by a second thread (two minutes)
+#   scale         memory of large cloths (a minute)
+#   node          cost of the node beside its steps (two minutes; source its devel space first)
+# Nothing else should run. Write one line about the machine to OUT/machine.txt first.
 set -euo pipefail
 
 case ${1:-} in
-  -h | --help | '') sed -n '2,13p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
+  -h | --help | '') sed -n '2,17p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
 esac
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$1
@@ -32,7 +36,7 @@ bench=$(find_program cloth_bench)
 [[ -x $peer && -x $bench ]] ||
   { echo "error: $build: no peer_bullet or cloth_bench (make peer_bullet cloth_bench)" >&2; exit 2; }
 
-# run_bench <file> <core or all> <filter>: five repetitions of these benchmarks.
+# run_bench FILE CORE|all FILTER: five repetitions of the benchmarks that match FILTER.
 run_bench() {
   local pinned=()
   [[ $2 == all ]] || pinned=(taskset -c "$2")

@@ -1,6 +1,6 @@
-/// \file How long it takes from a command to a clamp until ~frame shows it:
-/// `command_latency <commands>`. Prints the wall time of each [s], one a line. For
-/// bench/node_overhead, with the scene beside this file: a clamp "hand" holds particle 0.
+/// \file Measures the time from a command to a clamp until ~frame shows its effect:
+/// `command_latency <number of commands>` prints one wall time per line [s]. bench/node_overhead
+/// runs it with the scene beside this file, in which a clamp "hand" holds particle 0.
 
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/callback_queue.h>
@@ -19,17 +19,17 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSway = 0.005;     ///< of the commanded pose to either side [m]
-constexpr double kVisible = 1e-5;   ///< a particle that has moved by this has moved [m]
-constexpr int kStillFrames = 12;    ///< in a row, before the next command
-constexpr double kMaxPause = 0.05;  ///< at random, after those: three frames [s]
-constexpr double kMaxWait = 10.0;   ///< for the effect [s]
+constexpr double kSway = 0.005;     ///< amplitude of the commanded pose [m]
+constexpr double kVisible = 1e-5;   ///< smallest displacement that counts as motion [m]
+constexpr int kStillFrames = 12;    ///< consecutive frames without motion before the next command
+constexpr double kMaxPause = 0.05;  ///< largest random pause after them: three frames [s]
+constexpr double kMaxWait = 10.0;   ///< longest wait for the effect [s]
 
 double since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Commands the clamp to and fro, and looks when particle 0 begins to move.
+/// Moves the clamp to and fro and watches when particle 0 begins to move.
 class Probe {
  public:
   explicit Probe(ros::NodeHandle& node)
@@ -37,7 +37,7 @@ class Probe {
         frame_(node.subscribe("/cloth/frame", 10, &Probe::onFrame, this,
                               ros::TransportHints().tcpNoDelay())) {}
 
-  /// \return whether the clamp holds the cloth and both ends of the way are known.
+  /// \return true once the clamp holds the cloth and the middle of its path is known.
   bool begin(ros::NodeHandle& node) {
     cloth_sim::GetState state;
     if (!ros::service::waitForService("/cloth/get_state", 20000)) return false;
@@ -50,7 +50,7 @@ class Probe {
     return waitFor([this] { return pose_.getNumSubscribers() > 0; });
   }
 
-  /// \return the time from sending a command to its effect [s]; less than 0: none came.
+  /// \return the time from sending a command to its effect [s]; negative: there was no effect.
   double measure(double pause) {
     still_ = 0;
     if (!waitFor([this] { return still_ >= kStillFrames; })) return -1.0;
@@ -84,10 +84,10 @@ class Probe {
   ros::Publisher pose_;
   ros::Subscriber frame_;
   geometry_msgs::PoseStamped command_;
-  double middle_ = 0.0;  ///< of the way [m]
+  double middle_ = 0.0;  ///< y of the middle of the path [m]
   double side_ = 1.0;
-  double seen_ = 0.0;  ///< y of particle 0 [m]
-  int still_ = 0;      ///< frames in a row without motion
+  double seen_ = 0.0;  ///< y of particle 0 in the last frame [m]
+  int still_ = 0;      ///< consecutive frames without motion
 };
 
 }  // namespace

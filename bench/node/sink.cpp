@@ -1,5 +1,5 @@
-/// \file A subscriber that takes messages of any type and does nothing with them: `sink <topic>`.
-/// Prints how many came, when it is told to end. For bench/node_overhead.
+/// \file Subscribes to a topic of any type and drops its messages: `sink <topic>`. Prints their
+/// number when it ends. bench/node_overhead runs it.
 
 #include <ros/ros.h>
 #include <topic_tools/shape_shifter.h>

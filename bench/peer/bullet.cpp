@@ -62,7 +62,7 @@ class BulletCloth final : public Cloth {
   void addCloth(const Task& task, int iterations) {
     const double half = 0.5 * task.side;
     const bool hangs = !task.sphere;
-    // Rows run from the lower edge to the upper one, which is where it hangs.
+    // Rows run from the lower edge to the upper one, from which the cloth hangs.
     const auto corner = [&](double u, double v) {
       return toBullet(hangs ? Vec3(u * half, 0.0, task.height + v * half)
                             : Vec3(u * half, v * half, task.height));

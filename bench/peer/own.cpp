@@ -17,7 +17,7 @@ std::string sceneOf(const Task& task) {
   if (!task.sphere) out << "  pins: [corner_01, corner_11]\n";
   out << "drag: 0.5\nsolver: {sleep: false, dt: " << task.frame
       << "}\nphases: [{name: all, timeout: 1000.0}]\n";
-  // Tearing is armed in both, far above what happens.
+  // Tearing is enabled in both scenes, with a limit far above the strains that occur.
   out << "tearing: {enabled: true, ratio: 3.0}\n";
   if (task.sphere) {
     const Vec3& c = task.sphere->centre;

@@ -1,5 +1,5 @@
-// cloth_sim beside Bullet's soft body, in one run on one machine: what a frame costs and how well
-// the cloth holds together. `peer_bullet --help`.
+// Compares cloth_sim with Bullet's soft body in one run on one machine: the cost of a frame and the
+// stretch of the cloth. See `peer_bullet --help`.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -16,25 +16,25 @@
 namespace cloth_sim::bench {
 namespace {
 
-/// Parts of the run that are timed, each by itself; of these the median counts, and the least and
-/// the most are told. All contenders have their turn at a part before anyone goes on to the next
-/// one: what slows the machine down for a while slows all of them down.
+/// Number of parts of a run that are timed separately. The result is their median, with the least
+/// and the most. All contenders take their turn at a part before the next part begins, so that a
+/// slow phase of the machine affects all of them.
 constexpr int kParts = 5;
-/// Deeper in the sphere, or under the ground, than this is fallen through [m].
+/// Depth in the sphere or under the ground from which a particle counts as fallen through [m].
 constexpr double kThrough = 0.02;
 
 struct Result {
   std::string engine;
   std::string setting;
   double median = 0.0, least = 0.0, most = 0.0;  ///< CPU time of a frame [ms]
-  double column = 0.0;                           ///< stretch; of the columns of a hanging cloth
-  double edge = 0.0;                             ///< length over rest length
+  double column = 0.0;                           ///< largest strain of a column [-]
+  double edge = 0.0;                             ///< largest length over rest length [-]
   double speed = 0.0;                            ///< of the fastest particle [m/s]
-  int through = 0;                               ///< particles that are where they cannot be
+  int through = 0;                               ///< number of particles that have fallen through
   bool finite = true;
 };
 
-/// A cloth that has its turns.
+/// A contender with its cloth and its times.
 class Racer {
  public:
   Racer(const Contender& contender, const Task& task)
@@ -53,7 +53,7 @@ class Racer {
   Contender contender_;
   Task task_;
   std::unique_ptr<Cloth> cloth_;
-  std::vector<double> times_;  ///< of a frame, by part [ms]
+  std::vector<double> times_;  ///< of a frame, for each part [ms]
 };
 
 Result Racer::result() const {
@@ -84,7 +84,7 @@ void print(const Result& r) {
   std::fflush(stdout);
 }
 
-/// The cheapest that is at most so stretched; none if there is none.
+/// \return the cheapest result that is stretched by at most `column` and `edge`, or null.
 const Result* cheapest(const std::vector<Result>& results, double column, double edge) {
   const Result* best = nullptr;
   for (const Result& r : results) {
@@ -106,11 +106,11 @@ struct Comparison {
   Task task;
   std::vector<Contender> peers;
   std::vector<Contender> ours;
-  double ask = 0.0;  ///< stretch of a column at which a peer counts as holding the cloth
+  double ask = 0.0;  ///< largest strain of a column with which a peer counts as holding the cloth
 };
 
-/// Prints both lists, and how many times faster ours is than the cheapest of the peer's settings
-/// that hold the cloth, at equal or smaller stretch.
+/// Prints both lists, and the ratio of the cost of the cheapest peer that holds the cloth to that
+/// of our cheapest setting with equal or smaller stretch.
 nlohmann::json compare(const Comparison& comparison) {
   std::printf("%s: %d x %d particles, %.3g s, frames of 1/%.0f s, one thread\n",
               comparison.name.c_str(), comparison.task.particles, comparison.task.particles,
@@ -163,7 +163,7 @@ std::vector<Contender> settingsOfBullet(bool few) {
   return result;
 }
 
-/// \param text  as in "projective substeps=1 iterations=2".
+/// \param text  method and parameters, such as "projective substeps=1 iterations=2".
 Contender ownSetting(const std::string& text) {
   std::istringstream words(text);
   std::string method, word;
