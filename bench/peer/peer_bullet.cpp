@@ -141,14 +141,14 @@ nlohmann::json compare(const Comparison& comparison) {
   }
   const Result* own = cheapest(ours, peer->column, peer->edge);
   if (own == nullptr) {
-    std::printf("  none of ours is as little stretched as the peer's %s\n\n",
+    std::printf("  no setting of cloth_sim stretches the cloth as little as %s of the peer\n\n",
                 peer->setting.c_str());
     return json;
   }
   json["ratio"] = peer->median / own->median;
   json["peer"] = peer->setting;
   json["own"] = own->setting;
-  std::printf("  %s costs %.1f times what %s costs, which is stretched no more\n\n",
+  std::printf("  %s costs %.1f times as much as %s, which stretches the cloth no more\n\n",
               ("Bullet " + peer->setting).c_str(), peer->median / own->median,
               own->setting.c_str());
   return json;
@@ -196,18 +196,18 @@ int main(int argc, char** argv) {
   std::string file;
   std::vector<std::string> only = {"hang", "sphere"};
   CLI::App app{"Compares cloth_sim with Bullet's soft body: CPU time of a frame and stretch."};
-  app.add_option("--particles", task.particles, "along each side")
+  app.add_option("--particles", task.particles, "particles along each side")
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
-  app.add_option("--duration", task.duration, "of the runs [s]")
+  app.add_option("--duration", task.duration, "simulated time of each run [s]")
       ->check(CLI::Range(0.1, 1000.0))
       ->capture_default_str();
-  app.add_option("--scenes", only, "hang, sphere or both")->delimiter(',');
-  app.add_flag("--few", few, "only the cheapest settings of the peer");
-  app.add_flag("--no-peer", noPeer, "nothing of the peer: only what ours do");
+  app.add_option("--scenes", only, "scenes to run: hang, sphere or both")->delimiter(',');
+  app.add_flag("--few", few, "runs only the cheapest settings of Bullet");
+  app.add_flag("--no-peer", noPeer, "runs cloth_sim only");
   app.add_option("--ours", settings,
-                 "settings of ours instead of the usual ones: \"METHOD KEY=VALUE...\" each");
-  app.add_option("--json", file, "writes the rows there, too");
+                 "settings of cloth_sim instead of the default ones, each \"METHOD KEY=VALUE...\"");
+  app.add_option("--json", file, "also writes the rows to this file");
   CLI11_PARSE(app, argc, argv);
   try {
     const cloth_sim::ThreadLimit oneThread(1);
