@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <set>
 #include <type_traits>
 
 #include "support/vector_clones.h"
@@ -11,275 +12,329 @@
 namespace cloth_sim {
 namespace {
 
-/// As many columns as vectors fit in the registers of the smallest instruction set.
-constexpr std::int32_t kWidest = 8;
-/// Entries of a panel that may be zeros that are not in L: this part of those that are, and some.
-constexpr double kPadding = 0.3;
-constexpr double kPaddingOfSmall = 16.0;
+/// Columns of a supernode, at most: as many vectors fit in the registers of SSE2.
+constexpr std::int32_t kMaxWidth = 8;
+/// Zeros that a supernode may store, as a fraction of its entries of L, plus a constant.
+constexpr double kPaddingFraction = 0.3;
+constexpr double kPaddingConstant = 16.0;
 
-/// How many columns from `first` on make a panel.
-std::int32_t widthOfPanel(const SparseFactor& factor, std::int32_t first) {
+/// Number of columns of the supernode that begins at column `first`. A column joins if it is the
+/// parent of the one before it and the padding stays within its limit.
+std::int32_t supernodeWidth(const SparseFactor& factor, std::int32_t first) {
   const auto n = static_cast<std::int32_t>(factor.size());
   const auto countOf = [&](std::int32_t j) {
     return factor.columns[static_cast<std::size_t>(j)].count;
   };
   double entries = countOf(first);
   std::int32_t width = 1;
-  while (width < kWidest && first + width < n &&
+  while (width < kMaxWidth && first + width < n &&
          factor.parent(first + width - 1) == first + width) {
     const std::int32_t last = first + width;
     entries += countOf(last);
     const double stored = 0.5 * width * (width + 1) + (width + 1.0) * countOf(last);
-    if (stored > (1.0 + kPadding) * entries + kPaddingOfSmall) break;
+    if (stored > (1.0 + kPaddingFraction) * entries + kPaddingConstant) break;
     ++width;
   }
   return width;
 }
 
-/// L with fewer entries is solved by one thread.
-constexpr double kLeastToShare = 1e5;
-/// Groups of subtrees; more of them need a larger top.
+/// Subtree groups of a partition.
 constexpr std::size_t kGroups = 4;
-/// A subtree with more than this part of the work of a group is divided, as long as the top does
-/// not get more than its part of the whole.
-constexpr double kLargestPiece = 0.8;
-constexpr double kLargestTop = 0.25;
+/// A factor with fewer entries is solved by one thread: it is all separator.
+constexpr double kMinParallelEntries = 1e5;
+/// Largest subtree that is not divided, as a fraction of a group's equal part of the work.
+constexpr double kMaxSubtreeFraction = 0.8;
+/// The separator grows no further once it has this fraction of the work.
+constexpr double kMaxSeparatorFraction = 0.25;
 
-/// The parent of each panel in the elimination tree, or kNone, and its entries with all that is
-/// below it.
-struct PanelTree {
-  std::vector<std::int32_t> parent;
-  std::vector<double> own;
-  std::vector<double> whole;
+/// The elimination tree of supernodes. Work is counted in stored entries. Children have lower
+/// indices than their parents.
+struct SupernodeTree {
+  std::vector<std::int32_t> parent;  ///< kNone: a root
+  std::vector<double> work;
+  std::vector<double> subtreeWork;  ///< of the supernode and all its descendants
 };
 
-/// \return the group by panel; kNone for the top.
-std::vector<std::int32_t> divide(const PanelTree& tree) {
-  const std::size_t n = tree.parent.size();
-  std::vector<std::int32_t> group(n, kNone);
-  std::vector<std::vector<std::int32_t>> children(n);
-  std::vector<std::int32_t> pieces;  // roots of subtrees that are not in the top; a heap
-  double total = 0.0;
-  for (std::size_t p = 0; p < n; ++p) {
-    const auto panel = static_cast<std::int32_t>(p);
-    total += tree.own[p];
-    if (tree.parent[p] == kNone) {
-      pieces.push_back(panel);
+/// Orders supernodes by the work of their subtrees, heaviest first.
+struct IsHeavier {
+  const SupernodeTree* tree;
+
+  bool operator()(std::int32_t a, std::int32_t b) const {
+    const double workA = tree->subtreeWork[static_cast<std::size_t>(a)];
+    const double workB = tree->subtreeWork[static_cast<std::size_t>(b)];
+    return workA != workB ? workA > workB : a > b;
+  }
+};
+using Subtrees = std::set<std::int32_t, IsHeavier>;
+
+/// Roots of disjoint subtrees that are light enough for a balanced partition. The supernodes above
+/// them are the separator. Starting with the whole tree, the heaviest subtree is replaced by its
+/// children and its root joins the separator.
+Subtrees divideIntoSubtrees(const SupernodeTree& tree) {
+  Subtrees roots(IsHeavier{&tree});
+  std::vector<std::vector<std::int32_t>> children(tree.parent.size());
+  for (std::size_t k = 0; k < tree.parent.size(); ++k) {
+    const auto supernode = static_cast<std::int32_t>(k);
+    if (tree.parent[k] == kNone) {
+      roots.insert(supernode);
     } else {
-      children[static_cast<std::size_t>(tree.parent[p])].push_back(panel);
+      children[static_cast<std::size_t>(tree.parent[k])].push_back(supernode);
     }
   }
-  if (total < kLeastToShare) return group;
-  const auto workOf = [&](std::int32_t p) { return tree.whole[static_cast<std::size_t>(p)]; };
-  const auto isLess = [&](std::int32_t a, std::int32_t b) {
-    return workOf(a) != workOf(b) ? workOf(a) < workOf(b) : a < b;
-  };
-  std::make_heap(pieces.begin(), pieces.end(), isLess);
-  double top = 0.0;
-  while (!pieces.empty() && workOf(pieces.front()) > kLargestPiece * total / kGroups &&
-         top < kLargestTop * total) {
-    std::pop_heap(pieces.begin(), pieces.end(), isLess);
-    const auto root = static_cast<std::size_t>(pieces.back());
-    pieces.pop_back();
-    top += tree.own[root];
-    for (const std::int32_t child : children[root]) {
-      pieces.push_back(child);
-      std::push_heap(pieces.begin(), pieces.end(), isLess);
-    }
+  const double total = std::accumulate(tree.work.begin(), tree.work.end(), 0.0);
+  const double maxSubtree = kMaxSubtreeFraction * total / kGroups;
+  double separator = 0.0;
+  while (!roots.empty() && separator < kMaxSeparatorFraction * total) {
+    const auto heaviest = static_cast<std::size_t>(*roots.begin());
+    if (tree.subtreeWork[heaviest] <= maxSubtree) break;
+    roots.erase(roots.begin());
+    separator += tree.work[heaviest];
+    roots.insert(children[heaviest].begin(), children[heaviest].end());
   }
-  // The heaviest first, each to the group that has the least.
-  std::sort(pieces.begin(), pieces.end(),
-            [&](std::int32_t a, std::int32_t b) { return isLess(b, a); });
+  return roots;
+}
+
+/// Distributes the subtrees of an elimination tree over groups of about the same work.
+/// \return group by supernode; kNone: the separator
+std::vector<std::int32_t> partition(const SupernodeTree& tree) {
+  std::vector<std::int32_t> group(tree.parent.size(), kNone);
+  const double total = std::accumulate(tree.work.begin(), tree.work.end(), 0.0);
+  if (total < kMinParallelEntries) return group;
+  // Heaviest first, each to the group with the least work so far.
   std::array<double, kGroups> load{};
-  for (const std::int32_t root : pieces) {
+  for (const std::int32_t root : divideIntoSubtrees(tree)) {
     const auto least = std::min_element(load.begin(), load.end());
-    *least += workOf(root);
+    *least += tree.subtreeWork[static_cast<std::size_t>(root)];
     group[static_cast<std::size_t>(root)] = static_cast<std::int32_t>(least - load.begin());
   }
-  for (std::size_t p = n; p-- > 0;) {  // parents come after their children
-    if (tree.parent[p] == kNone || group[p] != kNone) continue;
-    group[p] = group[static_cast<std::size_t>(tree.parent[p])];
+  for (std::size_t k = group.size(); k-- > 0;) {  // descendants join the group of their root
+    if (tree.parent[k] == kNone || group[k] != kNone) continue;
+    group[k] = group[static_cast<std::size_t>(tree.parent[k])];
   }
   return group;
 }
 
 }  // namespace
 
-/// How the columns of L are put into panels, and these in order.
+/// The supernodes of a factor, their groups and their order in storage.
 struct SupernodalSolver::Layout {
   explicit Layout(const SparseFactor& factor);
 
-  std::vector<std::int32_t> first;    ///< column of L, by panel; and the end
-  std::vector<std::int32_t> group;    ///< by panel
-  std::vector<std::int32_t> order;    ///< panels
-  std::vector<std::int32_t> placeOf;  ///< by column of L
+  std::vector<std::int32_t> firstColumn;  ///< of L, by supernode; n at the end
+  std::vector<std::int32_t> group;        ///< by supernode; kNone: the separator
+  std::vector<std::int32_t> order;        ///< supernodes, group by group, then the separator
+  std::vector<std::int32_t> newColumn;    ///< by column of L: its index in the order of storage
 
  private:
-  PanelTree treeOf(const SparseFactor& factor) const;
+  SupernodeTree tree(const SparseFactor& factor) const;
+  void orderByGroup();
+  void numberColumns(std::size_t columns);
 };
 
 SupernodalSolver::Layout::Layout(const SparseFactor& factor) {
   const auto n = static_cast<std::int32_t>(factor.size());
-  for (std::int32_t column = 0; column < n; column += widthOfPanel(factor, column)) {
-    first.push_back(column);
+  for (std::int32_t column = 0; column < n; column += supernodeWidth(factor, column)) {
+    firstColumn.push_back(column);
   }
-  first.push_back(n);
-  group = divide(treeOf(factor));
-  order.resize(group.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto rank = [this](std::int32_t p) {
-    const std::int32_t own = group[static_cast<std::size_t>(p)];
-    return own == kNone ? static_cast<std::int32_t>(kGroups) : own;
-  };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::int32_t a, std::int32_t b) { return rank(a) < rank(b); });
-  placeOf.resize(factor.size());
-  std::int32_t place = 0;
-  for (const std::int32_t p : order) {
-    const auto panel = static_cast<std::size_t>(p);
-    for (std::int32_t column = first[panel]; column < first[panel + 1]; ++column) {
-      placeOf[static_cast<std::size_t>(column)] = place++;
-    }
-  }
+  firstColumn.push_back(n);
+  group = partition(tree(factor));
+  orderByGroup();
+  numberColumns(factor.size());
 }
 
-PanelTree SupernodalSolver::Layout::treeOf(const SparseFactor& factor) const {
-  PanelTree tree;
-  std::vector<std::int32_t> panelOf(factor.size());
-  for (std::size_t p = 0; p + 1 < first.size(); ++p) {
-    const std::int32_t end = first[p + 1];
-    std::fill(panelOf.begin() + first[p], panelOf.begin() + end, static_cast<std::int32_t>(p));
-    const double width = end - first[p];
-    tree.own.push_back(width * (width + factor.columns[static_cast<std::size_t>(end - 1)].count));
+SupernodeTree SupernodalSolver::Layout::tree(const SparseFactor& factor) const {
+  SupernodeTree tree;
+  std::vector<std::int32_t> supernodeOf(factor.size());
+  const std::size_t supernodes = firstColumn.size() - 1;
+  for (std::size_t k = 0; k < supernodes; ++k) {
+    const std::int32_t begin = firstColumn[k];
+    const std::int32_t end = firstColumn[k + 1];
+    std::fill(supernodeOf.begin() + begin, supernodeOf.begin() + end, static_cast<std::int32_t>(k));
+    const double width = end - begin;
+    tree.work.push_back(width * (width + factor.columns[static_cast<std::size_t>(end - 1)].count));
   }
-  tree.whole = tree.own;
-  for (std::size_t p = 0; p + 1 < first.size(); ++p) {
-    const std::int32_t above = factor.parent(first[p + 1] - 1);
-    tree.parent.push_back(above == kNone ? kNone : panelOf[static_cast<std::size_t>(above)]);
-    if (above != kNone) tree.whole[static_cast<std::size_t>(tree.parent[p])] += tree.whole[p];
+  tree.subtreeWork = tree.work;
+  for (std::size_t k = 0; k < supernodes; ++k) {
+    const std::int32_t above = factor.parent(firstColumn[k + 1] - 1);
+    const std::int32_t parent =
+        above == kNone ? kNone : supernodeOf[static_cast<std::size_t>(above)];
+    tree.parent.push_back(parent);
+    if (parent != kNone) tree.subtreeWork[static_cast<std::size_t>(parent)] += tree.subtreeWork[k];
   }
   return tree;
 }
 
+/// Within a group, supernodes keep the order that they have in L.
+void SupernodalSolver::Layout::orderByGroup() {
+  order.resize(group.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto rank = [this](std::int32_t supernode) {
+    const std::int32_t own = group[static_cast<std::size_t>(supernode)];
+    return own == kNone ? static_cast<std::int32_t>(kGroups) : own;
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t a, std::int32_t b) { return rank(a) < rank(b); });
+}
+
+void SupernodalSolver::Layout::numberColumns(std::size_t columns) {
+  newColumn.resize(columns);
+  std::int32_t next = 0;
+  for (const std::int32_t k : order) {
+    const auto supernode = static_cast<std::size_t>(k);
+    for (std::int32_t column = firstColumn[supernode]; column < firstColumn[supernode + 1];
+         ++column) {
+      newColumn[static_cast<std::size_t>(column)] = next++;
+    }
+  }
+}
+
 void SupernodalSolver::build(const SparseFactor& factor,
-                             const std::vector<std::int32_t>& position) {
-  panels_.clear();
+                             const std::vector<std::int32_t>& permutation) {
+  const Layout layout(factor);
+  listGroups(layout);
+  supernodes_.clear();
   row_.clear();
   value_.clear();
-  groups_.clear();
-  const Layout layout(factor);
-  topRow_ = static_cast<std::int32_t>(factor.size());
-  firstOfTop_ = layout.order.size();
-  for (std::size_t k = 0; k < layout.order.size(); ++k) {
-    const auto panel = static_cast<std::size_t>(layout.order[k]);
-    const std::int32_t group = layout.group[panel];
-    if (group == kNone && firstOfTop_ > k) {
-      firstOfTop_ = k;
-      topRow_ = layout.placeOf[static_cast<std::size_t>(layout.first[panel])];
-    }
-    if (group == kNone) break;
-    groups_.resize(static_cast<std::size_t>(group) + 1, Group{k, k, {}});
-    groups_.back().end = k + 1;
-  }
-  for (const std::int32_t panel : layout.order) add(factor, layout, panel);
-  for (Group& group : groups_)
-    group.toTop.resize(factor.size() - static_cast<std::size_t>(topRow_));
+  for (const std::int32_t supernode : layout.order) addSupernode(factor, layout, supernode);
   inverseDiagonal_.resize(factor.size());
   for (std::size_t j = 0; j < factor.size(); ++j) {
-    inverseDiagonal_[static_cast<std::size_t>(layout.placeOf[j])] =
+    inverseDiagonal_[static_cast<std::size_t>(layout.newColumn[j])] =
         static_cast<float>(1.0 / factor.diagonal[j]);
   }
-  position_.resize(position.size());
-  std::transform(position.begin(), position.end(), position_.begin(), [&](std::int32_t column) {
-    return layout.placeOf[static_cast<std::size_t>(column)];
-  });
+  permutation_.resize(permutation.size());
+  std::transform(permutation.begin(), permutation.end(), permutation_.begin(),
+                 [&](std::int32_t row) { return layout.newColumn[static_cast<std::size_t>(row)]; });
   work_.resize(factor.size());
 }
 
-/// The rows below a panel are those of its last column: those of the others are among them. They
-/// are its ancestors in the tree, so they are ascending in the new order as in the old one.
-void SupernodalSolver::add(const SparseFactor& factor, const Layout& layout, std::int32_t panel) {
-  const std::int32_t first = layout.first[static_cast<std::size_t>(panel)];
-  const std::int32_t width = layout.first[static_cast<std::size_t>(panel) + 1] - first;
-  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(first + width - 1)];
-  const auto rowsOf = factor.row.begin() + static_cast<std::ptrdiff_t>(last.begin);
-  Panel added{layout.placeOf[static_cast<std::size_t>(first)],
-              width,
-              last.count,
-              0,
-              row_.size(),
-              value_.size()};
-  const bool isTop = layout.group[static_cast<std::size_t>(panel)] == kNone;
-  for (std::int32_t k = 0; k < last.count; ++k) {
-    row_.push_back(layout.placeOf[static_cast<std::size_t>(rowsOf[k])]);
-    if (isTop || row_.back() < topRow_) ++added.ownRows;
+/// Finds where each group and the separator begin and end in the order of storage.
+void SupernodalSolver::listGroups(const Layout& layout) {
+  groups_.clear();
+  firstOfSeparator_ = 0;
+  separatorRow_ = 0;
+  for (const std::int32_t k : layout.order) {
+    const auto supernode = static_cast<std::size_t>(k);
+    const std::int32_t group = layout.group[supernode];
+    if (group == kNone) break;
+    groups_.resize(static_cast<std::size_t>(group) + 1,
+                   SubtreeGroup{firstOfSeparator_, firstOfSeparator_, {}});
+    groups_.back().end = ++firstOfSeparator_;
+    separatorRow_ += layout.firstColumn[supernode + 1] - layout.firstColumn[supernode];
   }
-  panels_.push_back(added);
+  const std::size_t separatorSize =
+      layout.newColumn.size() - static_cast<std::size_t>(separatorRow_);
+  for (SubtreeGroup& group : groups_) group.contributionToSeparator.resize(separatorSize);
+}
+
+/// The rows below a supernode are those of its last column, which include the rows of all its other
+/// columns. They are ancestors in the elimination tree, so they ascend in the new order too, and
+/// those of the separator come last.
+void SupernodalSolver::addSupernode(const SparseFactor& factor, const Layout& layout,
+                                    std::int32_t supernode) {
+  const auto k = static_cast<std::size_t>(supernode);
+  const std::int32_t first = layout.firstColumn[k];
+  const std::int32_t width = layout.firstColumn[k + 1] - first;
+  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(first + width - 1)];
+  Supernode added;
+  added.first = layout.newColumn[static_cast<std::size_t>(first)];
+  added.width = width;
+  added.rows = last.count;
+  added.row = row_.size();
+  added.value = value_.size();
+  const bool isSeparator = layout.group[k] == kNone;
+  for (std::size_t entry = last.begin; entry < last.begin + last.count; ++entry) {
+    row_.push_back(layout.newColumn[static_cast<std::size_t>(factor.row[entry])]);
+    if (isSeparator || row_.back() < separatorRow_) ++added.groupRows;
+  }
   value_.resize(value_.size() + static_cast<std::size_t>(width * (width + last.count)), 0.0F);
-  float* const values = value_.data() + added.value;
+  copyBlock(factor, first, added);
+  supernodes_.push_back(added);
+}
+
+/// Copies the entries of columns [first, first + width) of L to the block of a supernode.
+void SupernodalSolver::copyBlock(const SparseFactor& factor, std::int32_t first,
+                                 const Supernode& supernode) {
+  const std::int32_t width = supernode.width;
+  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(first + width - 1)];
+  const std::int32_t* const rowsBelow = factor.row.data() + last.begin;
+  float* const block = value_.data() + supernode.value;
   for (std::int32_t t = 0; t < width; ++t) {
     const SparseFactor::Column& column = factor.columns[static_cast<std::size_t>(first + t)];
     std::int32_t below = 0;
     for (std::size_t k = column.begin; k < column.begin + column.count; ++k) {
       std::int32_t row = factor.row[k] - first;
       if (row >= width) {
-        while (rowsOf[below] != factor.row[k]) ++below;
+        while (rowsBelow[below] != factor.row[k]) ++below;
         row = width + below;
       }
-      values[row * width + t] = static_cast<float>(factor.value[k]);
+      block[row * width + t] = static_cast<float>(factor.value[k]);
     }
   }
 }
 
 struct SupernodalSolver::Kernels {
-  /// What a panel is made of: the square on its diagonal, the rows below.
-  struct View {
-    const float* square;
-    const float* below;
-    const std::int32_t* row;
+  /// The stored block of a supernode of width W.
+  struct Block {
+    const float* diagonal;    ///< unit lower triangle of L, W x W by rows
+    const float* below;       ///< rows x W by rows
+    const std::int32_t* row;  ///< row of L, by row below
     std::int32_t rows;
-    std::int32_t ownRows;
+    std::int32_t groupRows;
   };
 
-  /// \param toTop  what is taken from a row of the top is added there, at the row.
+  /// Rows of the separator, of which a group sums up contributions.
+  struct Separator {
+    std::int32_t firstRow;
+    Float4* contribution;  ///< by row from firstRow on
+  };
+
+  /// Solves L x = b for the columns of one supernode and subtracts L x from the rows below; rows of
+  /// the separator get it as a contribution.
+  /// \param x     b, then x, of the supernode's columns
+  /// \param work  right-hand sides by row
   template <int W>
-  [[gnu::always_inline]] static inline void forward(const View& panel, Float4* x, Float4* work,
-                                                    Float4* toTop) {
+  [[gnu::always_inline]] static inline void forward(const Block& block, Float4* x, Float4* work,
+                                                    const Separator& separator) {
     Float4 known[W];
     for (int t = 0; t < W; ++t) {
       known[t] = x[t];
-      for (int s = 0; s < t; ++s) known[t] -= panel.square[t * W + s] * known[s];
+      for (int s = 0; s < t; ++s) known[t] -= block.diagonal[t * W + s] * known[s];
       x[t] = known[t];
     }
-    const float* p = panel.below;
-    const auto next = [&]() __attribute__((always_inline)) {
+    const float* p = block.below;
+    const auto nextProduct = [&]() __attribute__((always_inline)) {
       Float4 sum = p[0] * known[0];
       for (int t = 1; t < W; ++t) sum += p[t] * known[t];
       p += W;
       return sum;
     };
     std::int32_t k = 0;
-    for (; k < panel.ownRows; ++k) work[panel.row[k]] -= next();
-    for (; k < panel.rows; ++k) toTop[panel.row[k]] += next();
+    for (; k < block.groupRows; ++k) work[block.row[k]] -= nextProduct();
+    for (; k < block.rows; ++k) {
+      separator.contribution[block.row[k] - separator.firstRow] += nextProduct();
+    }
   }
 
+  /// Solves D L^T x = b for the columns of one supernode, where x of the rows below is known.
+  /// \param inverse  1 / D of the columns
+  /// \param x        b, then x, of the supernode's columns
   template <int W>
-  [[gnu::always_inline]] static inline void backward(const View& panel, const float* inverse,
+  [[gnu::always_inline]] static inline void backward(const Block& block, const float* inverse,
                                                      Float4* x, const Float4* work) {
     Float4 sum[W];
     for (int t = 0; t < W; ++t) sum[t] = inverse[t] * x[t];
-    const float* p = panel.below;
-    for (std::int32_t k = 0; k < panel.rows; ++k, p += W) {
-      const Float4 known = work[panel.row[k]];
+    const float* p = block.below;
+    for (std::int32_t k = 0; k < block.rows; ++k, p += W) {
+      const Float4 known = work[block.row[k]];
       for (int t = 0; t < W; ++t) sum[t] -= p[t] * known;
     }
     for (int t = W - 1; t >= 0; --t) {
-      for (int s = t + 1; s < W; ++s) sum[t] -= panel.square[s * W + t] * sum[s];
+      for (int s = t + 1; s < W; ++s) sum[t] -= block.diagonal[s * W + t] * sum[s];
       x[t] = sum[t];
     }
   }
 
-  /// Calls `body` with the width as a constant.
+  /// Calls `body` with the width as a compile-time constant.
   template <typename Body>
   [[gnu::always_inline]] static inline void withWidth(std::int32_t width, const Body& body) {
     switch (width) {
@@ -298,59 +353,64 @@ struct SupernodalSolver::Kernels {
       case 7:
         return body(std::integral_constant<int, 7>());
       default:
-        return body(std::integral_constant<int, kWidest>());
+        return body(std::integral_constant<int, kMaxWidth>());
     }
   }
 
-  static View view(const SupernodalSolver& solver, const Panel& panel) {
-    const float* const square = solver.value_.data() + panel.value;
-    return {square, square + panel.width * panel.width, solver.row_.data() + panel.row, panel.rows,
-            panel.ownRows};
+  static Block block(const SupernodalSolver& solver, const Supernode& supernode) {
+    const float* const diagonal = solver.value_.data() + supernode.value;
+    return {diagonal, diagonal + supernode.width * supernode.width,
+            solver.row_.data() + supernode.row, supernode.rows, supernode.groupRows};
   }
 
-  /// Panels [begin, end).
+  /// Forward substitution for the supernodes [begin, end), in ascending order.
   CLOTH_SIM_VECTOR_CLONES
   static void forwardAll(const SupernodalSolver& solver, std::size_t begin, std::size_t end,
-                         Float4* work, Float4* toTop) {
+                         Float4* work, const Separator& separator) {
     for (std::size_t k = begin; k < end; ++k) {
-      const Panel& panel = solver.panels_[k];
+      const Supernode& supernode = solver.supernodes_[k];
       withWidth(
-          panel.width, [&](auto width) __attribute__((always_inline)) {
-            forward<decltype(width)::value>(view(solver, panel), work + panel.first, work, toTop);
+          supernode.width, [&](auto width) __attribute__((always_inline)) {
+            forward<decltype(width)::value>(block(solver, supernode), work + supernode.first, work,
+                                            separator);
           });
     }
   }
 
+  /// Backward substitution for the supernodes [begin, end), in descending order.
   CLOTH_SIM_VECTOR_CLONES
   static void backwardAll(const SupernodalSolver& solver, std::size_t begin, std::size_t end,
                           Float4* work) {
     for (std::size_t k = end; k-- > begin;) {
-      const Panel& panel = solver.panels_[k];
-      const float* const inverse = solver.inverseDiagonal_.data() + panel.first;
+      const Supernode& supernode = solver.supernodes_[k];
+      const float* const inverse = solver.inverseDiagonal_.data() + supernode.first;
       withWidth(
-          panel.width, [&](auto width) __attribute__((always_inline)) {
-            backward<decltype(width)::value>(view(solver, panel), inverse, work + panel.first,
-                                             work);
+          supernode.width, [&](auto width) __attribute__((always_inline)) {
+            backward<decltype(width)::value>(block(solver, supernode), inverse,
+                                             work + supernode.first, work);
           });
     }
   }
 };
 
-void SupernodalSolver::forward() {
+void SupernodalSolver::substituteForward() {
   Float4* const work = work_.data();
   parallelForEach(groups_.size(), [&](std::size_t k) {
-    Group& group = groups_[k];
-    std::fill(group.toTop.begin(), group.toTop.end(), Float4{});
-    Kernels::forwardAll(*this, group.begin, group.end, work, group.toTop.data() - topRow_);
+    SubtreeGroup& group = groups_[k];
+    std::vector<Float4>& contribution = group.contributionToSeparator;
+    std::fill(contribution.begin(), contribution.end(), Float4{});
+    Kernels::forwardAll(*this, group.begin, group.end, work, {separatorRow_, contribution.data()});
   });
-  for (const Group& group : groups_) {
-    for (std::size_t k = 0; k < group.toTop.size(); ++k) work[topRow_ + k] -= group.toTop[k];
+  for (const SubtreeGroup& group : groups_) {
+    for (std::size_t k = 0; k < group.contributionToSeparator.size(); ++k) {
+      work[separatorRow_ + k] -= group.contributionToSeparator[k];
+    }
   }
-  Kernels::forwardAll(*this, firstOfTop_, panels_.size(), work, nullptr);
+  Kernels::forwardAll(*this, firstOfSeparator_, supernodes_.size(), work, {separatorRow_, nullptr});
 }
 
-void SupernodalSolver::backward() {
-  Kernels::backwardAll(*this, firstOfTop_, panels_.size(), work_.data());
+void SupernodalSolver::substituteBackward() {
+  Kernels::backwardAll(*this, firstOfSeparator_, supernodes_.size(), work_.data());
   parallelForEach(groups_.size(), [&](std::size_t k) {
     Kernels::backwardAll(*this, groups_[k].begin, groups_[k].end, work_.data());
   });
@@ -359,17 +419,17 @@ void SupernodalSolver::backward() {
 void SupernodalSolver::solve(const VectorArray& right, VectorArray& x) {
   forParts(work_.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
-      work_[static_cast<std::size_t>(position_[k])] =
+      work_[static_cast<std::size_t>(permutation_[k])] =
           Float4{static_cast<float>(right.x[k]), static_cast<float>(right.y[k]),
                  static_cast<float>(right.z[k]), 0.0F};
     }
   });
-  forward();
-  backward();
+  substituteForward();
+  substituteBackward();
   x.resize(work_.size());
   forParts(work_.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
-      const Float4 p = work_[static_cast<std::size_t>(position_[k])];
+      const Float4 p = work_[static_cast<std::size_t>(permutation_[k])];
       x.x[k] = p[0];
       x.y[k] = p[1];
       x.z[k] = p[2];

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Fast triangular solves with a sparse factor, in single precision.
+/// \file Triangular solves with a sparse factor, in single precision.
 
 #include <cstdint>
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace cloth_sim {
 
-/// L and D of a factorisation L D L^T: a unit lower triangular matrix by columns, and a diagonal.
+/// L and D of a factorisation L D L^T: a sparse unit lower triangular matrix, stored by columns,
+/// and a diagonal matrix.
 struct SparseFactor {
-  /// The entries of a column of L below the diagonal: a stretch of `row` and `value`, rows
-  /// ascending.
+  /// The entries of one column of L below the diagonal, rows ascending.
   struct Column {
-    std::size_t begin = 0;
-    std::int32_t count = 0;
-    std::int32_t capacity = 0;  ///< of the stretch
+    std::size_t begin = 0;      ///< first entry, an index into `row` and `value`
+    std::int32_t count = 0;     ///< entries
+    std::int32_t capacity = 0;  ///< entries that fit before storage of other columns begins
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -23,13 +23,14 @@ struct SparseFactor {
     }
   };
 
-  std::vector<Column> columns;
-  std::vector<std::int32_t> row;
-  std::vector<double> value;
-  std::vector<double> diagonal;  ///< D
+  std::vector<Column> columns;    ///< shape (n,)
+  std::vector<std::int32_t> row;  ///< by entry
+  std::vector<double> value;      ///< by entry
+  std::vector<double> diagonal;   ///< D, shape (n,)
 
   std::size_t size() const { return diagonal.size(); }
-  /// The first row below the diagonal of a column, which is its parent in the elimination tree.
+  /// Parent of column j in the elimination tree: the row of its first entry below the diagonal;
+  /// kNone if it has none.
   std::int32_t parent(std::int32_t j) const {
     const Column& column = columns[static_cast<std::size_t>(j)];
     return column.count > 0 ? row[column.begin] : kNone;
@@ -41,62 +42,73 @@ struct SparseFactor {
   }
 };
 
-/// Columns of L whose entries are in nearly the same rows lie together as a dense panel
-/// (supernodes: Ng & Peyton, Block sparse Cholesky algorithms on advanced uniprocessor computers,
-/// 1993), so that an index is read once per row of a panel and not once per entry. A solve reads L
-/// twice and does little else: in single precision that is half the bytes. What it is used for is a
-/// step of an iteration whose residual is in double precision, so the result of that is not
-/// rounded.
+/// Solver for A x = b, given A = P^T L D L^T P, with a supernodal copy of L.
 ///
-/// Subtrees of the elimination tree share no row but those above them, so they go in parallel: they
-/// are gathered into groups of about the same work, and what is above all of them, the top, comes
-/// after (forward) or before (backward). What groups add to the top is summed up group by group.
-/// The division depends on L alone, so the result does not depend on the number of threads.
+/// A supernode is a sequence of columns of L whose entries lie in nearly the same rows, stored as
+/// one dense block (Ng & Peyton, Block sparse Cholesky algorithms on advanced uniprocessor
+/// computers, 1993). A row index is then read once for each row of the block instead of once for
+/// each entry. The time of a solve is the time to read L twice. Single precision halves that;
+/// callers refine the solution by iterating on a residual in double precision.
+///
+/// Columns of disjoint subtrees of the elimination tree do not depend on each other. The
+/// subtrees are distributed over groups of about the same work, which are solved in parallel; the
+/// columns above all of them are the separator (George & Liu, Computer Solution of Large Sparse
+/// Positive Definite Systems, 1981). The forward substitution solves the separator last, the
+/// backward substitution solves it first. Contributions of the groups to the separator are summed
+/// in a fixed order and the partition depends on L alone, so the solution does not depend on the
+/// number of threads.
 class SupernodalSolver {
  public:
-  /// \param position  row of L by row of the matrix.
-  void build(const SparseFactor& factor, const std::vector<std::int32_t>& position);
+  /// Copies L and D.
+  /// \param permutation  P: row i of A is row permutation[i] of L; shape (n,).
+  void build(const SparseFactor& factor, const std::vector<std::int32_t>& permutation);
 
-  /// x = A^-1 right, of three right-hand sides, to about 1e-7 times the condition of A.
+  /// Solves A x = right for three right-hand sides, the coordinates. The relative error is about
+  /// 1e-7 times the condition number of A.
+  /// \param right  shape (n,), in the order of A's rows
+  /// \param x      is resized to shape (n,)
   void solve(const VectorArray& right, VectorArray& x);
 
  private:
   using Float4 = float __attribute__((vector_size(16)));
 
-  /// Consecutive columns.
-  struct Panel {
-    std::int32_t first = 0;    ///< column
-    std::int32_t width = 0;    ///< columns
-    std::int32_t rows = 0;     ///< below the last column's diagonal
-    std::int32_t ownRows = 0;  ///< of these, in the panel's own group; the rest are in the top
-    std::size_t row = 0;       ///< in row_
-    std::size_t value = 0;  ///< in value_: the square on the diagonal by rows, then the rows below
+  /// Consecutive columns, stored as a dense block of width + rows rows and `width` columns.
+  struct Supernode {
+    std::int32_t first = 0;      ///< column
+    std::int32_t width = 0;      ///< columns
+    std::int32_t rows = 0;       ///< below the diagonal of the last column
+    std::int32_t groupRows = 0;  ///< of these, rows of the supernode's own group; they come first
+    std::size_t row = 0;         ///< index of the first of `rows` row indices in row_
+    std::size_t value = 0;       ///< index of the block in value_, which holds it row by row
   };
 
-  /// Consecutive panels.
-  struct Group {
+  /// The supernodes [begin, end): one or several subtrees of the elimination tree.
+  struct SubtreeGroup {
     std::size_t begin = 0;
     std::size_t end = 0;
-    std::vector<Float4> toTop;  ///< what its panels take from the rows of the top
+    /// Sum of L x over the group's columns, by row of the separator.
+    std::vector<Float4> contributionToSeparator;
   };
 
   struct Layout;
-  /// Kernels for panels of one width.
+  /// Kernels for supernodes of one width.
   struct Kernels;
 
-  void add(const SparseFactor& factor, const Layout& layout, std::int32_t panel);
-  void forward();
-  void backward();
+  void listGroups(const Layout& layout);
+  void addSupernode(const SparseFactor& factor, const Layout& layout, std::int32_t supernode);
+  void copyBlock(const SparseFactor& factor, std::int32_t first, const Supernode& supernode);
+  void substituteForward();
+  void substituteBackward();
 
-  std::vector<Panel> panels_;  ///< by group; then the top
-  std::vector<Group> groups_;
-  std::size_t firstOfTop_ = 0;  ///< panel
-  std::int32_t topRow_ = 0;     ///< the first row of the top
+  std::vector<Supernode> supernodes_;  ///< group by group, then the separator
+  std::vector<SubtreeGroup> groups_;
+  std::size_t firstOfSeparator_ = 0;  ///< supernode
+  std::int32_t separatorRow_ = 0;     ///< first row of the separator
   std::vector<std::int32_t> row_;
   std::vector<float> value_;
-  std::vector<float> inverseDiagonal_;
-  std::vector<std::int32_t> position_;
-  std::vector<Float4> work_;  ///< three coordinates by row of L
+  std::vector<float> inverseDiagonal_;     ///< 1 / D, shape (n,)
+  std::vector<std::int32_t> permutation_;  ///< row of A -> row in the order of supernodes_
+  std::vector<Float4> work_;               ///< x, y, z and padding by row, shape (n,)
 };
 
 }  // namespace cloth_sim

@@ -88,7 +88,7 @@ class Projective final : public SubstepSolver {
     listHeldSprings();
     if (scaled || !isSolvable_ || factor_.rows() == 0) return factorise();
     const UpdatableFactor::Matrix matrix = globalMatrix();
-    isSolvable_ = factor_.follow(matrix) || factor_.compute(matrix);
+    isSolvable_ = factor_.tryUpdate(matrix) || factor_.compute(matrix);
   }
 
   void substep(const Substep& now) override {

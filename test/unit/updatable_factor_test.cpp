@@ -1,4 +1,4 @@
-// A factorisation that follows its matrix, against one made anew.
+// An updated factorisation, compared with a new one.
 #include "linalg/updatable_factor.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Point masses tied by springs, as a global step has them.
+/// Point masses and springs; its matrix is that of a global step of projective dynamics.
 struct Network {
   std::vector<double> mass;
   std::map<std::pair<int, int>, double> springs;  ///< by lower and higher end
@@ -50,7 +50,7 @@ Network grid(int side) {
   return network;
 }
 
-VectorArray someVectors(std::size_t n) {
+VectorArray testVectors(std::size_t n) {
   VectorArray result;
   result.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -60,8 +60,8 @@ VectorArray someVectors(std::size_t n) {
   return result;
 }
 
-/// Largest difference of L D L^T from the matrix, relative to the largest entry.
-double errorOf(const UpdatableFactor& factor, const UpdatableFactor::Matrix& matrix) {
+/// Largest difference between L D L^T and the matrix, relative to its largest entry.
+double factorError(const UpdatableFactor& factor, const UpdatableFactor::Matrix& matrix) {
   const SparseFactor& f = factor.factor();
   const auto n = static_cast<Eigen::Index>(f.size());
   Eigen::MatrixXd l = Eigen::MatrixXd::Identity(n, n);
@@ -77,18 +77,19 @@ double errorOf(const UpdatableFactor& factor, const UpdatableFactor::Matrix& mat
   double error = 0.0;
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b) {
-      const auto p = factor.position()[static_cast<std::size_t>(a)];
-      const auto q = factor.position()[static_cast<std::size_t>(b)];
+      const auto p = factor.permutation()[static_cast<std::size_t>(a)];
+      const auto q = factor.permutation()[static_cast<std::size_t>(b)];
       error = std::max(error, std::abs(product(p, q) - whole(a, b)));
     }
   }
   return error / whole.cwiseAbs().maxCoeff();
 }
 
-/// Largest difference from what a dense factorisation gives, relative to the largest coordinate.
-double errorOfSolution(UpdatableFactor& factor, const UpdatableFactor::Matrix& matrix) {
+/// Largest difference from the solution of a dense factorisation, relative to the largest
+/// coordinate.
+double solutionError(UpdatableFactor& factor, const UpdatableFactor::Matrix& matrix) {
   const auto n = static_cast<std::size_t>(matrix.rows());
-  const VectorArray right = someVectors(n);
+  const VectorArray right = testVectors(n);
   VectorArray x;
   factor.solve(right, x);
   Eigen::MatrixXd b(matrix.rows(), 3), got(matrix.rows(), 3);
@@ -101,22 +102,22 @@ double errorOfSolution(UpdatableFactor& factor, const UpdatableFactor::Matrix& m
   return (got - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
 }
 
-/// Entries are of order 1 to 100 in at most 300 rows: rounding of a few hundred updates stays
-/// Rounding of a few hundred updates in double precision.
-constexpr double kClose = 1e-13;
-/// Solutions are in single precision (6e-8), and the condition of these matrices is about a
-/// hundred.
-constexpr double kSolved = 1e-5;
+/// Bound for rounding errors of a few hundred updates in double precision; matrices have at most
+/// 300 rows, with entries between 1 and 100.
+constexpr double kFactorTolerance = 1e-13;
+/// Bound for solutions: single precision (6e-8) times the condition number of the matrices, about
+/// 100.
+constexpr double kSolutionTolerance = 1e-5;
 
-TEST(UpdatableFactor, SolvesWhatItFactorised) {
+TEST(UpdatableFactor, FactorisesAndSolves) {
   const UpdatableFactor::Matrix matrix = grid(9).matrix();
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(matrix));
-  EXPECT_LT(errorOf(factor, matrix), kClose);
-  EXPECT_LT(errorOfSolution(factor, matrix), kSolved);
+  EXPECT_LT(factorError(factor, matrix), kFactorTolerance);
+  EXPECT_LT(solutionError(factor, matrix), kSolutionTolerance);
 }
 
-TEST(UpdatableFactor, RefusesWhatIsIndefinite) {
+TEST(UpdatableFactor, RejectsIndefiniteMatrices) {
   Network network = grid(4);
   network.mass[3] = -1e6;
   UpdatableFactor factor;
@@ -125,17 +126,17 @@ TEST(UpdatableFactor, RefusesWhatIsIndefinite) {
   EXPECT_FALSE(factor.compute(network.matrix()));
 }
 
-TEST(UpdatableFactor, FollowsSpringsThatGo) {
+TEST(UpdatableFactor, UpdatesForRemovedSprings) {
   Network network = grid(15);
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(network.matrix()));
   for (int k = 0; k < 4; ++k) network.springs.erase({7 * 15 + k, 8 * 15 + k});
-  ASSERT_TRUE(factor.follow(network.matrix()));
-  EXPECT_LT(errorOf(factor, network.matrix()), kClose);
+  ASSERT_TRUE(factor.tryUpdate(network.matrix()));
+  EXPECT_LT(factorError(factor, network.matrix()), kFactorTolerance);
 }
 
-/// A tear: a new particle takes over some springs of an old one, and part of its mass.
-TEST(UpdatableFactor, FollowsAParticleThatIsSplit) {
+/// A tear: a new particle takes over three springs and part of the mass of an old one.
+TEST(UpdatableFactor, UpdatesForASplitParticle) {
   Network network = grid(15);
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(network.matrix()));
@@ -147,27 +148,27 @@ TEST(UpdatableFactor, FollowsAParticleThatIsSplit) {
     network.tie(fresh, neighbour, network.springs.at({old, neighbour}));
     network.springs.erase({old, neighbour});
   }
-  ASSERT_TRUE(factor.follow(network.matrix()));
+  ASSERT_TRUE(factor.tryUpdate(network.matrix()));
   EXPECT_EQ(factor.rows(), network.mass.size());
-  EXPECT_LT(errorOf(factor, network.matrix()), kClose);
+  EXPECT_LT(factorError(factor, network.matrix()), kFactorTolerance);
 }
 
-/// As a clamp does: an entry that ties a particle to its place comes and goes.
-TEST(UpdatableFactor, FollowsAParticleThatIsHeldAndLetGo) {
+/// A clamp: a large diagonal entry, which fixes a particle, is added and removed.
+TEST(UpdatableFactor, UpdatesForAHeldAndReleasedParticle) {
   Network network = grid(15);
   const UpdatableFactor::Matrix before = network.matrix();
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(before));
   network.mass[100] += 1e8;
-  ASSERT_TRUE(factor.follow(network.matrix()));
-  EXPECT_LT(errorOf(factor, network.matrix()), kClose);
-  ASSERT_TRUE(factor.follow(before));
-  // The entry was a million times its neighbours: six digits of sixteen are gone.
-  EXPECT_LT(errorOf(factor, before), 1e-9);
+  ASSERT_TRUE(factor.tryUpdate(network.matrix()));
+  EXPECT_LT(factorError(factor, network.matrix()), kFactorTolerance);
+  ASSERT_TRUE(factor.tryUpdate(before));
+  // The entry was a million times larger than the others: six of sixteen digits are lost.
+  EXPECT_LT(factorError(factor, before), 1e-9);
 }
 
-/// Many changes of all kinds, one after the other; every one is checked.
-TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
+/// Random changes of all kinds; the factor is checked after each update.
+TEST(UpdatableFactor, UpdatesForManyChangesOfAllKinds) {
   Network network = grid(12);
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(network.matrix()));
@@ -175,7 +176,7 @@ TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
   const auto upTo = [&](std::size_t n) {
     return static_cast<int>(random() % static_cast<unsigned>(n));
   };
-  int followed = 0;
+  int updated = 0;
   for (int round = 0; round < 60; ++round) {
     for (int change = 0; change < 3; ++change) {
       const int a = upTo(network.mass.size());
@@ -195,40 +196,40 @@ TEST(UpdatableFactor, FollowsManyChangesOfAllKinds) {
           network.mass[static_cast<std::size_t>(a)] *= 1.5;
       }
     }
-    if (factor.follow(network.matrix())) {
-      ++followed;
+    if (factor.tryUpdate(network.matrix())) {
+      ++updated;
     } else {
       ASSERT_TRUE(factor.compute(network.matrix()));
     }
-    ASSERT_LT(errorOf(factor, network.matrix()), kClose) << "round " << round;
-    ASSERT_LT(errorOfSolution(factor, network.matrix()), kSolved) << "round " << round;
+    ASSERT_LT(factorError(factor, network.matrix()), kFactorTolerance) << "round " << round;
+    ASSERT_LT(solutionError(factor, network.matrix()), kSolutionTolerance) << "round " << round;
   }
-  EXPECT_GT(followed, 30);
+  EXPECT_GT(updated, 30);
 }
 
-TEST(UpdatableFactor, SaysWhenAllOfItChanged) {
+TEST(UpdatableFactor, AsksForANewFactorisationWhenAllEntriesChange) {
   Network network = grid(12);
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(network.matrix()));
   for (auto& [ends, weight] : network.springs) weight *= 2.0;
-  EXPECT_FALSE(factor.follow(network.matrix()));
+  EXPECT_FALSE(factor.tryUpdate(network.matrix()));
 }
 
-TEST(UpdatableFactor, GoesOnFromWhatWasSaved) {
+TEST(UpdatableFactor, ContinuesFromASavedState) {
   Network network = grid(12);
   UpdatableFactor factor;
   ASSERT_TRUE(factor.compute(network.matrix()));
   network.springs.erase({30, 31});
-  ASSERT_TRUE(factor.follow(network.matrix()));
+  ASSERT_TRUE(factor.tryUpdate(network.matrix()));
   std::stringstream file;
   StateWriter{file}(factor);
   UpdatableFactor loaded;
   StateReader{file}(loaded);
   for (UpdatableFactor* one : {&factor, &loaded}) {
     network.springs.erase({30, 42});
-    ASSERT_TRUE(one->follow(network.matrix()));
+    ASSERT_TRUE(one->tryUpdate(network.matrix()));
   }
-  const VectorArray right = someVectors(network.mass.size());
+  const VectorArray right = testVectors(network.mass.size());
   VectorArray x, y;
   factor.solve(right, x);
   loaded.solve(right, y);
