@@ -58,7 +58,7 @@ void CutTool::advertise() { publisher_ = node_.advertise<CutStroke>(topic_->getT
 
 QString CutTool::hint() const {
   return "<b>Left-Click</b>: Cut along the stroke. <b>Right-Click</b>: Give the stroke up. "
-         "<b>ParallelRegion, other buttons</b>: Move the camera.";
+         "<b>Shift, other buttons</b>: Move the camera.";
 }
 
 void CutTool::begin(const Pointer& at) {

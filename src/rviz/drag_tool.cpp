@@ -27,7 +27,7 @@ void DragTool::onInitialize() {
 void DragTool::advertise() { publisher_ = node_.advertise<DragRay>(topic_->getTopicStd(), 10); }
 
 QString DragTool::hint() const {
-  return "<b>Left-Click</b>: Pull the cloth. <b>ParallelRegion, other buttons</b>: Move the "
+  return "<b>Left-Click</b>: Pull the cloth. <b>Shift, other buttons</b>: Move the "
          "camera.";
 }
 

@@ -13,7 +13,7 @@ class RosTopicProperty;
 namespace cloth_sim {
 
 /// Turns presses, moves and releases of the left button into rays. The other buttons, the wheel,
-/// and the left button with ParallelRegion move the camera as ever.
+/// and the left button with Shift move the camera as ever.
 class PointerTool : public rviz::Tool {
  public:
   ~PointerTool() override;

@@ -69,7 +69,7 @@ void Simulation::step() {
   runScript();
   if (failed()) return;
   if (isAsleep()) return sleepOn();
-  const ThreadPool::ParallelRegion shift(pool_);
+  const ThreadPool::ParallelRegion region(pool_);
   const int brokenBefore = broken_.total;
   moveClamps(scene_.solver.dt);
   guides_.steer(time(), scene_.solver.dt, colliders_);

@@ -9,14 +9,15 @@
 
 namespace cloth_sim {
 
-/// Calls `body(first, last)` on consecutive parts of [0, count) that together cover it, shared with
-/// the ThreadPool of this thread, if there is one. Parts have at least `grain` items; a count below
-/// two grains runs in the calling thread at no cost. `body` must not throw and must write nothing
-/// that another part reads.
+/// Calls `body(first, last)` for consecutive chunks [first, last) that cover [0, count), on the
+/// threads of the current ThreadPool::ParallelRegion. Outside of a region, and if count is less
+/// than two grains, there is one chunk, in the calling thread.
+/// \param grain  smallest size of a chunk
+/// \param body   must not throw and must not write what another chunk reads or writes
 template <typename Body>
 void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
-  /// So that who comes late, or has the slower core, finds some left to take.
-  constexpr std::int32_t kPartsPerMember = 4;
+  /// More than one, so that the other threads can steal from a late or slow one.
+  constexpr std::int32_t kChunksPerThread = 4;
   ThreadPool* const pool = count < 2 * grain ? nullptr : ThreadPool::ofThisThread();
   if (pool == nullptr) {
     if (count > 0) body(0, count);
@@ -25,32 +26,32 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
   struct Loop {
     const Body& body;
     std::int64_t count;
-    std::int64_t parts;
-    std::int32_t boundary(std::int64_t part) const {
-      return static_cast<std::int32_t>(count * part / parts);
+    std::int64_t chunks;
+    std::int32_t boundary(std::int64_t chunk) const {
+      return static_cast<std::int32_t>(count * chunk / chunks);
     }
   };
-  const std::int32_t parts = std::min(count / grain, kPartsPerMember * pool->size());
-  const Loop loop{body, count, parts};
+  const std::int32_t chunks = std::min(count / grain, kChunksPerThread * pool->size());
+  const Loop loop{body, count, chunks};
   pool->run(
-      parts,
-      [](const void* context, std::int32_t part) {
+      chunks,
+      [](const void* context, std::int32_t chunk) {
         const Loop& shared = *static_cast<const Loop*>(context);
-        shared.body(shared.boundary(part), shared.boundary(part + 1));
+        shared.body(shared.boundary(chunk), shared.boundary(chunk + 1));
       },
       &loop);
 }
 
-/// Calls `body(part)` for each part of `order`, shared with `pool`: ThreadPool::run.
+/// Calls `body(task)` for each task of the graph, after its predecessors; see ThreadPool::run.
 template <typename Body>
-void parallelInOrder(ThreadPool& pool, const TaskGraph& order, const Body& body) {
+void parallelInOrder(ThreadPool& pool, const TaskGraph& graph, const Body& body) {
   pool.run(
-      order,
-      [](const void* context, std::int32_t part) { (*static_cast<const Body*>(context))(part); },
+      graph,
+      [](const void* context, std::int32_t task) { (*static_cast<const Body*>(context))(task); },
       &body);
 }
 
-/// Calls `body(k)` for each k in [0, count), each of which is worth a thread of its own.
+/// Calls `body(k)` for each k in [0, count); every call is worth a thread of its own.
 template <typename Body>
 void parallelForEach(std::size_t count, const Body& body) {
   parallelFor(static_cast<std::int32_t>(count), 1, [&](std::int32_t first, std::int32_t last) {

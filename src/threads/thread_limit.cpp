@@ -7,9 +7,9 @@
 namespace cloth_sim {
 namespace {
 
-thread_local int limitOfThisThread = 0;  // one per processor
+thread_local int limitOfThisThread = 0;  // 0: one per processor
 
-/// That this thread may run on, as `taskset` has it.
+/// Processors that this thread may run on (its affinity mask, which taskset sets).
 int processors() {
   cpu_set_t allowed;
   if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return 1;

@@ -1,5 +1,9 @@
 #include "cloth_sim/threads/thread_pool.h"
 
+#if defined(__x86_64__) || defined(__i386__)
+#include <immintrin.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -12,266 +16,293 @@
 namespace cloth_sim {
 namespace {
 
-/// A step does not gain from more.
-constexpr std::int32_t kMostMembers = 16;
-/// Looks at what is new before others may run: some ten microseconds.
-constexpr int kPatience = 500;
+/// Threads of a region; a step does not gain from more.
+constexpr std::int32_t kMaxThreads = 16;
+/// Polls of a spin wait before it yields the processor: some ten microseconds.
+constexpr int kSpins = 500;
+
+/// Memory that different threads write lies in different cache lines.
+constexpr std::size_t kCacheLine = 64;
 
 thread_local ThreadPool* poolOfThisThread = nullptr;
 
-void rest() {
+/// Tells the processor that this is a spin wait.
+void pauseProcessor() {
 #if defined(__x86_64__) || defined(__i386__)
-  __builtin_ia32_pause();
+  _mm_pause();
 #endif
 }
 
-/// Waits without sleeping, at first for no one.
-class Wait {
+/// Back-off of a spin wait: pauses at first, yields the processor from kSpins polls on.
+class Backoff {
  public:
-  void once() { ++looks_ < kPatience ? rest() : std::this_thread::yield(); }
-  void beginAgain() { looks_ = 0; }
+  void wait() { ++polls_ < kSpins ? pauseProcessor() : std::this_thread::yield(); }
+  void reset() { polls_ = 0; }
 
  private:
-  int looks_ = 0;
+  int polls_ = 0;
+};
+
+/// Number of a loop since the pool was made, from 1 on.
+using Epoch = std::uint64_t;
+
+/// State of the tasks with one index in successive loops: 2 e once the task has been claimed in the
+/// loop of epoch e, 2 e + 1 once it is complete. As epochs ascend, a new loop resets nothing.
+class alignas(kCacheLine) TaskState {
+ public:
+  bool isClaimed(Epoch epoch) const { return word_.load(std::memory_order_relaxed) >= 2 * epoch; }
+  bool isComplete(Epoch epoch) const { return word_.load(std::memory_order_acquire) > 2 * epoch; }
+  /// \return false if another thread has claimed the task.
+  bool claim(Epoch epoch) {
+    std::uint64_t before = word_.load(std::memory_order_relaxed);
+    return before < 2 * epoch &&
+           word_.compare_exchange_strong(before, 2 * epoch, std::memory_order_relaxed);
+  }
+  void setComplete(Epoch epoch) { word_.store(2 * epoch + 1, std::memory_order_release); }
+
+ private:
+  std::atomic<std::uint64_t> word_{0};
+};
+
+/// Publishes a loop to the worker threads and counts those that are running it. One word holds the
+/// epoch, whether the loop is open, and the count (from high to low bits), so that a worker enters
+/// with one atomic addition. The loop must not change or go while a worker is inside.
+class alignas(kCacheLine) LoopGate {
+ public:
+  /// Begins the next epoch: everything written before is visible to those who enter.
+  void open() { word_.fetch_add(kEpoch + kOpen, std::memory_order_release); }
+  /// Lets no more workers enter and waits until all have left.
+  void close() {
+    word_.fetch_sub(kOpen, std::memory_order_relaxed);
+    Backoff backoff;
+    while (word_.load(std::memory_order_acquire) % kOpen > 0) backoff.wait();
+  }
+  /// \return the epoch of the open loop; 0 if none is open, or only that of epoch `last`. A worker
+  ///         that gets an epoch has to leave().
+  Epoch tryEnter(Epoch last) {
+    const Word before = word_.load(std::memory_order_relaxed);
+    if (!isOpen(before) || before / kEpoch == last) return 0;
+    const Word entered = word_.fetch_add(1, std::memory_order_acquire);
+    if (isOpen(entered)) return entered / kEpoch;
+    leave();
+    return 0;
+  }
+  void leave() { word_.fetch_sub(1, std::memory_order_release); }
+  std::int32_t workersInside() const {
+    return static_cast<std::int32_t>(word_.load(std::memory_order_relaxed) % kOpen);
+  }
+  /// For the thread that opens and closes the gate.
+  Epoch epoch() const { return word_.load(std::memory_order_relaxed) / kEpoch; }
+
+ private:
+  using Word = std::uint64_t;
+  static constexpr Word kOpen = Word{1} << 15;
+  static constexpr Word kEpoch = Word{1} << 16;
+
+  static bool isOpen(Word word) { return word / kOpen % 2 == 1; }
+
+  std::atomic<Word> word_{0};
 };
 
 }  // namespace
 
+/// Thread 0 is the one that calls the loops; the others are worker threads.
 struct ThreadPool::Impl {
   struct Loop {
     const std::int32_t* groupEnds = nullptr;
     std::int32_t groups = 0;
-    const TaskGraph* order = nullptr;  ///< null: no part waits
+    const TaskGraph* graph = nullptr;  ///< null: independent tasks
     Body body = nullptr;
     const void* context = nullptr;
   };
 
-  /// Whether someone does a part of a loop, or has done it: by the number of the loop, so that
-  /// nobody has to clear it. Alone in its cache line.
-  class alignas(64) Mark {
-   public:
-    bool isTaken(std::uint64_t loop) const {
-      return word_.load(std::memory_order_relaxed) >= 2 * loop;
-    }
-    bool isDone(std::uint64_t loop) const {
-      return word_.load(std::memory_order_acquire) > 2 * loop;
-    }
-    /// \return false if someone else has.
-    bool take(std::uint64_t loop) {
-      std::uint64_t before = word_.load(std::memory_order_relaxed);
-      return before < 2 * loop &&
-             word_.compare_exchange_strong(before, 2 * loop, std::memory_order_relaxed);
-    }
-    void setDone(std::uint64_t loop) { word_.store(2 * loop + 1, std::memory_order_release); }
-
-   private:
-    std::atomic<std::uint64_t> word_{0};
-  };
-
-  /// Lets helpers in while there is a loop, and counts them, in one word: its number above
-  /// whether it is open above how many are inside. While one is, the loop stays.
-  class alignas(64) Gate {
-   public:
-    void open() { word_.fetch_add(kLoop + kOpen, std::memory_order_release); }
-    /// Waits for those who are inside.
-    void close() {
-      word_.fetch_sub(kOpen, std::memory_order_relaxed);
-      Wait wait;
-      while (word_.load(std::memory_order_acquire) % kOpen > 0) wait.once();
-    }
-    /// \return the number of the loop, or 0 if there is none, or only the one that has been seen.
-    std::uint64_t enter(std::uint64_t seen) {
-      const Word before = word_.load(std::memory_order_relaxed);
-      if (!isOpen(before) || before / kLoop == seen) return 0;
-      const Word entered = word_.fetch_add(1, std::memory_order_acquire);
-      if (isOpen(entered)) return entered / kLoop;
-      leave();
-      return 0;
-    }
-    void leave() { word_.fetch_sub(1, std::memory_order_release); }
-    std::int32_t inside() const {
-      return static_cast<std::int32_t>(word_.load(std::memory_order_relaxed) % kOpen);
-    }
-    /// Of the loop there is, for who has opened the gate.
-    std::uint64_t number() const { return word_.load(std::memory_order_relaxed) / kLoop; }
-
-   private:
-    using Word = std::uint64_t;
-    static constexpr Word kOpen = Word{1} << 15;
-    static constexpr Word kLoop = Word{1} << 16;
-
-    static bool isOpen(Word word) { return word / kOpen % 2 == 1; }
-
-    std::atomic<Word> word_{0};
-  };
-
   ~Impl();
 
-  void begin();
-  void end();
-  void callHelpers();
-  void live(std::int32_t member);
-  void help(std::int32_t member);
-  void run(const Loop& what, std::int32_t parts);
-  void work(std::int32_t member, std::uint64_t number);
-  void workOff(std::int32_t owner, bool isOwn, std::uint64_t number);
-  template <typename Condition>
-  void giveTime(const Condition& isDone) const;
-  void finish(std::int32_t part, std::uint64_t number);
+  void beginRegion();
+  void endRegion();
+  void run(const Loop& next, std::int32_t tasks);
 
-  std::int32_t size = 1;
+  std::int32_t threads = 1;  ///< of the region
+
+ private:
+  void wakeWorkers();
+  void workerMain(std::int32_t thread);
+  void runLoopsOfRegion(std::int32_t thread);
+  void runLoop(std::int32_t thread, Epoch epoch);
+  void runTasksOf(std::int32_t owner, bool isStealing, Epoch epoch);
+  void runTask(std::int32_t task, Epoch epoch);
+  void runPredecessors(std::int32_t task, Epoch epoch);
+  template <typename Condition>
+  void spinWhileAllRun(const Condition& isOver) const;
+
   Loop loop;
-  std::vector<Mark> marks;  ///< by part
-  Gate gate;
-  alignas(64) std::atomic<std::int32_t> through{0};  ///< members, with parts of their own
-  alignas(64) std::atomic<bool> isOver{false};       ///< the shift
-  std::atomic<std::int32_t> present{0};              ///< helpers
-  bool areCalled = false;
+  std::vector<TaskState> states;  ///< by task
+  LoopGate gate;
+  /// Threads that have run or tried to run all tasks of their own range.
+  alignas(kCacheLine) std::atomic<std::int32_t> threadsDone{0};
+  alignas(kCacheLine) std::atomic<bool> isRegionOver{false};
+  std::atomic<std::int32_t> workersAwake{0};
+  bool hasWokenWorkers = false;  ///< in this region
 
   std::mutex mutex;
-  std::condition_variable called;
-  std::int64_t calls = 0;  ///< guarded by mutex
-  bool isOpen = false;     ///< whoever comes may help; guarded by mutex
-  bool isClosing = false;  ///< for good; guarded by mutex
-  std::vector<std::thread> helpers;
+  std::condition_variable wake;
+  std::int64_t regions = 0;  ///< that have woken workers; guarded by mutex
+  bool mayJoin = false;      ///< workers may join the region; guarded by mutex
+  bool isDestroyed = false;  ///< workers return; guarded by mutex
+  std::vector<std::thread> workers;
 };
 
 ThreadPool::Impl::~Impl() {
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    isClosing = true;
+    isDestroyed = true;
   }
-  called.notify_all();
-  for (std::thread& helper : helpers) helper.join();
+  wake.notify_all();
+  for (std::thread& worker : workers) worker.join();
 }
 
-void ThreadPool::Impl::begin() {
-  size = std::min(ThreadLimit::ofThisThread(), kMostMembers);
-  isOver.store(false, std::memory_order_relaxed);
+void ThreadPool::Impl::beginRegion() {
+  threads = std::min(ThreadLimit::ofThisThread(), kMaxThreads);
+  isRegionOver.store(false, std::memory_order_relaxed);
 }
 
-/// Who has not come yet is not waited for.
-void ThreadPool::Impl::end() {
-  if (!areCalled) return;
-  areCalled = false;
-  isOver.store(true, std::memory_order_release);
+/// Waits for the workers that have joined, but not for those that are still waking up.
+void ThreadPool::Impl::endRegion() {
+  if (!hasWokenWorkers) return;
+  hasWokenWorkers = false;
+  isRegionOver.store(true, std::memory_order_release);
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    isOpen = false;
+    mayJoin = false;
   }
-  Wait wait;
-  while (present.load(std::memory_order_acquire) > 0) wait.once();
+  Backoff backoff;
+  while (workersAwake.load(std::memory_order_acquire) > 0) backoff.wait();
 }
 
-void ThreadPool::Impl::callHelpers() {
-  areCalled = true;
-  for (auto member = static_cast<std::int32_t>(helpers.size()) + 1; member < size; ++member) {
-    helpers.emplace_back([this, member] { live(member); });
+/// Runs a loop in the calling thread and in the workers that are awake.
+void ThreadPool::Impl::run(const Loop& next, std::int32_t tasks) {
+  if (!hasWokenWorkers) wakeWorkers();
+  if (states.size() < static_cast<std::size_t>(tasks)) {
+    states = std::vector<TaskState>(static_cast<std::size_t>(tasks));
+  }
+  loop = next;
+  threadsDone.store(0, std::memory_order_relaxed);
+  gate.open();
+  runLoop(0, gate.epoch());
+  gate.close();
+}
+
+void ThreadPool::Impl::wakeWorkers() {
+  hasWokenWorkers = true;
+  for (auto thread = static_cast<std::int32_t>(workers.size()) + 1; thread < threads; ++thread) {
+    workers.emplace_back([this, thread] { workerMain(thread); });
   }
   {
     const std::lock_guard<std::mutex> lock(mutex);
-    isOpen = true;
-    ++calls;
+    mayJoin = true;
+    ++regions;
   }
-  called.notify_all();
+  wake.notify_all();
 }
 
-void ThreadPool::Impl::live(std::int32_t member) {
-  std::int64_t heard = 0;
+/// Sleeps between regions. Joins each region at most once, if its limit admits this thread.
+void ThreadPool::Impl::workerMain(std::int32_t thread) {
+  std::int64_t lastRegion = 0;
   std::unique_lock<std::mutex> lock(mutex);
   while (true) {
-    called.wait(lock, [&] { return isClosing || (isOpen && calls != heard && member < size); });
-    if (isClosing) return;
-    heard = calls;
-    present.fetch_add(1, std::memory_order_relaxed);
+    wake.wait(lock, [&] {
+      return isDestroyed || (mayJoin && regions != lastRegion && thread < threads);
+    });
+    if (isDestroyed) return;
+    lastRegion = regions;
+    workersAwake.fetch_add(1, std::memory_order_relaxed);
     lock.unlock();
-    help(member);
-    present.fetch_sub(1, std::memory_order_release);
+    runLoopsOfRegion(thread);
+    workersAwake.fetch_sub(1, std::memory_order_release);
     lock.lock();
   }
 }
 
-void ThreadPool::Impl::help(std::int32_t member) {
-  Wait wait;
-  std::uint64_t seen = 0;
-  while (!isOver.load(std::memory_order_acquire)) {
-    const std::uint64_t number = gate.enter(seen);
-    if (number == 0) {
-      wait.once();
+/// Spins for loops until the region ends.
+void ThreadPool::Impl::runLoopsOfRegion(std::int32_t thread) {
+  Backoff backoff;
+  Epoch last = 0;
+  while (!isRegionOver.load(std::memory_order_acquire)) {
+    const Epoch epoch = gate.tryEnter(last);
+    if (epoch == 0) {
+      backoff.wait();
       continue;
     }
-    work(member, number);
+    runLoop(thread, epoch);
     gate.leave();
-    seen = number;
-    wait.beginAgain();
+    last = epoch;
+    backoff.reset();
   }
 }
 
-void ThreadPool::Impl::run(const Loop& what, std::int32_t parts) {
-  if (!areCalled) callHelpers();
-  if (marks.size() < static_cast<std::size_t>(parts)) {
-    marks = std::vector<Mark>(static_cast<std::size_t>(parts));
-  }
-  loop = what;
-  through.store(0, std::memory_order_relaxed);
-  gate.open();
-  work(0, gate.number());
-  gate.close();
+/// Runs the tasks in the thread's own range, then steals those that are left of the others. Tasks
+/// of a graph are stolen only after a while: the owner is likely to start them soon, and to fetch
+/// their data from its cache takes longer than to wait.
+void ThreadPool::Impl::runLoop(std::int32_t thread, Epoch epoch) {
+  runTasksOf(thread, false, epoch);
+  threadsDone.fetch_add(1, std::memory_order_relaxed);
+  const auto isDone = [&] { return threadsDone.load(std::memory_order_relaxed) == threads; };
+  if (loop.graph != nullptr) spinWhileAllRun(isDone);
+  if (isDone()) return;
+  for (std::int32_t k = 1; k < threads; ++k) runTasksOf((thread + k) % threads, true, epoch);
 }
 
-/// Parts of its own, and then those of others.
-void ThreadPool::Impl::work(std::int32_t member, std::uint64_t number) {
-  workOff(member, true, number);
-  through.fetch_add(1, std::memory_order_relaxed);
-  const auto areThrough = [&] { return through.load(std::memory_order_relaxed) == size; };
-  if (loop.order != nullptr) giveTime(areThrough);
-  if (areThrough()) return;
-  for (std::int32_t k = 1; k < size; ++k) workOff((member + k) % size, false, number);
-}
-
-/// Waits for a while until `isDone()`, if everyone is here: what somebody else will begin soon is
-/// left to him. To fetch its particles from his cache costs more.
+/// Spins for at most kSpins polls until `isOver()`, as long as all threads are running the loop.
 template <typename Condition>
-void ThreadPool::Impl::giveTime(const Condition& isDone) const {
-  for (int looks = 0; looks < kPatience && !isDone() && gate.inside() == size - 1; ++looks) rest();
+void ThreadPool::Impl::spinWhileAllRun(const Condition& isOver) const {
+  for (int polls = 0; polls < kSpins && !isOver() && gate.workersInside() == threads - 1; ++polls) {
+    pauseProcessor();
+  }
 }
 
-/// The parts of a member: of each group those at its ends first; who helps begins with the last.
-void ThreadPool::Impl::workOff(std::int32_t owner, bool isOwn, std::uint64_t number) {
+/// Runs the tasks in the range of a thread, its equal part of each group: first the two at the
+/// ends, then the others in ascending order. A thief goes through each group in reverse, to meet
+/// the owner late.
+void ThreadPool::Impl::runTasksOf(std::int32_t owner, bool isStealing, Epoch epoch) {
   std::int32_t first = 0;
   for (std::int32_t group = 0; group < loop.groups; ++group) {
-    const std::int32_t parts = loop.groupEnds[group] - first;
-    const auto boundary = [&](std::int32_t member) {
-      return first + (parts * member + size - 1) / size;
+    const std::int32_t tasks = loop.groupEnds[group] - first;
+    const auto rangeBegin = [&](std::int32_t thread) {
+      return first + (tasks * thread + threads - 1) / threads;
     };
-    const std::int32_t begin = boundary(owner);
-    const std::int32_t count = boundary(owner + 1) - begin;
+    const std::int32_t begin = rangeBegin(owner);
+    const std::int32_t count = rangeBegin(owner + 1) - begin;
     for (std::int32_t k = 0; k < count; ++k) {
-      const std::int32_t at = isOwn ? k : count - 1 - k;
-      const std::int32_t fromEnds = at == 1 ? count - 1 : std::max(0, at - 1);
-      finish(begin + fromEnds, number);
+      const std::int32_t turn = isStealing ? count - 1 - k : k;
+      const std::int32_t offset = turn == 1 ? count - 1 : std::max(0, turn - 1);
+      runTask(begin + offset, epoch);
     }
     first = loop.groupEnds[group];
   }
 }
 
-/// Does a part and those that it waits for, if nobody else does.
-void ThreadPool::Impl::finish(std::int32_t part, std::uint64_t number) {
-  Mark& mark = marks[static_cast<std::size_t>(part)];
-  if (mark.isTaken(number)) return;
-  if (loop.order != nullptr) {
-    const TaskGraph& order = *loop.order;
-    for (std::int32_t k = part == 0 ? 0 : order.waitEnds[part - 1]; k < order.waitEnds[part]; ++k) {
-      const Mark& before = marks[static_cast<std::size_t>(order.waits[k])];
-      giveTime([&] { return before.isTaken(number); });
-      finish(order.waits[k], number);
-      Wait wait;
-      while (!before.isDone(number)) wait.once();
-    }
+/// Runs a task after its predecessors, unless another thread has claimed it.
+void ThreadPool::Impl::runTask(std::int32_t task, Epoch epoch) {
+  TaskState& state = states[static_cast<std::size_t>(task)];
+  if (state.isClaimed(epoch)) return;
+  if (loop.graph != nullptr) runPredecessors(task, epoch);
+  if (!state.claim(epoch)) return;
+  loop.body(loop.context, task);
+  state.setComplete(epoch);
+}
+
+/// Returns when all predecessors are complete; runs those that no thread has claimed.
+void ThreadPool::Impl::runPredecessors(std::int32_t task, Epoch epoch) {
+  const TaskGraph& graph = *loop.graph;
+  const std::int32_t begin = task == 0 ? 0 : graph.waitEnds[task - 1];
+  for (std::int32_t k = begin; k < graph.waitEnds[task]; ++k) {
+    const std::int32_t predecessor = graph.waits[k];
+    const TaskState& state = states[static_cast<std::size_t>(predecessor)];
+    spinWhileAllRun([&] { return state.isClaimed(epoch); });
+    runTask(predecessor, epoch);
+    Backoff backoff;
+    while (!state.isComplete(epoch)) backoff.wait();
   }
-  if (!mark.take(number)) return;
-  loop.body(loop.context, part);
-  mark.setDone(number);
 }
 
 ThreadPool::ThreadPool() : impl_(std::make_unique<Impl>()) {}
@@ -283,33 +314,33 @@ ThreadPool* ThreadPool::ofThisThread() {
   return poolOfThisThread != nullptr && poolOfThisThread->size() > 1 ? poolOfThisThread : nullptr;
 }
 
-std::int32_t ThreadPool::size() const { return impl_->size; }
+std::int32_t ThreadPool::size() const { return impl_->threads; }
 
-void ThreadPool::run(std::int32_t parts, Body body, const void* context) {
+void ThreadPool::run(std::int32_t tasks, Body body, const void* context) {
   poolOfThisThread = nullptr;
-  impl_->run({&parts, 1, nullptr, body, context}, parts);
+  impl_->run({&tasks, 1, nullptr, body, context}, tasks);
   poolOfThisThread = this;
 }
 
-void ThreadPool::run(const TaskGraph& order, Body body, const void* context) {
+void ThreadPool::run(const TaskGraph& graph, Body body, const void* context) {
   poolOfThisThread = nullptr;
-  impl_->run({order.groupEnds.data(), static_cast<std::int32_t>(order.groupEnds.size()), &order,
+  impl_->run({graph.groupEnds.data(), static_cast<std::int32_t>(graph.groupEnds.size()), &graph,
               body, context},
-             order.groupEnds.back());
+             graph.groupEnds.back());
   poolOfThisThread = this;
 }
 
 ThreadPool::ParallelRegion::ParallelRegion(ThreadPool& pool)
     : pool_(poolOfThisThread == nullptr ? &pool : nullptr) {
   if (pool_ == nullptr) return;
-  pool_->impl_->begin();
+  pool_->impl_->beginRegion();
   poolOfThisThread = pool_;
 }
 
 ThreadPool::ParallelRegion::~ParallelRegion() {
   if (pool_ == nullptr) return;
   poolOfThisThread = nullptr;
-  pool_->impl_->end();
+  pool_->impl_->endRegion();
 }
 
 }  // namespace cloth_sim

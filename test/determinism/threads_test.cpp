@@ -1,9 +1,10 @@
-/// \file Parallel loops do everything once, with helpers or without.
+/// \file Parallel loops run every task once, with worker threads or without.
 
 #include <gtest/gtest.h>
 #include <sched.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -25,7 +26,7 @@ TEST(ParallelFor, CoversEveryItemOnceAndInOneThreadIfLimited) {
   ThreadPool pool;
   for (const int threads : {1, 2, 3, 1, 2}) {
     const ThreadLimit limit(threads);
-    const ThreadPool::ParallelRegion shift(pool);
+    const ThreadPool::ParallelRegion region(pool);
     for (const std::int32_t count : {0, 1, 63, 64, 128, 1000}) {
       std::vector<std::atomic<int>> visits(static_cast<std::size_t>(count));
       std::atomic<bool> elsewhere{false};
@@ -40,7 +41,7 @@ TEST(ParallelFor, CoversEveryItemOnceAndInOneThreadIfLimited) {
   }
 }
 
-TEST(ParallelFor, RunsInTheCallingThreadOutsideOfAShift) {
+TEST(ParallelFor, RunsInTheCallingThreadOutsideOfARegion) {
   const ThreadLimit limit(2);
   const std::thread::id here = std::this_thread::get_id();
   std::vector<std::thread::id> by(1000);
@@ -50,10 +51,10 @@ TEST(ParallelFor, RunsInTheCallingThreadOutsideOfAShift) {
   EXPECT_EQ(std::count(by.begin(), by.end(), here), 1000);
 }
 
-TEST(ParallelFor, InAnotherOneIsNotShared) {
+TEST(ParallelFor, InsideOfATaskRunsInItsThread) {
   const ThreadLimit limit(2);
   ThreadPool pool;
-  const ThreadPool::ParallelRegion shift(pool);
+  const ThreadPool::ParallelRegion region(pool);
   std::vector<std::atomic<int>> visits(64 * 64);
   parallelFor(64, 1, [&](std::int32_t first, std::int32_t last) {
     for (std::int32_t j = first; j < last; ++j) {
@@ -65,28 +66,98 @@ TEST(ParallelFor, InAnotherOneIsNotShared) {
   for (const auto& n : visits) EXPECT_EQ(n.load(), 1);
 }
 
-/// Polled: a helper comes when the machine lets it.
-TEST(ThreadPool, HelpersComeAndTakeParts) {
+/// Calls `loop` until it has returned true `times` times, for 20 s at most.
+/// \return how often it has; worker threads take part when the machine lets them
+template <typename Loop>
+int repeatUntilShared(int times, const Loop& loop) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  int shared = 0;
+  while (shared < times && std::chrono::steady_clock::now() < deadline) shared += loop() ? 1 : 0;
+  return shared;
+}
+
+TEST(ThreadPool, WorkersTakePartInEveryRegion) {
   const ThreadLimit limit(2);
   ThreadPool pool;
   const std::thread::id here = std::this_thread::get_id();
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  std::atomic<bool> helped{false};
-  for (int shifts = 0; shifts < 3; ++shifts) {  // ... in each shift
-    const ThreadPool::ParallelRegion shift(pool);
-    helped = false;
-    while (!helped && std::chrono::steady_clock::now() < deadline) {
-      parallelFor(8, 1, [&](std::int32_t, std::int32_t) {
-        if (std::this_thread::get_id() != here) helped = true;
-      });
-    }
-    EXPECT_TRUE(helped);
+  std::atomic<bool> isShared{false};
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    const ThreadPool::ParallelRegion region(pool);
+    EXPECT_EQ(repeatUntilShared(1,
+                                [&] {
+                                  isShared = false;
+                                  parallelFor(8, 1, [&](std::int32_t, std::int32_t) {
+                                    if (std::this_thread::get_id() != here) isShared = true;
+                                  });
+                                  return isShared.load();
+                                }),
+              1);
   }
 }
 
-/// Loops follow each other at once, so that helpers meet the end of one and the beginning of the
-/// next at any moment.
-TEST(ThreadPool, ManyShortLoopsLoseNoPart) {
+constexpr std::chrono::milliseconds kLongTask{1};
+
+/// A task in a worker thread takes long, those in the calling thread do not: a loop that did not
+/// wait for the worker would return before its task is complete.
+TEST(ThreadPool, LoopsReturnAfterTheTasksOfWorkers) {
+  const ThreadLimit limit(2);
+  ThreadPool pool;
+  const std::thread::id here = std::this_thread::get_id();
+  std::atomic<int> complete{0};
+  std::atomic<bool> isShared{false};
+  const ThreadPool::ParallelRegion region(pool);
+  const auto loop = [&] {
+    complete = 0;
+    isShared = false;
+    parallelFor(8, 1, [&](std::int32_t first, std::int32_t last) {
+      if (std::this_thread::get_id() != here) {
+        isShared = true;
+        std::this_thread::sleep_for(kLongTask);
+      }
+      complete += last - first;
+    });
+    EXPECT_EQ(complete.load(), 8);
+    return isShared.load();
+  };
+  EXPECT_EQ(repeatUntilShared(20, loop), 20);
+}
+
+/// Two tasks, and two that depend on both: the calling thread has to wait for the task that a
+/// worker thread has claimed.
+TEST(ThreadPool, WaitsForPredecessorsInWorkers) {
+  const ThreadLimit limit(2);
+  ThreadPool pool;
+  TaskGraph graph;
+  graph.groupEnds = {2, 4};
+  graph.waitEnds = {0, 0, 2, 4};
+  graph.waits = {0, 1, 0, 1};
+  const std::thread::id here = std::this_thread::get_id();
+  std::array<std::atomic<bool>, 2> complete{};
+  std::atomic<bool> isShared{false};
+  std::atomic<int> early{0};
+  const ThreadPool::ParallelRegion region(pool);
+  const auto loop = [&] {
+    complete[0] = complete[1] = isShared = false;
+    parallelInOrder(pool, graph, [&](std::int32_t task) {
+      if (task >= 2) {
+        if (!complete[0] || !complete[1]) ++early;
+        return;
+      }
+      if (std::this_thread::get_id() != here) {
+        isShared = true;
+        std::this_thread::sleep_for(kLongTask);
+      }
+      complete[static_cast<std::size_t>(task)] = true;
+    });
+    return isShared.load();
+  };
+  EXPECT_EQ(repeatUntilShared(20, loop), 20);
+  EXPECT_EQ(early.load(), 0);
+}
+
+/// Loops follow each other at once, so that worker threads come to the end of one and the beginning
+/// of the next at any moment.
+TEST(ThreadPool, ManyShortLoopsLoseNoTask) {
   for (const int threads : {2, 3}) {
     const ThreadLimit limit(threads);
     ThreadPool pool;
@@ -94,7 +165,7 @@ TEST(ThreadPool, ManyShortLoopsLoseNoPart) {
     constexpr std::int64_t kLoops = 20000;
     for (std::int64_t loop = 0; loop < kLoops; ++loop) {
       if (loop % 100 == 0) std::this_thread::yield();
-      const ThreadPool::ParallelRegion shift(pool);
+      const ThreadPool::ParallelRegion region(pool);
       for (int again = 0; again < 3; ++again) {
         parallelFor(16, 1, [&](std::int32_t first, std::int32_t last) {
           for (std::int32_t k = first; k < last; ++k) sums[k] += loop + k;
@@ -107,52 +178,52 @@ TEST(ThreadPool, ManyShortLoopsLoseNoPart) {
   }
 }
 
-/// Groups of parts, each of which waits for some of earlier groups.
-TaskGraph someOrder() {
-  TaskGraph order;
+/// Groups of tasks, each of which depends on about a quarter of the tasks of earlier groups.
+TaskGraph randomGraph() {
+  TaskGraph graph;
   std::uint32_t random = 1;
-  std::int32_t part = 0;
-  for (const std::int32_t parts : {5, 1, 8, 2, 2, 16}) {
-    const std::int32_t first = part;
-    for (; part < first + parts; ++part) {
+  std::int32_t task = 0;
+  for (const std::int32_t tasks : {5, 1, 8, 2, 2, 16}) {
+    const std::int32_t first = task;
+    for (; task < first + tasks; ++task) {
       for (std::int32_t earlier = 0; earlier < first; ++earlier) {
         random = 1664525U * random + 1013904223U;
-        if (random >> 30 == 0) order.waits.push_back(earlier);
+        if (random >> 30 == 0) graph.waits.push_back(earlier);
       }
-      order.waitEnds.push_back(static_cast<std::int32_t>(order.waits.size()));
+      graph.waitEnds.push_back(static_cast<std::int32_t>(graph.waits.size()));
     }
-    order.groupEnds.push_back(part);
+    graph.groupEnds.push_back(task);
   }
-  return order;
+  return graph;
 }
 
-TEST(ThreadPool, DoesEveryPartOnceAndAfterThoseItWaitsFor) {
-  const TaskGraph order = someOrder();
-  const auto parts = static_cast<std::size_t>(order.groupEnds.back());
+TEST(ThreadPool, RunsEveryTaskOnceAndAfterItsPredecessors) {
+  const TaskGraph graph = randomGraph();
+  const auto tasks = static_cast<std::size_t>(graph.groupEnds.back());
   for (const int threads : {1, 2, 3}) {
     const ThreadLimit limit(threads);
     ThreadPool pool;
-    for (int shift = 0; shift < 200; ++shift) {
-      const ThreadPool::ParallelRegion now(pool);
-      for (std::int64_t loop = 1; loop <= 20; ++loop) {
-        // Not atomic: a part that does not wait is a data race.
-        std::vector<std::int64_t> done(parts, 0);
+    for (int repeat = 0; repeat < 200; ++repeat) {
+      const ThreadPool::ParallelRegion region(pool);
+      for (int loop = 0; loop < 20; ++loop) {
+        // Not atomic: a task that does not wait for its predecessors is a data race.
+        std::vector<int> runs(tasks, 0);
         std::atomic<int> early{0};
-        parallelInOrder(pool, order, [&](std::int32_t part) {
-          const std::int32_t begin = part == 0 ? 0 : order.waitEnds[part - 1];
-          for (std::int32_t k = begin; k < order.waitEnds[part]; ++k) {
-            if (done[order.waits[k]] != 1) ++early;
+        parallelInOrder(pool, graph, [&](std::int32_t task) {
+          const std::int32_t begin = task == 0 ? 0 : graph.waitEnds[task - 1];
+          for (std::int32_t k = begin; k < graph.waitEnds[task]; ++k) {
+            if (runs[graph.waits[k]] != 1) ++early;
           }
-          ++done[part];
+          ++runs[task];
         });
         ASSERT_EQ(early.load(), 0);
-        ASSERT_EQ(std::count(done.begin(), done.end(), 1), static_cast<std::int64_t>(parts));
+        ASSERT_EQ(std::count(runs.begin(), runs.end(), 1), static_cast<std::int64_t>(tasks));
       }
     }
   }
 }
 
-TEST(ThreadLimit, HoldsForItsThreadWhileItLives) {
+TEST(ThreadLimit, HoldsForItsThreadDuringItsLifetime) {
   const int before = ThreadLimit::ofThisThread();
   EXPECT_EQ(before, processors());
   {
@@ -164,7 +235,7 @@ TEST(ThreadLimit, HoldsForItsThreadWhileItLives) {
   EXPECT_EQ(ThreadLimit::ofThisThread(), before);
 }
 
-TEST(ThreadLimit, OfNoneIsOnePerProcessor) {
+TEST(ThreadLimit, OfZeroIsOnePerProcessor) {
   const ThreadLimit outer(3);
   const ThreadLimit inner(0);
   EXPECT_EQ(ThreadLimit::ofThisThread(), processors());

@@ -259,7 +259,7 @@ void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule, const Partic
   };
   const ThreadLimit limit(threads);
   ThreadPool pool;
-  const ThreadPool::ParallelRegion shift(pool);
+  const ThreadPool::ParallelRegion region(pool);
   const auto visit = [&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
     for (; span != end; ++span) {
       schedule.visit(*span, [&](const SpringSchedule::Element& spring) {

@@ -401,7 +401,7 @@ std::pair<std::vector<double>, Vec3> projectedOn(int threads) {
                     nullptr};
   const ThreadLimit limit(threads);
   ThreadPool pool;
-  const ThreadPool::ParallelRegion shift(pool);
+  const ThreadPool::ParallelRegion region(pool);
   for (int again = 0; again < 5; ++again) contacts.project(view, 0.01, 0.01);
   return {x, contacts.candidates[0].impulse};
 }

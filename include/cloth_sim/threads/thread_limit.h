@@ -1,19 +1,21 @@
 #pragma once
-/// \file How many threads the core may use.
+/// \file Limit on the number of threads that the library uses.
 
 namespace cloth_sim {
 
-/// Bounds the threads of the parallel loops of the thread that made it, itself among them, while it
-/// lives (1: all loops run in the calling thread); an inner one counts. Without one it is one per
-/// processor. Results do not depend on it.
+/// Limits the threads of parallel loops that the current thread starts, for the lifetime of the
+/// object. The current thread counts as one of them, so with a limit of 1 loops run in it alone.
+/// Limits nest: the innermost holds. Without a limit, loops use one thread per processor. Results
+/// do not depend on the limit.
 class ThreadLimit {
  public:
-  /// \param threads  0: one per processor.
+  /// \param threads  0: one per processor
   explicit ThreadLimit(int threads);
   ~ThreadLimit();
   ThreadLimit(const ThreadLimit&) = delete;
   ThreadLimit& operator=(const ThreadLimit&) = delete;
 
+  /// The limit that holds in the current thread, at least 1.
   static int ofThisThread();
 
  private:

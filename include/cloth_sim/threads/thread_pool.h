@@ -1,5 +1,5 @@
 #pragma once
-/// \file Threads that stay at hand for as long as a step takes.
+/// \file Worker threads that spin between the parallel loops of a step.
 
 #include <cstdint>
 #include <memory>
@@ -7,23 +7,24 @@
 
 namespace cloth_sim {
 
-/// Which parts of a loop wait for which others.
+/// Tasks of a parallel loop and their dependencies: a directed acyclic graph. Tasks are numbered
+/// from 0 and divided into groups of consecutive ones. A task depends on tasks of earlier groups
+/// only. Both lists of lists are in compressed form: list k ends at `...Ends[k]` and begins where
+/// list k - 1 ends.
 struct TaskGraph {
-  /// By group of consecutive parts, none of which waits for one of its own group: the end of it.
-  std::vector<std::int32_t> groupEnds;
-  /// By part: the end of its list in `waits`, which begins where that of the part before it ends.
-  std::vector<std::int32_t> waitEnds;
-  std::vector<std::int32_t> waits;  ///< parts of earlier groups
+  std::vector<std::int32_t> groupEnds;  ///< tasks, by group
+  std::vector<std::int32_t> waitEnds;   ///< entries of `waits`, by task
+  std::vector<std::int32_t> waits;      ///< predecessors: tasks that have to be complete before
 };
 
-/// During its shifts, parallel loops of the thread that began the shift are shared with helpers, at
-/// most as many as ThreadLimit allows. A step is a few dozen loops of tens of microseconds each,
-/// and to wake a thread takes as long: so helpers are called once a shift, by the first loop that
-/// is worth it, and then wait for the next loop without going to sleep (after some microseconds
-/// they let others run first). A loop does not wait for helpers: who is not there gets nothing to
-/// do.
+/// Runs parallel loops on the calling thread and worker threads, as many as ThreadLimit allows.
 ///
-/// See docs/decisions/011.
+/// A step consists of a few dozen loops of tens of microseconds each, and waking a thread takes as
+/// long as such a loop. Worker threads are therefore woken once for each ParallelRegion, by its
+/// first parallel loop, and spin from then on until the region ends; after some ten microseconds
+/// they yield the processor between polls. A loop never waits for a worker thread that is not
+/// running: the other threads take over its tasks. See docs/design_notes.md for a comparison with
+/// TBB.
 class ThreadPool {
  public:
   ThreadPool();
@@ -31,7 +32,8 @@ class ThreadPool {
   ThreadPool(ThreadPool&&) noexcept;
   ThreadPool& operator=(ThreadPool&&) noexcept;
 
-  /// While it lives, `pool` helps this thread; nothing happens if another one does already.
+  /// Parallel loops of the current thread run on `pool` for the lifetime of the object. Has no
+  /// effect inside another region of the same thread.
   class ParallelRegion {
    public:
     explicit ParallelRegion(ThreadPool& pool);
@@ -43,24 +45,26 @@ class ThreadPool {
     ThreadPool* pool_;
   };
 
-  /// That which helps this thread, or null: also where there are no helpers.
+  /// The pool of the current thread's region. Null outside of a region, inside of a task, and if
+  /// the region has one thread only.
   static ThreadPool* ofThisThread();
 
-  /// Helpers that the shift may have, and the thread itself.
+  /// Threads of the region, the calling one included.
   std::int32_t size() const;
 
-  /// The part `part` of a loop's `parts`.
-  using Body = void (*)(const void* context, std::int32_t part);
+  /// Runs the task with index `task`.
+  using Body = void (*)(const void* context, std::int32_t task);
 
-  /// Calls `body(context, part)` for each part in [0, parts), which must not throw and must write
-  /// nothing that another part reads; loops in it are not shared. Each member begins with parts of
-  /// its own, which are the same in every loop of as many parts, and then takes what is left of
-  /// others'.
-  void run(std::int32_t parts, Body body, const void* context);
-  /// The same where a part is called after those that it waits for, and may read and write what
-  /// they write. Members do not wait for each other between groups: of its parts of a group each
-  /// does those first that others may wait for, the ones at the ends.
-  void run(const TaskGraph& order, Body body, const void* context);
+  /// Calls `body(context, task)` once for each task in [0, tasks) and returns when all calls have
+  /// returned. The body must not throw and must not write what another task reads or writes.
+  /// Parallel loops inside of a task run in its thread. Every thread has a fixed range of the
+  /// tasks, so that its caches keep their data from loop to loop; when it has run those, it steals
+  /// from the other threads.
+  void run(std::int32_t tasks, Body body, const void* context);
+  /// The same for tasks with dependencies. A task may read and write what its predecessors write.
+  /// There is no barrier between the groups. In each group a thread first runs the tasks at the
+  /// ends of its range, because the other threads are likely to depend on them.
+  void run(const TaskGraph& graph, Body body, const void* context);
 
  private:
   struct Impl;
