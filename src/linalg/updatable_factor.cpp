@@ -14,7 +14,8 @@ namespace {
 /// Changes of an entry below this fraction of it are rounding errors.
 constexpr double kRounding = 1e-12;
 /// Cost of an update for each entry of L that it changes. The unit is that of the cost of a
-/// factorisation, the sum of squared column counts. Measured: docs/design_notes.md.
+/// factorisation, the sum of squared column counts. Measured:
+/// docs/decisions/030-updatable-factor.md.
 constexpr double kUpdateCost = 3.0;
 /// Rank-one updates after which the factor is computed anew, because rounding errors add up.
 constexpr std::int64_t kMaxUpdates = 100000;

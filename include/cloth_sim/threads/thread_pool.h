@@ -23,8 +23,8 @@ struct TaskGraph {
 /// long as such a loop. Worker threads are therefore woken once for each ParallelRegion, by its
 /// first parallel loop, and spin from then on until the region ends; after some ten microseconds
 /// they yield the processor between polls. A loop never waits for a worker thread that is not
-/// running: the other threads take over its tasks. See docs/design_notes.md for a comparison with
-/// TBB.
+/// running: the other threads take over its tasks.
+/// docs/decisions/011-own-thread-pool.md compares this with libraries.
 class ThreadPool {
  public:
   ThreadPool();
