@@ -27,6 +27,8 @@ TEST(ParallelFor, CoversEveryItemOnceAndInOneThreadIfLimited) {
   for (const int threads : {1, 2, 3, 1, 2}) {
     const ThreadLimit limit(threads);
     const ThreadPool::ParallelRegion region(pool);
+    ASSERT_EQ(ThreadPool::ofThisThread(), threads == 1 ? nullptr : &pool);
+    ASSERT_EQ(pool.size(), threads);
     for (const std::int32_t count : {0, 1, 63, 64, 128, 1000}) {
       std::vector<std::atomic<int>> visits(static_cast<std::size_t>(count));
       std::atomic<bool> elsewhere{false};
@@ -83,15 +85,14 @@ TEST(ThreadPool, WorkersTakePartInEveryRegion) {
   std::atomic<bool> isShared{false};
   for (int repeat = 0; repeat < 3; ++repeat) {
     const ThreadPool::ParallelRegion region(pool);
-    EXPECT_EQ(repeatUntilShared(1,
-                                [&] {
-                                  isShared = false;
-                                  parallelFor(8, 1, [&](std::int32_t, std::int32_t) {
-                                    if (std::this_thread::get_id() != here) isShared = true;
-                                  });
-                                  return isShared.load();
-                                }),
-              1);
+    const auto loop = [&] {
+      isShared = false;
+      parallelFor(8, 1, [&](std::int32_t, std::int32_t) {
+        if (std::this_thread::get_id() != here) isShared = true;
+      });
+      return isShared.load();
+    };
+    ASSERT_EQ(repeatUntilShared(1, loop), 1);
   }
 }
 
@@ -119,39 +120,39 @@ TEST(ThreadPool, LoopsReturnAfterTheTasksOfWorkers) {
     EXPECT_EQ(complete.load(), 8);
     return isShared.load();
   };
-  EXPECT_EQ(repeatUntilShared(20, loop), 20);
+  EXPECT_EQ(repeatUntilShared(5, loop), 5);
 }
 
-/// Two tasks, and two that depend on both: the calling thread has to wait for the task that a
-/// worker thread has claimed.
+/// Tasks 0 and 2 are those of the calling thread, 1 and 3 those of the worker. Task 1 takes long,
+/// so the calling thread tries to steal task 3, which depends on task 1. It has to wait, and then
+/// only one of the two threads may run task 3.
 TEST(ThreadPool, WaitsForPredecessorsInWorkers) {
   const ThreadLimit limit(2);
   ThreadPool pool;
   TaskGraph graph;
   graph.groupEnds = {2, 4};
-  graph.waitEnds = {0, 0, 2, 4};
-  graph.waits = {0, 1, 0, 1};
+  graph.waitEnds = {0, 0, 1, 3};
+  graph.waits = {0, 0, 1};
   const std::thread::id here = std::this_thread::get_id();
-  std::array<std::atomic<bool>, 2> complete{};
+  std::array<std::atomic<int>, 4> runs{};
   std::atomic<bool> isShared{false};
   std::atomic<int> early{0};
   const ThreadPool::ParallelRegion region(pool);
   const auto loop = [&] {
-    complete[0] = complete[1] = isShared = false;
+    for (std::atomic<int>& n : runs) n = 0;
+    isShared = false;
     parallelInOrder(pool, graph, [&](std::int32_t task) {
-      if (task >= 2) {
-        if (!complete[0] || !complete[1]) ++early;
-        return;
-      }
-      if (std::this_thread::get_id() != here) {
+      if (task == 3 && (runs[0] == 0 || runs[1] == 0)) ++early;
+      if (task == 1 && std::this_thread::get_id() != here) {
         isShared = true;
         std::this_thread::sleep_for(kLongTask);
       }
-      complete[static_cast<std::size_t>(task)] = true;
+      ++runs[static_cast<std::size_t>(task)];
     });
+    for (const std::atomic<int>& n : runs) EXPECT_EQ(n.load(), 1);
     return isShared.load();
   };
-  EXPECT_EQ(repeatUntilShared(20, loop), 20);
+  EXPECT_EQ(repeatUntilShared(5, loop), 5);
   EXPECT_EQ(early.load(), 0);
 }
 
