@@ -5,14 +5,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cloth_sim/validation.h"
 #include "motion_limiter.h"
 
 namespace cloth_sim {
 namespace {
 
 constexpr double kAtTarget = 1e-6;  // [m], [rad], [m/s], [rad/s]
-
-bool isPositive(double value) { return std::isfinite(value) && value > 0.0; }
 
 void require(bool holds, const ClampSpec& spec, const char* what) {
   if (!holds) throw std::invalid_argument("clamp '" + spec.name + "': expected " + what);

@@ -12,7 +12,6 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kUnitTolerance = 1e-3;  ///< of a quaternion's norm: float32 senders round
 constexpr std::size_t kMaxNameLength = 100;
 constexpr double kLeastFactor = 1e-3;  ///< of real time [-]
 constexpr double kMostFactor = 1e3;
@@ -21,19 +20,6 @@ constexpr std::size_t kMaxPoints = 10000;  ///< of a stroke or path
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
-
-/// Empty if `pose` is one.
-std::string poseDefect(const Pose& pose) {
-  if (!pose.position.allFinite()) return "the position is not finite";
-  if (!pose.orientation.coeffs().allFinite()) return "the orientation is not finite";
-  const double norm = pose.orientation.norm();
-  if (std::abs(norm - 1.0) > kUnitTolerance) {
-    return "the orientation is not a unit quaternion (norm " + std::to_string(norm) + ")";
-  }
-  return "";
-}
-
-bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 
 /// Zero means the default.
 void takeIfGiven(double given, double& value) {
@@ -127,7 +113,7 @@ RequestChecker::RequestChecker(const Scene& scene, WorldTransform toWorld)
 Request RequestChecker::clampPose(const std::string& clamp,
                                   const geometry_msgs::PoseStamped& message) const {
   Pose pose{fromPoint(message.pose.position), fromQuaternion(message.pose.orientation)};
-  const std::string defect = poseDefect(pose);
+  const std::string defect = validationError(pose);
   if (!defect.empty()) return Refusal{defect};
   pose.orientation.normalize();
   try {
@@ -242,7 +228,7 @@ Request RequestChecker::refinement(const Refine::Request& message) const {
   if (message.generations > 0) refinement.generations = message.generations;
   refinement.minEdge = message.min_edge;
   try {
-    return RefineNear{inWorld(message.points, toWorld_(Pose(), message.header)), refinement};
+    return RefineMesh{{inWorld(message.points, toWorld_(Pose(), message.header)), refinement}};
   } catch (const std::runtime_error& error) {
     return Refusal{error.what()};
   }

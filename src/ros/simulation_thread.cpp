@@ -293,8 +293,8 @@ CommandResult SimulationThread::carryOut(const Command& command) {
     record.number = commandCount_++;
     commands_.push_back(std::move(record));
   }
-  if (beginsAnew(command)) beginAnew();
-  if (std::holds_alternative<Reset>(command) || beginsAnew(command)) {  // time has jumped
+  if (replacesCloth(command)) beginAnew();
+  if (changesTime(command)) {
     startMeasuring();
     figurePace_ = Pace();
     tellTime();

@@ -1,9 +1,10 @@
 #pragma once
-/// \file What it takes to write parts of a simulation to bytes and to read them back: cereal's
-/// portable binary archives, and how they deal with Eigen's types. For .cpp files.
+/// \file Writes parts of a simulation to bytes and reads them back: cereal's portable binary
+/// archives, and how they store Eigen's types. For .cpp files.
 ///
-/// A type has one function `serialize` that lists what is to be kept; it serves both ways, so they
-/// cannot differ. What the scene or other members say is left out and made anew after reading.
+/// A type has one function `serialize` that lists the members to be stored; it serves writing and
+/// reading, so the two cannot differ. Members that follow from the scene or from other members are
+/// left out, and made anew after reading.
 
 #include <cereal/archives/portable_binary.hpp>
 #include <cereal/types/array.hpp>
@@ -41,13 +42,15 @@ namespace cloth_sim {
 using StateWriter = cereal::PortableBinaryOutputArchive;
 using StateReader = cereal::PortableBinaryInputArchive;
 
-/// A list of what has no default: on reading, items are copies of `blank` first.
-template <class Archive, typename T>
-void serializeItems(Archive& archive, std::vector<T>& items, const T& blank) {
+/// Writes or reads a vector of a type without default constructor: on reading, its items are copies
+/// of `blank` first.
+/// \tparam Items  std::vector<T>; const if the archive writes.
+template <class Archive, typename Items, typename T>
+void serializeItems(Archive& archive, Items& items, const T& blank) {
   std::uint64_t count = items.size();
   archive(count);
-  items.resize(count, blank);
-  for (T& item : items) archive(item);
+  if constexpr (Archive::is_loading::value) items.resize(count, blank);
+  for (auto& item : items) archive(item);
 }
 
 }  // namespace cloth_sim

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 
-#include "cloth_sim/sim/command.h"
-
 namespace cloth_sim {
 namespace {
 
-/// What is nearer to its target than this is there: round-off [m] or [-].
+/// An obstacle nearer to its target than this has reached it, but for round-off [m] or [-].
 constexpr double kRoundOff = 1e-12;
 
 bool isNear(const Pose& a, const Pose& b) {

@@ -31,7 +31,7 @@ double drivingSpeed(const State& state, const Controls& controls, const Collider
 
 StepWatch::StepWatch(const SolverSpec& solver, int substeps)
     : redoes_(solver.guard != StepGuard::kAllow),
-      weighs_(redoes_ && std::isfinite(findSolver(solver.method).stabilityLimit)) {
+      checksEnergy_(redoes_ && std::isfinite(findSolver(solver.method).stabilityLimit)) {
   record_.chosenSubsteps = substeps;
   const auto configured = solver.parameters.find("substeps");
   if (configured != solver.parameters.end()) {
@@ -41,7 +41,7 @@ StepWatch::StepWatch(const SolverSpec& solver, int substeps)
 
 void StepWatch::begin(const Model& model, const State& state, const Controls& controls,
                       const ColliderSet& colliders, double dt) {
-  if (!weighs_) return;
+  if (!checksEnergy_) return;
   gravity_ = controls.gravity;
   // What is driven at a speed leaves at twice that at most.
   const double speed = 2.0 * drivingSpeed(state, controls, colliders, dt);
@@ -51,28 +51,29 @@ void StepWatch::begin(const Model& model, const State& state, const Controls& co
   // Growth that is slow from step to step does not pay into the budget; losses leave it.
   const double now = kSwing * (e.kinetic + e.elastic);
   budget_ = budget_ < 0.0 ? now : std::min(budget_, now);
-  found_ = 0.0;
+  previousEnergy_ = 0.0;
 }
 
-bool StepWatch::isSound(const Model& model, const State& state, StepStatus status) {
+bool StepWatch::endedWell(const Model& model, const State& state, StepStatus status) {
   if (status == StepStatus::kDiverged) return false;
-  if (!weighs_) return true;
+  if (!checksEnergy_) return true;
   const Energies e = energies(model, state, gravity_);
   const double energy = e.kinetic + e.elastic;
   const double root = std::sqrt(budget_ + std::max(0.0, height_ - e.gravity)) + input_;
-  const bool agrees = found_ > 0.0 && std::max(energy, found_) <= kAgree * std::min(energy, found_);
-  found_ = energy;
-  reached_ = std::max(root * root, agrees ? energy : 0.0);
+  const bool agrees = previousEnergy_ > 0.0 && std::max(energy, previousEnergy_) <=
+                                                   kAgree * std::min(energy, previousEnergy_);
+  previousEnergy_ = energy;
+  nextBudget_ = std::max(root * root, agrees ? energy : 0.0);
   return energy <= kSwing * root * root || agrees;
 }
 
 void StepWatch::accept() {
-  if (weighs_) budget_ = reached_;
+  if (checksEnergy_) budget_ = nextBudget_;
 }
 
-void StepWatch::noteRedone(double time, int times) {
+void StepWatch::noteRedone(double time, int factor) {
   ++record_.redone;
-  record_.finest = std::max(record_.finest, times);
+  record_.finest = std::max(record_.finest, factor);
   record_.lastRedone = time;
 }
 

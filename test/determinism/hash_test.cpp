@@ -105,7 +105,7 @@ TEST_P(Determinism, CommandsAtTheSameTimes) {
     simulation.apply(SetPhase{"pull"});
     run(simulation, 4);
     const Vec3 down(0.0, 0.0, -1.0);
-    EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}).success);
+    EXPECT_TRUE(simulation.apply(RefineMesh{{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}}).success);
     EXPECT_TRUE(
         simulation.apply(CutAlong{strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, down, 1.0)}).success);
     run(simulation, 6);

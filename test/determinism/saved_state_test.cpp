@@ -40,7 +40,7 @@ void disturb(Simulation& simulation) {
   const Pose aside{Vec3(0.05, 0.0, 0.1)};
   EXPECT_TRUE(simulation.apply(MoveObstacle{"sphere", aside, Vec3(0.0, 0.5, 0.0)}).success);
   const Stroke across = strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, Vec3(0.0, 0.0, -1.0), 1.0);
-  EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}).success);
+  EXPECT_TRUE(simulation.apply(RefineMesh{{{Vec3(0.2, 0.2, 0.2)}, {0.1, 2, 0.0}}}).success);
   EXPECT_TRUE(simulation.apply(CutAlong{across}).success);
   const MovingPose away{Pose{Vec3(-0.7, 0.0, 0.4)}, Vec3(-0.5, 0.0, 0.0), Vec3::UnitZ(), 0.1};
   EXPECT_TRUE(simulation.apply(GuideClamp{"left", away}).success);

@@ -395,7 +395,7 @@ INSTANTIATE_TEST_SUITE_P(
               }},
         Touch{"refine",
               [](const Simulation& s) {
-                return RefineNear{{s.state().x[44]}, {0.02, 1, 0.0}};
+                return RefineMesh{{{s.state().x[44]}, {0.02, 1, 0.0}}};
               }},
         Touch{"drag",
               [](const Simulation& s) {

@@ -115,7 +115,7 @@ TEST_P(SurgeryCommand, RefinedClothHangsOn) {
   Simulation simulation = simulationOf(hanging(GetParam()));
   run(simulation, 10);
   const double mass = totalMass(simulation.model());
-  const CommandResult result = simulation.apply(RefineNear{{Vec3(0, 0, 1)}, {0.06, 2, 0.0}});
+  const CommandResult result = simulation.apply(RefineMesh{{{Vec3(0, 0, 1)}, {0.06, 2, 0.0}}});
   ASSERT_TRUE(result.success) << result.message;
   EXPECT_THAT(result.message, HasSubstr("particles added"));
   EXPECT_GT(simulation.model().particleCount(), 17 * 17 + 20);
@@ -134,7 +134,7 @@ TEST(SurgeryAnswers, AMissChangesNothing) {
   const CommandResult result = simulation.apply(along({{-0.5, 0, 2.0}, {0.5, 0, 2.0}}));
   EXPECT_TRUE(result.success);
   EXPECT_EQ(result.message, "the stroke misses the cloth: nothing was cut");
-  EXPECT_EQ(simulation.apply(RefineNear{{Vec3(5, 5, 5)}, {0.05, 3, 0.0}}).message,
+  EXPECT_EQ(simulation.apply(RefineMesh{{{Vec3(5, 5, 5)}, {0.05, 3, 0.0}}}).message,
             "0 particles added");
   EXPECT_EQ(hashOf(simulation), hash);
   EXPECT_EQ(simulation.snapshot()->topology, topology);
@@ -145,8 +145,9 @@ TEST(SurgeryAnswers, TooManyParticlesAreRefusedAndNothingChanges) {
   Simulation untouched = simulationOf(hanging("xpbd", "max_particles: 300"));
   run(simulation, 3);
   run(untouched, 3);
-  for (const Command& command : std::vector<Command>{along({{-0.5, 0, 0.913}, {0.5, 0, 0.961}}),
-                                                     RefineNear{{Vec3(0, 0, 1)}, {0.2, 4, 0.0}}}) {
+  for (const Command& command :
+       std::vector<Command>{along({{-0.5, 0, 0.913}, {0.5, 0, 0.961}}),
+                            RefineMesh{{{Vec3(0, 0, 1)}, {0.2, 4, 0.0}}}}) {
     const CommandResult result = simulation.apply(command);
     EXPECT_FALSE(result.success);
     EXPECT_THAT(result.message, HasSubstr("max_particles"));

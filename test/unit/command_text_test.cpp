@@ -42,7 +42,7 @@ std::vector<Command> someCommands() {
           SetStiffness{1.0 + third},
           PullParticle{true, {Vec3(third, 0.0, 1.0), -Vec3::UnitZ()}},
           CutAlong{stroke},
-          RefineNear{{Vec3(third, 0.0, 0.0)}, {third, 4, 1e-3}},
+          RefineMesh{{{Vec3(third, 0.0, 0.0)}, {third, 4, 1e-3}}},
           Reset{ResetScope::kTime},
           Restore{std::string("a\0b", 3)}};
 }

@@ -170,10 +170,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadCommand{"CutWithOnePose", CutAlong{Stroke{{Blade{}}, false, 0.0}}, "pose"},
         BadCommand{"CutNotANumber", CutAlong{strokeTo({kNan, 0.0, 0.2})}, "finite"},
         BadCommand{"CutToInfinity", CutAlong{strokeTo({0.1, kInf, 0.2})}, "finite"},
-        BadCommand{"RefineNowhere", RefineNear{{}, {0.1, 2, 0.0}}, "the path is empty"},
-        BadCommand{"RefineNotANumber", RefineNear{{Vec3(0.0, kNan, 0.2)}, {0.1, 2, 0.0}}, "finite"},
-        BadCommand{"RefineNoRadius", RefineNear{{Vec3(0.0, 0.0, 0.2)}, {0.0, 2, 0.0}}, "radius"},
-        BadCommand{"RefineTooFar", RefineNear{{Vec3(0.0, 0.0, 0.2)}, {0.1, 13, 0.0}},
+        BadCommand{"RefineNowhere", RefineMesh{{{}, {0.1, 2, 0.0}}}, "the path is empty"},
+        BadCommand{"RefineNotANumber", RefineMesh{{{Vec3(0.0, kNan, 0.2)}, {0.1, 2, 0.0}}},
+                   "finite"},
+        BadCommand{"RefineNoRadius", RefineMesh{{{Vec3(0.0, 0.0, 0.2)}, {0.0, 2, 0.0}}}, "radius"},
+        BadCommand{"RefineTooFar", RefineMesh{{{Vec3(0.0, 0.0, 0.2)}, {0.1, 13, 0.0}}},
                    "generations: expected 0 to 12"}),
     [](const auto& test) { return std::string(test.param.name); });
 

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Obstacles that follow something outside of the simulation.
+/// \file Obstacles that follow targets from outside of the simulation.
 
 #include <string>
 #include <vector>
@@ -9,19 +9,22 @@
 
 namespace cloth_sim {
 
-/// Which obstacles follow which targets.
+/// An obstacle that would have to be faster to reach its target jumps there [m/s].
+constexpr double kFastestObstacle = 10.0;
+
+/// The targets of guided obstacles, by the name of the obstacle.
 class ObstacleGuides {
  public:
-  /// From now on the obstacle follows `target`, in place of what it followed.
+  /// Guides an obstacle to `target`, in place of the target that it had.
   void set(const std::string& obstacle, const MovingPose& target);
-  /// It follows nothing, and goes on as it moves.
+  /// Stops guiding an obstacle; it goes on at the velocity that it has.
   void drop(const std::string& obstacle);
 
-  /// Whether every guided collider, at `time`, is where its target stays.
+  /// Whether every guided collider is, at `time` [s], where its target stays.
   bool areIdle(double time, const ColliderSet& colliders) const;
 
-  /// Gives every guided collider the velocity with which it is at its target after `dt`; its
-  /// orientation is that one's at once. Targets move on.
+  /// Gives every guided collider the velocity with which it reaches its target at `time + dt`, and
+  /// the orientation of the target at once. Advances the targets by `dt` [s].
   void steer(double time, double dt, ColliderSet& colliders);
 
  private:

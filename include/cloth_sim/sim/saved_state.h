@@ -1,10 +1,10 @@
 #pragma once
-/// \file Saved states of a simulation: their frame, and files of them.
+/// \file Saved states of a simulation, their header, and files of them.
 ///
 /// A saved state is a header, then everything that the future of a simulation depends on:
-/// topology, springs, masses, positions and velocities, clamps, obstacles, phases, tears, what was
-/// counted and what solvers keep. All numbers are little-endian, so files go from machine to
-/// machine.
+/// topology, springs, masses, positions and velocities, clamps, obstacles, phases, tears, counts,
+/// and what the method keeps from step to step (src/sim/state_format.cpp has the list). All
+/// numbers are little-endian, so that any machine can read the files of any other.
 
 #include <cstdint>
 #include <stdexcept>
@@ -12,27 +12,36 @@
 
 namespace cloth_sim {
 
-/// Why a state cannot be saved or loaded, in one line.
+struct SimulationParts;
+
+/// Says why a state cannot be saved or loaded, in one line.
 class StateError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Raised whenever what is kept changes.
+/// Version of the contents. Raised whenever their list changes; other versions are refused.
 constexpr std::uint32_t kStateVersion = 4;
 
-/// Puts a header before `payload`: what it is, version, length and a hash of it.
+/// Returns a simulation's state as bytes, header included.
+std::string saveParts(const SimulationParts& parts);
+/// Returns the simulation that was saved; it goes on as the saved one would, to the bit.
+/// \param like  a simulation of the same scene.
+/// \throws StateError if the bytes are damaged, of another version or of another scene.
+SimulationParts loadParts(const std::string& bytes, const SimulationParts& like);
+
+/// Puts a header before `payload`: magic word, version, length, and a hash of the payload.
 std::string sealState(const std::string& payload);
-/// What `sealState` was given.
+/// Returns the payload that `sealState` was given.
 /// \throws StateError if `sealed` is something else, of another version, cut short or damaged.
 std::string unsealState(const std::string& sealed);
 
 /// Writes a file whole or not at all: under another name first, flushed to the disk, then renamed.
 /// A link of that name is replaced, not followed.
-/// \throws StateError with what the system says.
+/// \throws StateError with the system's message.
 void writeFileWhole(const std::string& path, const std::string& bytes);
-/// Reads a file; no link, no directory, no device.
-/// \throws StateError
+/// Returns the contents of a regular file; links, directories and devices are refused.
+/// \throws StateError with the system's message.
 std::string readRegularFile(const std::string& path);
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file When a cloth that has come to rest need not be computed.
+/// \file Sleep: a cloth that has come to rest need not be computed.
 
 #include <optional>
 
@@ -9,26 +9,27 @@
 namespace cloth_sim {
 
 /// Whether a simulation sleeps. It falls asleep at the end of a step after which it has been at
-/// rest for long enough, and stays so until somebody wakes it: the simulation knows who does.
+/// rest for long enough, and sleeps until `wake`, which is called for everything that may move the
+/// cloth.
 class Sleep {
  public:
   /// \param settings  absent: it never sleeps.
   explicit Sleep(const std::optional<SleepSettings>& settings) : settings_(settings) {}
 
   bool isAsleep() const { return settings_ && asleep_; }
-  /// How long it has slept in all [s].
+  /// Simulated time slept through since the start or the last reset [s].
   double timeAsleep() const { return timeAsleep_; }
 
-  /// Whether every particle is slower than what counts as rest; never, if it never sleeps.
+  /// Whether every particle is slower than the settings' speed; false if it never sleeps.
   bool isSlow(const State& state) const;
 
-  /// Tells how a step ended.
-  /// \param rests  whether nothing moves and nothing has changed during the step.
+  /// Counts a step of `dt` [s] towards the rest.
+  /// \param rests  whether nothing moved and nothing changed during the step.
   /// \return whether it falls asleep now.
   bool endStep(bool rests, double dt);
-  /// Tells of a step of `dt` [s] that was slept through.
+  /// Counts a step of `dt` [s] that was slept through.
   void sleepOn(double dt) { timeAsleep_ += dt; }
-  /// It is awake from here on, and its rest begins anew.
+  /// Wakes it up, if it sleeps; its rest begins anew.
   void wake();
 
   template <class Archive>
@@ -39,8 +40,8 @@ class Sleep {
  private:
   std::optional<SleepSettings> settings_;
   bool asleep_ = false;
-  double atRest_ = 0.0;  ///< how long it has been at rest [s]
-  double timeAsleep_ = 0.0;
+  double atRest_ = 0.0;      ///< how long it has been at rest [s]
+  double timeAsleep_ = 0.0;  ///< [s]
 };
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Immutable copies of what a simulation shows to others.
+/// \file Immutable copies of a simulation for everybody else: publishers, recordings, figures.
 
 #include <memory>
 #include <optional>
@@ -8,36 +8,37 @@
 
 #include "cloth_sim/clamp/grip_event.h"
 #include "cloth_sim/scene/phase_script.h"
+#include "cloth_sim/sim/counts.h"
 #include "cloth_sim/solver/step_guard.h"
 #include "cloth_sim/surgery/tearing.h"
 
 namespace cloth_sim {
 
-/// Where a cloth is among the particles, and in the material plane.
+/// The place of a cloth among the particles and in the material plane.
 struct ClothPlace {
   std::string name;
-  std::int32_t firstParticle = 0;  ///< of those that it had at the start: ids in a row
-  std::int32_t particles = 0;      ///< at the start; edits add more at the end of all
-  double materialOffset = 0.0;     ///< u where its own u is 0 [m]
+  std::int32_t firstParticle = 0;  ///< its particles have consecutive ids from here at the start
+  std::int32_t particles = 0;      ///< number at the start; edits append more behind all cloths
+  double materialOffset = 0.0;     ///< u in the common material plane where its own u is 0 [m]
 };
 
 /// The surface at one revision; shared by all snapshots of that revision.
 struct Topology {
   std::uint64_t revision = 0;
   std::vector<ClothPlace> cloths;
-  std::vector<Face> faces;
-  std::vector<Vec2> material;  ///< per vertex [m]
-  /// Structural and shear springs, as vertex pairs with rest lengths: what strain is drawn from.
+  std::vector<Face> faces;     ///< vertex triples, counter-clockwise in material coordinates
+  std::vector<Vec2> material;  ///< material coordinates by vertex [m]
+  /// A structural or shear spring: strains are computed from these (cloth/strain.h).
   struct Link {
     VertexId a = kNone;
     VertexId b = kNone;
     double restLength = 0.0;  ///< [m]
   };
   std::vector<Link> links;
-  /// Boundary edges that were not boundary at the start: where it tore.
+  /// Boundary edges that were not boundary at the start: the edges of tears and cuts.
   std::vector<std::array<VertexId, 2>> tornEdges;
   double shortestEdge = 0.0;  ///< at rest [m]
-  double stableStep = 0.0;    ///< bound for explicit methods [s]; see cloth/stable_step.h
+  double stableStep = 0.0;    ///< longest step of explicit methods [s]; see cloth/stable_step.h
 };
 
 struct ClampSnapshot {
@@ -46,24 +47,11 @@ struct ClampSnapshot {
   Vec2 plateSize = Vec2::Zero();  ///< [m]
   double gap = 0.0;               ///< [m]
   ClampState state = ClampState::kOpen;
-  GripContents contents;  ///< now
+  GripContents contents;
   bool slipping = false;
-  double slipped = 0.0;             ///< how far the cloth has slid since it was grasped [m]
-  std::optional<double> gripForce;  ///< [N]; absent: any
-  Wrench wrench;
-};
-
-/// Counts of failed springs. total = structural + shear + bend = torn + cut.
-struct BrokenCounts {
-  int total = 0;
-  std::array<int, kSpringKinds> byKind{0, 0, 0};
-  int torn = 0;
-  int cut = 0;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(total, byKind, torn, cut);
-  }
+  double slipped = 0.0;             ///< distance that the cloth has slid since the grasp [m]
+  std::optional<double> gripForce;  ///< [N]; absent: no limit
+  Wrench wrench;                    ///< of the cloth on the clamp, mean over the last step
 };
 
 /// One connected piece of cloth.
@@ -74,58 +62,47 @@ struct PieceSnapshot {
   Vec3 centreOfMass = Vec3::Zero();  ///< in the world [m]
 };
 
-/// Loose pieces that were taken away.
-struct DroppedScraps {
-  int count = 0;
-  double mass = 0.0;      ///< [kg]
-  double restArea = 0.0;  ///< [m^2]
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(count, mass, restArea);
-  }
-};
-
-/// What may be turned while a simulation runs, as it is now.
+/// Settings that commands may change while a simulation runs.
 struct Tuning {
   Vec3 gravity = Vec3::Zero();  ///< [m/s^2]
-  std::optional<Wind> wind;
-  bool tearing = false;  ///< enabled
-  TearRatios ratio{};
-  double stiffness = 1.0;  ///< times the scene's [-]
+  std::optional<Wind> wind;     ///< absent: none
+  bool tearing = false;         ///< whether springs may fail
+  TearRatios ratio{};           ///< length over rest length at failure, by kind of spring [-]
+  double stiffness = 1.0;       ///< times the scene's stiffness [-]
 };
 
-/// What takes a look at every particle, spring and face.
+/// Quantities that take a pass over all particles, springs or faces.
 struct Figures {
   std::vector<PieceSnapshot> pieces{PieceSnapshot{}};  ///< the largest first
   double mass = 0.0;                                   ///< [kg]
   double restArea = 0.0;                               ///< [m^2]
   Energies energies;
   double meanSpeed = 0.0;   ///< [m/s]
-  double maxStretch = 1.0;  ///< length over rest length
+  double maxStretch = 1.0;  ///< largest length over rest length, structural and shear springs [-]
   std::uint64_t hash = 0;   ///< stateHash
 };
 
-/// What a snapshot is to show.
+/// Contents of a snapshot: without or with figures.
 enum class Detail { kShape, kFigures };
 
+/// A copy of a simulation between two steps.
 struct Snapshot {
   double time = 0.0;       ///< [s]
   std::uint64_t step = 0;  ///< steps since the start or the last reset
   std::shared_ptr<const Topology> topology;
-  std::vector<Vec3> positions;  ///< per vertex [m]
+  std::vector<Vec3> positions;  ///< by vertex [m]
   std::vector<ClampSnapshot> clamps;
   std::vector<Obstacle> obstacles;  ///< with their pose now
-  std::string phase;                ///< "" without a script; the last one's name once it is done
+  std::string phase;                ///< current or last phase; "" without a script
   ScriptStatus script = ScriptStatus::kIdle;
   int particles = 0;
   int faces = 0;
-  std::array<int, kSpringKinds> springs{0, 0, 0};  ///< active, by kind
+  std::array<int, kSpringKinds> springs{0, 0, 0};  ///< number of active springs, by kind
   BrokenCounts broken;
   DroppedScraps dropped;
   Tuning tuning;
   int substeps = 0;   ///< of the last step
-  GuardRecord guard;  ///< what was done about steps that were too long
+  GuardRecord guard;  ///< interventions of the step guard
   bool failed = false;
   std::string failure;             ///< why the simulation stopped; "" if it did not
   std::optional<Figures> figures;  ///< with Detail::kFigures

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Whether a step ended well, for simulations that redo the ones that did not.
+/// \file Judges whether a step ended well, so that one that did not can be redone.
 
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/scene/scene.h"
@@ -7,30 +7,32 @@
 
 namespace cloth_sim {
 
-/// Judges steps. One ended well if it did not diverge and, for methods with a limit of stability,
-/// if its energy did not jump: kinetic and elastic energy are at most twice what clamps, wind,
-/// obstacles and gravity can have put in since they were last lower.
+/// Judges steps. A step ended well if it did not diverge and, for a method with a limit of
+/// stability, if the energy did not jump: kinetic plus elastic energy are at most twice what
+/// clamps, wind, obstacles and gravity can have put in since they were last lower.
 class StepWatch {
  public:
-  /// \param substeps  that the method has after the guard looked at the scene.
+  /// \param substeps  number of substeps that the method has after the guard looked at the scene.
   StepWatch(const SolverSpec& solver, int substeps);
 
-  /// How many times the substeps a step that ends badly is tried with at most; each attempt has
-  /// twice those of the one before. 1: it is not redone.
-  int mostTimes() const { return redoes_ ? kMostTimes : 1; }
+  /// Returns the largest factor by which the substeps of a bad step are multiplied, a power of two:
+  /// each attempt doubles it. 1 if steps are never redone.
+  int maxSubstepFactor() const { return redoes_ ? kMaxSubstepFactor : 1; }
 
-  /// Whether it looks at the energy.
-  bool weighs() const { return weighs_; }
+  /// Whether the energy is checked, so that also a step that ended may be rejected.
+  bool checksEnergy() const { return checksEnergy_; }
 
-  /// Notes what a step starts from.
+  /// Records the state that a step of `dt` [s] starts from.
   void begin(const Model& model, const State& state, const Controls& controls,
              const ColliderSet& colliders, double dt);
-  /// Whether the step that led to `state` ended well; `status` is what the solver says of it.
-  bool isSound(const Model& model, const State& state, StepStatus status);
-  /// Notes that the step stays as it was last looked at.
+  /// Whether the attempt that led to `state` ended well.
+  /// \param status  that the solver reported.
+  bool endedWell(const Model& model, const State& state, StepStatus status);
+  /// Accepts the attempt that `endedWell` last judged.
   void accept();
-  /// Notes that an attempt was rolled back, and that the next one is divided `times` further.
-  void noteRedone(double time, int times);
+  /// Records that an attempt was rolled back, and that the next one has `factor` times the
+  /// substeps.
+  void noteRedone(double time, int factor);
 
   const GuardRecord& record() const { return record_; }
 
@@ -40,16 +42,16 @@ class StepWatch {
   }
 
  private:
-  static constexpr int kMostTimes = 64;
+  static constexpr int kMaxSubstepFactor = 64;
 
   bool redoes_;
-  bool weighs_;
-  double budget_ = -1.0;  ///< that the cloth can have by now; negative: no step yet [J]
-  double input_ = 0.0;    ///< root of what may come in during the step [J^1/2]
-  double height_ = 0.0;   ///< energy of weight at the start of the step [J]
-  Vec3 gravity_ = Vec3::Zero();
-  double reached_ = 0.0;  ///< what the budget is if the step is accepted [J]
-  double found_ = 0.0;    ///< by the attempt before; 0: none [J]
+  bool checksEnergy_;
+  double budget_ = -1.0;  ///< energy that the cloth may have by now [J]; negative before any step
+  double input_ = 0.0;    ///< square root of the energy that may come in during the step [J^1/2]
+  double height_ = 0.0;   ///< gravitational energy at the start of the step [J]
+  Vec3 gravity_ = Vec3::Zero();  ///< [m/s^2]
+  double nextBudget_ = 0.0;      ///< the budget if the step is accepted [J]
+  double previousEnergy_ = 0.0;  ///< after the attempt before this one [J]; 0 if this is the first
   GuardRecord record_;
 };
 

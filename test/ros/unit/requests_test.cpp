@@ -225,7 +225,7 @@ TEST_F(RequestsTest, RefinementBecomesACommandInTheWorldFrame) {
   Refine::Request request = refinement();
   request.header.frame_id = "hand";
   const Request made = checker_.refinement(request);
-  const auto& command = std::get<RefineNear>(std::get<Command>(made));
+  const auto& command = std::get<RefineMesh>(std::get<Command>(made)).request;
   EXPECT_EQ(command.path, std::vector<Vec3>{Vec3(0.0, 0.0, 1.0)});
   EXPECT_EQ(command.refinement.radius, 0.1);
   EXPECT_EQ(command.refinement.generations, 3);
@@ -234,8 +234,8 @@ TEST_F(RequestsTest, RefinementBecomesACommandInTheWorldFrame) {
   request.generations = 12;
   request.min_edge = 0.01;
   const Request finer = checker_.refinement(request);
-  EXPECT_EQ(std::get<RefineNear>(std::get<Command>(finer)).refinement.generations, 12);
-  EXPECT_EQ(std::get<RefineNear>(std::get<Command>(finer)).refinement.minEdge, 0.01);
+  EXPECT_EQ(std::get<RefineMesh>(std::get<Command>(finer)).request.refinement.generations, 12);
+  EXPECT_EQ(std::get<RefineMesh>(std::get<Command>(finer)).request.refinement.minEdge, 0.01);
 }
 
 TEST_F(RequestsTest, BadRefinementsAreRefused) {

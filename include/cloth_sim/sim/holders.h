@@ -1,0 +1,87 @@
+#pragma once
+/// \file Everything that holds particles of the cloth: pins, clamps and the pull of a pointer.
+
+#include <string>
+#include <vector>
+
+#include "cloth_sim/clamp/drag.h"
+#include "cloth_sim/clamp/grip_event.h"
+
+namespace cloth_sim {
+
+/// The pins and clamps of a simulation and the pull at a particle, in this order of precedence:
+/// where several hold the same particle, the first one keeps it.
+class Holders {
+ public:
+  /// \param pins    where the pinned particles stay, ascending by vertex.
+  /// \param clamps  the scene's clamps.
+  Holders(std::vector<KinematicTarget> pins, const std::vector<ClampSpec>& clamps);
+
+  const std::vector<Clamp>& clamps() const { return clamps_; }
+  std::vector<Clamp>& clamps() { return clamps_; }
+  const Drag& drag() const { return drag_; }
+  Drag& drag() { return drag_; }
+
+  /// Returns the clamp of that name, or nullptr if there is none.
+  Clamp* find(const std::string& clamp);
+  std::vector<std::string> clampNames() const;
+  /// Adds a clamp.
+  /// \throws std::invalid_argument if the specification is invalid, or names a patch that `model`
+  ///         does not have.
+  void add(const ClampSpec& spec, const Model& model);
+  /// Removes the clamp of that name, if there is one; what it held is free.
+  /// \return whether there was one.
+  bool remove(const std::string& clamp);
+
+  /// Clears the wrenches of the clamps, and moves clamps and the pull by one step.
+  /// \param state  before the step.
+  void advance(const Model& model, const State& state, double dt);
+
+  /// Fills in `controls.kinematic` (each held particle once, ascending by vertex) and
+  /// `controls.forces` (friction of clamps that slip).
+  void gatherControls(const Model& model, Controls& controls);
+
+  /// Whether some clamp has a limited grip force, so that a step may have to be solved again.
+  bool mayYield() const;
+  /// Lets every clamp slip whose grip force is less than what it would have to bear.
+  /// \param controls, report  of the step as it was solved with all of them holding.
+  /// \return whether some clamp has begun to slip: then the step must be solved again.
+  bool yield(const Controls& controls, const StepReport& report);
+
+  /// Adds the forces of the cloth during a part of the step to the wrenches of the clamps.
+  /// \param state     after that part.
+  /// \param fraction  of the step that it took, in (0, 1].
+  void addReactions(const Controls& controls, const StepReport& report, const Model& model,
+                    const State& state, double fraction);
+
+  /// Records what has happened to the grips during the step.
+  void recordGripEvents(const Model& model, const State& state, const ColliderSet& colliders);
+  /// Returns the recorded events since the last call, in order.
+  std::vector<GripEvent> takeGripEvents();
+
+  /// Returns the held particles, ascending.
+  std::vector<VertexId> heldVertices() const;
+
+  /// Whether the next steps leave every clamp exactly as it is, and nothing is pulled.
+  bool areStill() const;
+  /// Whether every clamp stands at its target.
+  bool areAtTarget() const;
+  /// Whether no clamp is still closing.
+  bool haveClosed() const;
+
+  /// Updates pins, clamps and the pull for an edit of the mesh.
+  void applyChanges(const MeshChanges& changes);
+
+ private:
+  friend class StateFormat;
+
+  std::vector<KinematicTarget> pins_;  ///< ascending by vertex
+  std::vector<Clamp> clamps_;
+  Drag drag_;
+  GripWatch gripWatch_;
+  std::vector<GripEvent> gripEvents_;
+  std::vector<KinematicTarget> targets_;  ///< scratch: of all holders, in order of precedence
+  std::vector<std::size_t> order_;        ///< scratch: indices into targets_, by vertex
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,68 @@
+#pragma once
+/// \file Edits of the cloth's mesh in a simulation: tears, cuts, refinement, loose scraps.
+
+#include "cloth_sim/sim/failure_log.h"
+#include "cloth_sim/sim/guarded_solver.h"
+#include "cloth_sim/surgery/operation.h"
+
+namespace cloth_sim {
+
+/// The cloth under surgery, and everything that keeps data about its mesh.
+struct EditedCloth {
+  Model& model;
+  State& state;
+  Holders& holders;
+  GuardedSolver& solver;
+};
+
+/// Plans edits of the mesh, has surgery/operation.h carry them out, and brings everything that
+/// keeps data about the mesh up to date. Operations keep mass and momentum (see `cut` and `refine`
+/// there).
+class Surgery {
+ public:
+  Surgery(const SurgerySettings& settings, const TearingSettings& tearing, const Model& model);
+
+  /// Cuts along the line in which the stroke meets the cloth; nothing if it misses.
+  /// \throws TooManyParticles, and nothing has changed.
+  SurgeryResult cutAlong(const Stroke& stroke, const EditedCloth& cloth);
+  /// Cuts along a path in material coordinates.
+  /// \throws TooManyParticles, and nothing has changed.
+  SurgeryResult cutNotch(const MaterialPath& notch, const EditedCloth& cloth);
+  /// Refines the mesh near points in the world.
+  /// \throws TooManyParticles, and nothing has changed.
+  void refine(const RefineNear& request, const EditedCloth& cloth);
+  /// Opens the surface where springs are overloaded, stride by stride until nothing more tears.
+  /// \param dt  how long the springs may have been overloaded [s].
+  /// \throws TooManyParticles; the strides before have been made.
+  void tear(double dt, const EditedCloth& cloth);
+
+  const Tearing& tearing() const { return tearing_; }
+  Tearing& tearing() { return tearing_; }
+  /// The connected pieces of cloth.
+  const ConnectedComponents& pieces() const { return pieces_; }
+  const DroppedScraps& dropped() const { return dropped_; }
+  const FailureLog& failures() const { return failures_; }
+  FailureLog& failures() { return failures_; }
+  /// Number of edits so far: grows whenever faces or springs change.
+  std::uint64_t edits() const { return edits_; }
+
+ private:
+  friend class StateFormat;
+
+  SurgeryResult operate(const CutPlan& plan, const EditedCloth& cloth);
+  void applyChanges(const SurgeryResult& result, const EditedCloth& cloth);
+  void dropScraps(const EditedCloth& cloth);
+  std::vector<double> areaUnlessKept(const EditedCloth& cloth) const;
+  std::vector<std::int32_t> largestPieces(const Model& model,
+                                          const std::vector<double>& area) const;
+
+  SurgerySettings settings_;
+  SurgeryLimits limits_;
+  Tearing tearing_;
+  ConnectedComponents pieces_;
+  DroppedScraps dropped_;
+  FailureLog failures_;
+  std::uint64_t edits_ = 0;
+};
+
+}  // namespace cloth_sim

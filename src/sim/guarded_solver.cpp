@@ -1,0 +1,66 @@
+#include "cloth_sim/sim/guarded_solver.h"
+
+namespace cloth_sim {
+namespace {
+
+std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model, const State& state) {
+  const SolverInfo& info = findSolver(spec.method);
+  checkFeatures(info, !model.bending.empty());
+  const SolverParameters complete = completeParameters(info, spec.parameters);
+  if (spec.guard == StepGuard::kAllow) return info.create(model, complete);
+  const FastestMode mode = estimateFastestMode(model, state);
+  return info.create(model, guardStep(spec.guard, info, mode, spec.dt, complete));
+}
+
+/// Lists what holds particles in the rest of the step, and the lengths at which springs fail.
+void gatherControls(const SteppedCloth& cloth) {
+  cloth.holders.gatherControls(cloth.model, cloth.controls);
+  cloth.tearing.listLimits(cloth.model, cloth.state, cloth.controls.limits);
+}
+
+}  // namespace
+
+GuardedSolver::GuardedSolver(const SolverSpec& spec, const Model& model, const State& state)
+    : solver_(makeSolver(spec, model, state)), watch_(spec, solver_->substeps()) {}
+
+bool GuardedSolver::advance(const StepLength& length, const SteppedCloth& cloth) {
+  gatherControls(cloth);
+  if (mayTakeBack(cloth)) copyState(cloth.state, start_);
+  watch_.begin(cloth.model, cloth.state, cloth.controls, cloth.obstacles.colliders(),
+               length.left());
+  for (int factor = 1; factor <= watch_.maxSubstepFactor(); factor *= 2) {
+    if (factor > 1) watch_.noteRedone(cloth.state.t, factor);
+    if (attempt({length.dt, factor * length.substepFactor, length.done}, cloth)) {
+      watch_.accept();
+      return true;
+    }
+    takeBack(cloth);
+  }
+  return false;
+}
+
+/// Solves once, and again for as long as clamps begin to slip: at least one more each time, so it
+/// ends.
+bool GuardedSolver::attempt(const StepLength& length, const SteppedCloth& cloth) {
+  while (true) {
+    cloth.obstacles.detect(cloth.model, cloth.state, length.left());
+    report_ =
+        solver_->step(cloth.model, cloth.state, cloth.controls, cloth.obstacles.contacts(), length);
+    if (!watch_.endedWell(cloth.model, cloth.state, report_.status)) return false;
+    if (!cloth.holders.yield(cloth.controls, report_)) return true;
+    takeBack(cloth);
+    gatherControls(cloth);
+  }
+}
+
+/// Whether a step may be taken back that the method has carried out: for its energy, or because a
+/// grip gives way. (A step that diverges leaves the state alone.)
+bool GuardedSolver::mayTakeBack(const SteppedCloth& cloth) const {
+  return watch_.checksEnergy() || cloth.holders.mayYield();
+}
+
+void GuardedSolver::takeBack(const SteppedCloth& cloth) {
+  if (mayTakeBack(cloth)) copyState(start_, cloth.state);
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,137 @@
+#include "cloth_sim/sim/surgery.h"
+
+#include <algorithm>
+
+#include "cloth_sim/surgery/refine.h"
+#include "mesh/quality.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Shortest edge that surgery makes, as a fraction of the shortest original edge, unless the scene
+/// names a length.
+constexpr double kMinEdgeFraction = 0.05;
+/// Largest number of strides that the tip of a tear takes in a step.
+constexpr int kMaxStrides = 16;
+
+SurgeryLimits limitsFor(const SurgerySettings& settings, const TriangleMesh& mesh) {
+  SurgeryLimits limits;
+  limits.shape.snap = settings.snap;
+  limits.shape.minEdge = settings.minEdge.value_or(kMinEdgeFraction * shortestEdge(mesh));
+  limits.maxParticles = settings.maxParticles;
+  return limits;
+}
+
+/// Returns the paths over the surface that follow a path in material coordinates: those of a stroke
+/// over the cloth laid flat.
+std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath& notch) {
+  std::vector<Vec3> path;
+  for (const Vec2& p : notch) path.push_back(inMaterialPlane(p));
+  return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, inMaterialPlane(mesh));
+}
+
+}  // namespace
+
+Surgery::Surgery(const SurgerySettings& settings, const TearingSettings& tearing,
+                 const Model& model)
+    : settings_(settings),
+      limits_(limitsFor(settings, model.mesh)),
+      tearing_(tearing, model),
+      pieces_(connectedComponents(model.mesh)) {}
+
+SurgeryResult Surgery::cutAlong(const Stroke& stroke, const EditedCloth& cloth) {
+  CutPlan plan;
+  plan.paths = findPaths(stroke, cloth.model.mesh, cloth.state.x);
+  plan.refine = settings_.refineCuts;
+  if (settings_.clearStrip) plan.clearWithin = stroke.halfWidth;
+  return operate(plan, cloth);
+}
+
+SurgeryResult Surgery::cutNotch(const MaterialPath& notch, const EditedCloth& cloth) {
+  CutPlan plan;
+  plan.paths = pathsOver(cloth.model.mesh, notch);
+  plan.refine = settings_.refineCuts;
+  return operate(plan, cloth);
+}
+
+void Surgery::refine(const RefineNear& request, const EditedCloth& cloth) {
+  applyChanges(
+      cloth_sim::refine(request, limits_, cloth.holders.heldVertices(), cloth.model, cloth.state),
+      cloth);
+}
+
+void Surgery::tear(double dt, const EditedCloth& cloth) {
+  for (int stride = 0; stride < kMaxStrides; ++stride) {
+    const CutPlan plan = tearing_.plan(cloth.model, cloth.state, dt);
+    if (plan.paths.empty()) return;
+    operate(plan, cloth);
+  }
+}
+
+SurgeryResult Surgery::operate(const CutPlan& plan, const EditedCloth& cloth) {
+  SurgeryResult result = cut(plan, limits_, cloth.holders.heldVertices(), cloth.model, cloth.state);
+  // Before anything is renumbered.
+  if (plan.cause == FailureCause::kTear) {
+    tearing_.noteOpened(result);
+  } else {
+    tearing_.noteTips(result);
+  }
+  applyChanges(result, cloth);
+  return result;
+}
+
+void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth) {
+  if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
+  for (const FailureEvent& event : result.events) failures_.add(event);
+  cloth.holders.applyChanges(result.changes.mesh);
+  cloth.solver.onModelChanged(cloth.model, result.changes);
+  tearing_.applyChanges(cloth.model, result.changes);
+  pieces_ = connectedComponents(cloth.model.mesh);
+  ++edits_;
+  if (settings_.dropBelow > 0.0 && pieces_.count > 1) dropScraps(cloth);
+}
+
+void Surgery::dropScraps(const EditedCloth& cloth) {
+  const TriangleMesh& mesh = cloth.model.mesh;
+  const std::vector<double> area = areaUnlessKept(cloth);
+  const auto isScrap = [this](double a) { return a < settings_.dropBelow; };
+  std::vector<FaceId> faces;
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    if (isScrap(area[pieces_.ofFace[f]])) faces.push_back(f);
+  }
+  if (faces.empty()) return;
+  const double massBefore = totalMass(cloth.model);
+  const double areaBefore = mesh.totalRestArea();
+  dropped_.count += static_cast<int>(std::count_if(area.begin(), area.end(), isScrap));
+  applyChanges(removeComponents(faces, cloth.model, cloth.state), cloth);
+  dropped_.mass += massBefore - totalMass(cloth.model);
+  dropped_.restArea += areaBefore - mesh.totalRestArea();
+}
+
+/// Returns the rest area of each piece [m^2], at least `dropBelow` for pieces that are kept
+/// whatever their size: those that are held, and the largest one of each cloth.
+std::vector<double> Surgery::areaUnlessKept(const EditedCloth& cloth) const {
+  const TriangleMesh& mesh = cloth.model.mesh;
+  std::vector<double> area(static_cast<std::size_t>(pieces_.count), 0.0);
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) area[pieces_.ofFace[f]] += mesh.restArea(f);
+  const std::vector<std::int32_t> largest = largestPieces(cloth.model, area);
+  for (const VertexId v : cloth.holders.heldVertices()) {
+    area[pieces_.ofFace[mesh.facesAround(v).front()]] = settings_.dropBelow;
+  }
+  for (const std::int32_t piece : largest) area[piece] = settings_.dropBelow;
+  return area;
+}
+
+/// Returns the largest piece of each cloth; of equal ones the first.
+std::vector<std::int32_t> Surgery::largestPieces(const Model& model,
+                                                 const std::vector<double>& area) const {
+  std::vector<std::int32_t> largest(model.cloths.size(), kNone);
+  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+    const std::int32_t piece = pieces_.ofFace[f];
+    std::int32_t& best = largest[model.clothOf(model.mesh.face(f)[0])];
+    if (best == kNone || area[piece] > area[best]) best = piece;
+  }
+  return largest;
+}
+
+}  // namespace cloth_sim
