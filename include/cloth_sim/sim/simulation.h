@@ -3,9 +3,9 @@
 ///
 /// `Simulation` is a conductor. The state and the rules live in its components (SimulationParts):
 /// holders (pins, clamps, the pull of a pointer), obstacles, the guarded solver, surgery (tears,
-/// cuts, refinement, the log of failures), the script of phases, sleep, and measurements. `step`
-/// calls them in order. Between two steps, commands (sim/command.h) change the components; each
-/// command knows itself how to check, describe and carry out what it asks for.
+/// cuts, refinement, the history of failures), the script of phases, sleep, and measurements.
+/// `step` calls them in order. Between two steps, commands (sim/command.h) change the components;
+/// each command knows itself how to check, describe and carry out what it asks for.
 
 #include "cloth_sim/sim/command.h"
 #include "cloth_sim/threads/thread_pool.h"

@@ -1,7 +1,7 @@
 #pragma once
 /// \file Edits of the cloth's mesh in a simulation: tears, cuts, refinement, loose scraps.
 
-#include "cloth_sim/sim/failure_log.h"
+#include "cloth_sim/sim/failure_history.h"
 #include "cloth_sim/sim/guarded_solver.h"
 #include "cloth_sim/surgery/operation.h"
 
@@ -41,8 +41,8 @@ class Surgery {
   /// The connected pieces of cloth.
   const ConnectedComponents& pieces() const { return pieces_; }
   const DroppedScraps& dropped() const { return dropped_; }
-  const FailureLog& failures() const { return failures_; }
-  FailureLog& failures() { return failures_; }
+  const FailureHistory& failures() const { return failures_; }
+  FailureHistory& failures() { return failures_; }
   /// Number of edits so far: grows whenever faces or springs change.
   std::uint64_t edits() const { return edits_; }
 
@@ -61,7 +61,7 @@ class Surgery {
   Tearing tearing_;
   ConnectedComponents pieces_;
   DroppedScraps dropped_;
-  FailureLog failures_;
+  FailureHistory failures_;
   std::uint64_t edits_ = 0;
 };
 

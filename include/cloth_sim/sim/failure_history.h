@@ -9,7 +9,7 @@
 namespace cloth_sim {
 
 /// All failures since the start of the simulation or its last reset.
-class FailureLog {
+class FailureHistory {
  public:
   void add(const FailureEvent& event);
 
