@@ -1,17 +1,18 @@
 #include "actions.h"
 
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "cloth_sim/validation.h"
 #include "support/hash.h"
 
 namespace cloth_sim {
 namespace {
 
 constexpr double kFeedbackPeriod = 0.1;  ///< wall time [s]
-constexpr double kLongest = 1e6;         ///< [s]
+constexpr double kMaxDuration = 1e6;     ///< [s]
 
+/// Returns the simulated time that a goal takes [s], 0 if it is not known.
 double lengthOf(const RunGoal& goal) {
   const auto* runFor = std::get_if<RunFor>(&goal);
   return runFor == nullptr ? 0.0 : runFor->duration;
@@ -23,18 +24,15 @@ void setRemaining(double remaining, RunForFeedback& feedback) {
 void setRemaining(double /*remaining*/, RunToPhaseFeedback& /*feedback*/) {}
 
 RunGoal runFor(const RunForGoal& goal) {
-  const bool sound = std::isfinite(goal.duration) && goal.duration > 0.0;
-  if (!sound || goal.duration > kLongest) {
-    throw std::runtime_error("duration must be > 0 and <= 1e6 s");
+  if (!isPositive(goal.duration) || goal.duration > kMaxDuration) {
+    throw std::runtime_error("duration: expected a number > 0 and <= 1e6 s");
   }
   return RunFor{goal.duration};
 }
 
 RunGoal runToPhase(const RequestChecker& checker, const RunToPhaseGoal& goal) {
-  const Request request = checker.phase(goal.phase);
-  if (const auto* refusal = std::get_if<Refusal>(&request)) {
-    throw std::runtime_error(refusal->message);
-  }
+  const std::string error = checker.phaseError(goal.phase);
+  if (!error.empty()) throw std::runtime_error(error);
   return RunToPhase{goal.phase};
 }
 
@@ -66,7 +64,7 @@ void RunAction<Action>::accept(Handle handle) {
   }
   handle.setAccepted();
   const std::string id = handle.getGoalID().id;
-  // Its answer, from another thread, waits for the entry.
+  // The answer comes from another thread, and waits for the entry in runs_.
   const std::lock_guard<std::mutex> lock(mutex_);
   const double end = simulation_.observe().snapshot->time + lengthOf(goal);
   const std::uint64_t number = simulation_.requestRun(

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The node's actions: run for a while, run to a phase.
+/// \file The node's actions: run for a duration, run to a phase.
 
 #include <actionlib/server/action_server.h>
 #include <ros/node_handle.h>
@@ -15,12 +15,13 @@
 
 namespace cloth_sim {
 
-/// One action: its goals become runs of the simulation thread, which knows which of them counts.
+/// Serves one action. Each goal becomes a run of the simulation thread; a new run takes the place
+/// of the one before.
 template <typename Action>
 class RunAction {
  public:
-  /// From a goal to what to run to.
-  /// \throws std::runtime_error saying why it is refused.
+  /// Converts a goal message.
+  /// \throws std::runtime_error saying why the goal is rejected.
   using ToGoal = std::function<RunGoal(const typename Action::_action_goal_type::_goal_type&)>;
 
   RunAction(ros::NodeHandle& privateNode, const std::string& name, ToGoal toGoal,
@@ -40,17 +41,18 @@ class RunAction {
 
   ToGoal toGoal_;
   SimulationThread& simulation_;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< guards runs_
   struct Run {
     Handle handle;
     std::uint64_t number = 0;
-    double end = 0.0;  ///< simulated [s], if it is known
+    double end = 0.0;  ///< simulated time at the end [s], if it is known
   };
-  std::map<std::string, Run> runs_;  ///< under way, by goal id
+  std::map<std::string, Run> runs_;  ///< runs under way, by goal id
   Server server_;
   ros::WallTimer timer_;
 };
 
+/// The actions ~run_for and ~run_to_phase.
 class Actions {
  public:
   Actions(ros::NodeHandle& privateNode, const RequestChecker& checker,

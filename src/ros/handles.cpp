@@ -1,13 +1,12 @@
 #include "handles.h"
 
-#include <ros/console.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
+#include "submit.h"
 
 namespace cloth_sim {
 namespace {
@@ -16,21 +15,22 @@ using visualization_msgs::InteractiveMarker;
 using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::Marker;
 
-constexpr double kPeriod = 1.0 / 20.0;  ///< of following [s]
+constexpr double kPeriod = 1.0 / 20.0;  ///< between updates [s]
 constexpr double kClampScale = 0.22;    ///< of a clamp's arrows and rings [m]
 constexpr double kMargin = 0.12;        ///< of an obstacle's arrows beyond it [m]
-constexpr double kGrip = 1.15;          ///< what is clicked, times what it stands for [-]
+constexpr double kGrip = 1.15;          ///< size of the shape to click at, over the real one [-]
 constexpr double kObstacleSpeed = 0.5;  ///< [m/s]
-constexpr double kStill = 1e-4;         ///< less than this is no motion [m], [-]
+constexpr double kStill = 1e-4;         ///< smaller differences of poses are ignored [m], [rad]
+const std::string kTopic = "handles";
 const std::string kClampPrefix = "clamp/";
 const std::string kObstaclePrefix = "obstacle/";
 
-/// The part of `marker` after `prefix`; empty if it does not begin with it.
+/// Returns the part of `marker` after `prefix`; empty if it does not begin with the prefix.
 std::string after(const std::string& prefix, const std::string& marker) {
   return marker.compare(0, prefix.size(), prefix) == 0 ? marker.substr(prefix.size()) : "";
 }
 
-/// Arrows, or rings, along the axes of the marker.
+/// Adds arrows or rings along the three axes of the marker.
 void addAxes(std::uint8_t mode, const std::string& what, InteractiveMarker& marker) {
   for (int axis = 0; axis < 3; ++axis) {
     InteractiveMarkerControl control;
@@ -42,7 +42,7 @@ void addAxes(std::uint8_t mode, const std::string& what, InteractiveMarker& mark
   }
 }
 
-/// A translucent shape to click at.
+/// Adds a translucent shape to click at.
 void addShape(int type, const Vec3& size, std::uint8_t mode, InteractiveMarker& marker) {
   Marker shape;
   shape.type = type;
@@ -107,7 +107,7 @@ Handles::Handles(const ros::NodeHandle& privateNode, const std::string& world,
   menu_.insert("Grasp", [this](const auto& feedback) { onGrasp(feedback->marker_name, true); });
   menu_.insert("Release", [this](const auto& feedback) { onGrasp(feedback->marker_name, false); });
   const Observation observation = simulation.observe();
-  followClamps(*observation.snapshot);
+  updateClampHandles(*observation.snapshot);
   for (const Obstacle& obstacle : observation.snapshot->obstacles) {
     if (hasHandle(obstacle)) add(obstacleHandle(obstacle, world));
   }
@@ -121,8 +121,8 @@ void Handles::add(const InteractiveMarker& marker) {
   server_.insert(marker, [this](const auto& feedback) { onFeedback(*feedback); });
 }
 
-/// Clamps come and go while the node runs.
-void Handles::followClamps(const Snapshot& now) {
+/// Adds handles for new clamps and removes those of clamps that are gone.
+void Handles::updateClampHandles(const Snapshot& now) {
   std::set<std::string> gone = std::exchange(clamps_, {});
   for (const ClampSnapshot& clamp : now.clamps) {
     clamps_.insert(clamp.name);
@@ -149,17 +149,17 @@ void Handles::onFeedback(const Feedback& feedback) {
     geometry_msgs::PoseStamped pose;
     pose.header.frame_id = feedback.header.frame_id;
     pose.pose = feedback.pose;
-    submit(checker_.clampPose(clamp, pose));
+    submit(kTopic, checker_.clampPose(clamp, pose), simulation_);
   } else {
-    guide(after(kObstaclePrefix, feedback.marker_name), fromPoint(feedback.pose.position));
+    sendObstacle(after(kObstaclePrefix, feedback.marker_name), fromPoint(feedback.pose.position));
   }
 }
 
 void Handles::onGrasp(const std::string& marker, bool grasp) {
-  submit(checker_.grasp(after(kClampPrefix, marker), grasp));
+  submit(kTopic, checker_.grasp(after(kClampPrefix, marker), grasp), simulation_);
 }
 
-void Handles::guide(const std::string& obstacle, const Vec3& goal) {
+void Handles::sendObstacle(const std::string& obstacle, const Vec3& goal) {
   if (!goal.allFinite()) return;
   const std::shared_ptr<const Snapshot> now = simulation_.observe().snapshot;
   const auto found = std::find_if(now->obstacles.begin(), now->obstacles.end(),
@@ -173,15 +173,16 @@ void Handles::guide(const std::string& obstacle, const Vec3& goal) {
   guided.underWay = true;
 }
 
-/// The server calls `onFeedback` with its own mutex locked: so it is not called with ours locked.
+/// Moves the handles. The server calls `onFeedback` with its own mutex locked, so it must not be
+/// called with ours locked.
 void Handles::refresh() {
   const std::shared_ptr<const Snapshot> now = simulation_.observe().snapshot;
-  followClamps(*now);
+  updateClampHandles(*now);
   for (const auto& [marker, pose] : moved(*now)) server_.setPose(marker, toPoseMessage(pose));
   server_.applyChanges();
 }
 
-/// Sends obstacles on their way, and says which handles are not where they should be.
+/// Moves obstacles on towards their handles, and returns the poses of handles that are to be moved.
 std::map<std::string, Pose> Handles::moved(const Snapshot& now) {
   std::map<std::string, Pose> poses;
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -201,7 +202,7 @@ std::map<std::string, Pose> Handles::moved(const Snapshot& now) {
   return poses;
 }
 
-/// One stretch of its way, as far as simulated time has gone.
+/// Moves an obstacle towards its handle, as far as it gets by `time` [s].
 void Handles::advance(const std::string& obstacle, Guided& guided, double time) {
   const double reach = kObstacleSpeed * std::max(0.0, time - guided.time);
   guided.time = time;
@@ -213,7 +214,9 @@ void Handles::advance(const std::string& obstacle, Guided& guided, double time) 
     guided.pose.position = guided.goal;
     guided.underWay = false;
   }
-  if (reach > 0.0) submit(Command{MoveObstacle{obstacle, guided.pose, Vec3::Zero()}});
+  if (reach > 0.0) {
+    submit(kTopic, MoveObstacle{obstacle, guided.pose, Vec3::Zero()}, simulation_);
+  }
 }
 
 bool Handles::shallShow(const std::string& marker, const Pose& pose) {
@@ -222,19 +225,6 @@ bool Handles::shallShow(const std::string& marker, const Pose& pose) {
   if (!isNew && !differ(shown->second, pose)) return false;
   shown->second = pose;
   return true;
-}
-
-void Handles::submit(const Request& request) {
-  const auto warn = [](const std::string& why) {
-    ROS_WARN_STREAM_THROTTLE(0.5, "~handles: refused: " << why);
-  };
-  if (const auto* refusal = std::get_if<Refusal>(&request)) {
-    warn(refusal->message);
-    return;
-  }
-  simulation_.post(std::get<Command>(request), [warn](const CommandResult& result) {
-    if (!result.success) warn(result.message);
-  });
 }
 
 }  // namespace cloth_sim

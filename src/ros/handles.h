@@ -1,5 +1,5 @@
 #pragma once
-/// \file Interactive markers: clamps and obstacles that are moved with the mouse in rviz.
+/// \file Interactive markers with which the mouse moves clamps and obstacles in rviz.
 
 #include <interactive_markers/interactive_marker_server.h>
 #include <interactive_markers/menu_handler.h>
@@ -16,20 +16,20 @@
 
 namespace cloth_sim {
 
-/// A handle on one clamp, with six degrees of freedom and a menu to grasp and release.
+/// Returns a handle on one clamp, with six degrees of freedom and a menu to grasp and release.
 visualization_msgs::InteractiveMarker clampHandle(const ClampSnapshot& clamp,
                                                   const std::string& world);
 
-/// A handle on a sphere or board, along three axes.
+/// Returns a handle on a sphere or board, which moves along three axes.
 visualization_msgs::InteractiveMarker obstacleHandle(const Obstacle& obstacle,
                                                      const std::string& world);
 
 /// Whether an obstacle gets a handle: planes and bounds reach too far for one.
 bool hasHandle(const Obstacle& obstacle);
 
-/// Serves the handles of a scene as the interactive markers ~handles. A clamp goes where its handle
-/// is put, within its limits; an obstacle follows its handle at 0.5 m/s of simulated time at most.
-/// Handles that nobody holds go along with what they are on.
+/// Serves the handles of a scene as the interactive markers ~handles. A clamp moves to its handle
+/// within its limits; an obstacle moves to its handle at up to 0.5 m/s (simulated time). A handle
+/// that nobody holds stays on its clamp or obstacle.
 class Handles {
  public:
   /// \param world  tf frame of the world.
@@ -39,33 +39,32 @@ class Handles {
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
 
-  /// An obstacle on its way to its handle.
+  /// An obstacle, and where its handle is.
   struct Guided {
-    Pose pose;  ///< where it was sent last
-    Vec3 goal;  ///< where its handle is [m]
-    bool underWay = false;
-    double time = 0.0;  ///< simulated, of `pose` [s]
+    Pose pose;              ///< where the obstacle was sent last
+    Vec3 goal;              ///< position of the handle [m]
+    bool underWay = false;  ///< the obstacle has yet to reach the handle
+    double time = 0.0;      ///< simulated time of `pose` [s]
   };
 
   void add(const visualization_msgs::InteractiveMarker& marker);
   void onFeedback(const Feedback& feedback);
   void onGrasp(const std::string& marker, bool grasp);
-  void guide(const std::string& obstacle, const Vec3& goal);
+  void sendObstacle(const std::string& obstacle, const Vec3& goal);
   void refresh();
-  void followClamps(const Snapshot& now);
+  void updateClampHandles(const Snapshot& now);
   std::map<std::string, Pose> moved(const Snapshot& now);
   void advance(const std::string& obstacle, Guided& guided, double time);
-  /// Whether a handle is to be moved there; then it is remembered to be.
+  /// Whether a handle is to be moved to `pose`; if so, remembers that it is there.
   bool shallShow(const std::string& marker, const Pose& pose);
-  void submit(const Request& request);
 
   const RequestChecker& checker_;
   SimulationThread& simulation_;
   std::string world_;
-  std::set<std::string> clamps_;          ///< that have a handle; for the constructor and the timer
-  std::mutex mutex_;                      ///< of what is below; callbacks come from several threads
-  std::string held_;                      ///< marker that a mouse holds; empty: none
-  std::map<std::string, Pose> shown_;     ///< by marker
+  std::set<std::string> clamps_;          ///< clamps with a handle; for constructor and timer only
+  std::mutex mutex_;                      ///< guards the next three, for callbacks of any thread
+  std::string held_;                      ///< marker that the mouse holds; "": none
+  std::map<std::string, Pose> shown_;     ///< poses of the handles, by marker
   std::map<std::string, Guided> guided_;  ///< by obstacle
   interactive_markers::InteractiveMarkerServer server_;
   interactive_markers::MenuHandler menu_;

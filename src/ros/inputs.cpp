@@ -8,7 +8,7 @@ Inputs::Inputs(ros::NodeHandle& privateNode, const RequestChecker& checker,
                SimulationThread& simulation)
     : checker_(checker), simulation_(simulation) {
   subscribers_.push_back(privateNode.subscribe("cut_stroke", 10, &Inputs::onCutStroke, this));
-  // Rays replace each other, but every release counts: a few may wait.
+  // A ray replaces the one before, but no release may be lost: so a few may wait.
   subscribers_.push_back(privateNode.subscribe("drag", 10, &Inputs::onDrag, this));
   subscribers_.push_back(privateNode.subscribe("phase_command", 10, &Inputs::onPhase, this));
 }
@@ -20,7 +20,7 @@ void Inputs::onCutStroke(const CutStroke& stroke) {
 void Inputs::onDrag(const DragRay& ray) { submit("drag", checker_.drag(ray), simulation_); }
 
 void Inputs::onPhase(const std_msgs::String& phase) {
-  submit("phase_command", checker_.phase(phase.data), simulation_);
+  submit("phase_command", SetPhase{phase.data}, simulation_);
 }
 
 }  // namespace cloth_sim

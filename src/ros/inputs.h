@@ -1,6 +1,5 @@
 #pragma once
-/// \file The node's command topics but those of clamps. Bad input is warned about, not more often
-/// than twice a second, and has no effect.
+/// \file The node's command topics, except those of clamps.
 
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
@@ -14,6 +13,8 @@
 
 namespace cloth_sim {
 
+/// Subscribes to ~cut_stroke, ~drag and ~phase_command. Invalid input has no effect but a warning,
+/// at most two a second.
 class Inputs {
  public:
   Inputs(ros::NodeHandle& privateNode, const RequestChecker& checker, SimulationThread& simulation);

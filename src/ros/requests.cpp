@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/validation.h"
 #include "scene/names.h"
 #include "simulation_thread.h"
 
@@ -13,69 +13,35 @@ namespace cloth_sim {
 namespace {
 
 constexpr std::size_t kMaxNameLength = 100;
-constexpr double kLeastFactor = 1e-3;  ///< of real time [-]
-constexpr double kMostFactor = 1e3;
+constexpr double kMinFactor = 1e-3;  ///< of real time [-]
+constexpr double kMaxFactor = 1e3;
 constexpr std::size_t kMaxPoints = 10000;  ///< of a stroke or path
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
-/// Zero means the default.
+/// Overwrites a default, unless the message leaves the field at zero.
 void takeIfGiven(double given, double& value) {
   if (given != 0.0) value = given;
 }
 
-bool allFinite(const std::vector<geometry_msgs::Point>& points) {
-  return std::all_of(points.begin(), points.end(),
-                     [](const auto& point) { return fromPoint(point).allFinite(); });
+/// Returns what is wrong with the size of a list of points; empty if nothing is.
+std::string sizeError(const std::vector<geometry_msgs::Point>& points, const char* name) {
+  if (points.size() <= kMaxPoints) return "";
+  return std::string(name) + ": expected at most " + std::to_string(kMaxPoints) + " points (got " +
+         std::to_string(points.size()) + ")";
 }
 
-/// Empty if there are points, not too many, all finite.
-std::string pointsDefect(const std::vector<geometry_msgs::Point>& points, const char* what) {
-  if (points.empty()) return std::string(what) + " is empty";
-  if (points.size() > kMaxPoints) {
-    return std::string(what) + " has more than " + std::to_string(kMaxPoints) + " points";
-  }
-  return allFinite(points) ? "" : "a point is not finite";
-}
-
-/// Empty if what `message` says of the blade besides its points can be used.
-std::string bladeDefect(const CutStroke& message) {
+/// Returns what is wrong with the fields that describe the blade; empty if nothing is.
+std::string bladeError(const CutStroke& message) {
   if (!message.heels.empty()) {
-    if (message.heels.size() != message.points.size()) {
-      return "heels must be none or as many as points (got " +
-             std::to_string(message.heels.size()) + " and " +
-             std::to_string(message.points.size()) + ")";
-    }
-    return allFinite(message.heels) ? "" : "a heel is not finite";
+    if (message.heels.size() == message.points.size()) return "";
+    return "heels: expected none, or as many as points (got " +
+           std::to_string(message.heels.size()) + " and " + std::to_string(message.points.size()) +
+           ")";
   }
   const Vec3 direction = fromVector(message.direction);
-  if (!direction.allFinite()) return "the blade's direction is not finite";
-  if (direction.isZero(0.0)) return "the blade's direction is zero";
-  if (!isNotNegative(message.reach)) return "reach must be a finite number >= 0";
+  if (!direction.allFinite()) return "direction: expected three finite numbers";
+  if (direction.isZero(0.0)) return "direction: expected a vector that is not zero";
+  if (!isNotNegative(message.reach)) return "reach: expected a finite number >= 0";
   return "";
-}
-
-/// Empty if `message` has the form of a stroke; whether its blade gets anywhere is not looked at.
-std::string strokeDefect(const CutStroke& message) {
-  const std::string defect = pointsDefect(message.points, "the stroke");
-  if (!defect.empty()) return defect;
-  if (message.points.size() < 2) return "the stroke needs at least two points";
-  if (!isNotNegative(message.half_width)) return "half_width must be a finite number >= 0";
-  return bladeDefect(message);
-}
-
-std::string refinementDefect(const Refine::Request& message) {
-  if (!isNotNegative(message.radius) || message.radius == 0.0) {
-    return "radius must be a finite number > 0";
-  }
-  if (message.generations > kMostGenerations) {
-    return "generations must be 0 ... " + std::to_string(kMostGenerations) + " (got " +
-           std::to_string(message.generations) + ")";
-  }
-  if (!isNotNegative(message.min_edge)) return "min_edge must be a finite number >= 0";
-  return pointsDefect(message.points, "the path");
 }
 
 /// \param frame  that `points` are in, as a pose in the world.
@@ -103,54 +69,10 @@ Stroke toStroke(const CutStroke& message, const Pose& frame) {
   return stroke;
 }
 
-}  // namespace
-
-RequestChecker::RequestChecker(const Scene& scene, WorldTransform toWorld)
-    : toWorld_(std::move(toWorld)) {
-  for (const PhaseSpec& phase : scene.phases) phases_.push_back(phase.name);
-}
-
-Request RequestChecker::clampPose(const std::string& clamp,
-                                  const geometry_msgs::PoseStamped& message) const {
-  Pose pose{fromPoint(message.pose.position), fromQuaternion(message.pose.orientation)};
-  const std::string defect = validationError(pose);
-  if (!defect.empty()) return Refusal{defect};
-  pose.orientation.normalize();
-  try {
-    return SetClampTarget{clamp, toWorld_(pose, message.header)};
-  } catch (const std::runtime_error& error) {
-    return Refusal{error.what()};
-  }
-}
-
-Request RequestChecker::grasp(const std::string& clamp, bool grasp) const {
-  return SetGrasp{clamp, grasp};
-}
-
-Request RequestChecker::gripWidth(const std::string& clamp, double width) const {
-  if (!std::isfinite(width)) return Refusal{"the width is not finite"};
-  return SetGapWidth{clamp, width};
-}
-
-std::vector<Request> RequestChecker::gripper(const std::string& clamp,
-                                             const GripperCommand& command) const {
-  const Request width = gripWidth(clamp, command.position);
-  if (std::holds_alternative<Refusal>(width)) return {width};
-  if (!isNotNegative(command.max_effort)) {
-    return {Refusal{"max_effort must be a finite number >= 0"}};
-  }
-  if (command.max_effort == 0.0) return {width};
-  return {SetGripForce{clamp, command.max_effort}, width};
-}
-
-Request RequestChecker::newClamp(const AddClamp::Request& message) const {
+ClampSpec toClampSpec(const AddClamp::Request& message, const Pose& pose) {
   ClampSpec spec;
   spec.name = message.name;
-  const std::string defect = clampNameDefect(message.name);
-  if (!defect.empty()) return Refusal{"name: " + defect};
-  const Request pose = clampPose(message.name, message.pose);
-  if (const auto* refusal = std::get_if<Refusal>(&pose)) return *refusal;
-  spec.pose = std::get<SetClampTarget>(std::get<Command>(pose)).pose;
+  spec.pose = pose;
   takeIfGiven(message.plate_size[0], spec.plateSize.x());
   takeIfGiven(message.plate_size[1], spec.plateSize.y());
   takeIfGiven(message.gap_open, spec.gapOpen);
@@ -160,12 +82,63 @@ Request RequestChecker::newClamp(const AddClamp::Request& message) const {
   takeIfGiven(message.max_angular_speed, spec.maxAngularSpeed);
   takeIfGiven(message.max_acceleration, spec.maxLinearAcceleration);
   if (message.grip_force != 0.0) spec.gripForce = message.grip_force;
-  return CreateClamp{spec};
+  return spec;
 }
 
-Request RequestChecker::phase(const std::string& phase) const {
-  if (!contains(phases_, phase)) return Refusal{unknownName("phase", phase, phases_)};
-  return SetPhase{phase};
+/// Calls `make`, which looks up a frame, and refuses the request if the frame is unknown.
+template <typename Make>
+Request inKnownFrame(const Make& make) {
+  try {
+    return Command{make()};
+  } catch (const std::runtime_error& error) {
+    return Refusal{error.what()};
+  }
+}
+
+}  // namespace
+
+RequestChecker::RequestChecker(const Scene& scene, WorldTransform toWorld)
+    : toWorld_(std::move(toWorld)) {
+  for (const PhaseSpec& phase : scene.phases) phases_.push_back(phase.name);
+}
+
+/// Checks the pose before the transform, after which every quaternion is of norm 1.
+Request RequestChecker::clampPose(const std::string& clamp,
+                                  const geometry_msgs::PoseStamped& message) const {
+  Pose pose{fromPoint(message.pose.position), fromQuaternion(message.pose.orientation)};
+  const std::string error = validationError(pose);
+  if (!error.empty()) return Refusal{error};
+  pose.orientation.normalize();
+  return inKnownFrame([&] { return SetClampTarget{clamp, toWorld_(pose, message.header)}; });
+}
+
+Request RequestChecker::grasp(const std::string& clamp, bool grasp) const {
+  return SetGrasp{clamp, grasp};
+}
+
+Request RequestChecker::gripWidth(const std::string& clamp, double width) const {
+  return SetGapWidth{clamp, width};
+}
+
+std::vector<Request> RequestChecker::gripper(const std::string& clamp,
+                                             const GripperCommand& command) const {
+  std::vector<Request> requests;
+  if (command.max_effort != 0.0) requests.push_back(SetGripForce{clamp, command.max_effort});
+  requests.push_back(gripWidth(clamp, command.position));
+  // Both or none.
+  for (const Request& request : requests) {
+    const std::string error = validationError(std::get<Command>(request));
+    if (!error.empty()) return {Refusal{error}};
+  }
+  return requests;
+}
+
+Request RequestChecker::newClamp(const AddClamp::Request& message) const {
+  const std::string error = clampNameDefect(message.name);
+  if (!error.empty()) return Refusal{"name: " + error};
+  const Request pose = clampPose(message.name, message.pose);
+  if (const auto* refusal = std::get_if<Refusal>(&pose)) return *refusal;
+  return CreateClamp{toClampSpec(message, std::get<SetClampTarget>(std::get<Command>(pose)).pose)};
 }
 
 Request RequestChecker::reset(std::uint8_t scope) const {
@@ -177,64 +150,58 @@ Request RequestChecker::reset(std::uint8_t scope) const {
     case ResetScene::Request::TIME:
       return Reset{ResetScope::kTime};
     default:
-      return Refusal{"scope must be 0 (both), 1 (state) or 2 (time) (got " + std::to_string(scope) +
-                     ")"};
+      return Refusal{"scope: expected 0 (both), 1 (state) or 2 (time) (got " +
+                     std::to_string(scope) + ")"};
   }
-}
-
-std::string RequestChecker::realTimeFactor(double factor) const {
-  if (factor == 0.0 || (factor >= kLeastFactor && factor <= kMostFactor)) return "";
-  return "the real-time factor must be 0.001 ... 1000, or 0 for as fast as it can (got " +
-         std::to_string(factor) + ")";
-}
-
-std::string RequestChecker::steps(std::uint32_t count) const {
-  if (count >= 1 && count <= static_cast<std::uint32_t>(SimulationThread::kMaxSteps)) return "";
-  return "steps must be 1 ... " + std::to_string(SimulationThread::kMaxSteps) + " (got " +
-         std::to_string(count) + ")";
 }
 
 Request RequestChecker::stroke(const CutStroke& message) const {
-  std::string defect = strokeDefect(message);
-  if (!defect.empty()) return Refusal{defect};
-  try {
-    const Stroke stroke = toStroke(message, toWorld_(Pose(), message.header));
-    defect = validationError(stroke);
-    if (!defect.empty()) return Refusal{defect};
-    return CutAlong{stroke};
-  } catch (const std::runtime_error& error) {
-    return Refusal{error.what()};
-  }
+  std::string error = sizeError(message.points, "points");
+  if (error.empty()) error = bladeError(message);
+  if (!error.empty()) return Refusal{error};
+  return inKnownFrame([&] { return CutAlong{toStroke(message, frameOf(message.header))}; });
 }
 
 Request RequestChecker::drag(const DragRay& message) const {
   if (!message.held) return PullParticle{false, Ray()};
-  Ray ray{fromPoint(message.origin), fromVector(message.direction)};
-  const std::string defect = validationError(ray);
-  if (!defect.empty()) return Refusal{defect};
-  try {
-    const Pose frame = toWorld_(Pose(), message.header);
-    return PullParticle{true, {frame.toWorld(ray.origin), frame.orientation * ray.direction}};
-  } catch (const std::runtime_error& error) {
-    return Refusal{error.what()};
-  }
+  return inKnownFrame([&] {
+    const Pose frame = frameOf(message.header);
+    return PullParticle{true,
+                        {frame.toWorld(fromPoint(message.origin)),
+                         frame.orientation * fromVector(message.direction)}};
+  });
 }
 
 Request RequestChecker::refinement(const Refine::Request& message) const {
-  const std::string defect = refinementDefect(message);
-  if (!defect.empty()) return Refusal{defect};
+  const std::string error = sizeError(message.points, "points");
+  if (!error.empty()) return Refusal{error};
   Refinement refinement;
   refinement.radius = message.radius;
   if (message.generations > 0) refinement.generations = message.generations;
   refinement.minEdge = message.min_edge;
-  try {
-    return RefineMesh{{inWorld(message.points, toWorld_(Pose(), message.header)), refinement}};
-  } catch (const std::runtime_error& error) {
-    return Refusal{error.what()};
-  }
+  return inKnownFrame([&] {
+    return RefineMesh{{inWorld(message.points, frameOf(message.header)), refinement}};
+  });
 }
 
-std::string RequestChecker::stateName(const std::string& name) const {
+std::string RequestChecker::phaseError(const std::string& phase) const {
+  const bool known = std::find(phases_.begin(), phases_.end(), phase) != phases_.end();
+  return known ? "" : unknownName("phase", phase, phases_);
+}
+
+std::string realTimeFactorError(double factor) {
+  if (factor == 0.0 || (factor >= kMinFactor && factor <= kMaxFactor)) return "";
+  return "real-time factor: expected 0.001 ... 1000, or 0 for as fast as possible (got " +
+         std::to_string(factor) + ")";
+}
+
+std::string stepCountError(std::uint32_t count) {
+  if (count >= 1 && count <= static_cast<std::uint32_t>(SimulationThread::kMaxSteps)) return "";
+  return "steps: expected 1 ... " + std::to_string(SimulationThread::kMaxSteps) + " (got " +
+         std::to_string(count) + ")";
+}
+
+std::string stateNameError(const std::string& name) {
   const auto allowed = [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
   };

@@ -1,6 +1,9 @@
 #pragma once
-/// \file The border: what comes in by message is checked here and becomes a command, or a message
-/// that says why not. Nothing that fails a check reaches the simulation.
+/// \file From messages to commands: what cannot be understood becomes a message that says why.
+///
+/// This border checks what belongs to a message: its frame, its size, fields that exclude each
+/// other. What the values must be, every command says itself (sim/command.h), and
+/// `Simulation::apply` asks it before anything changes.
 
 #include <geometry_msgs/PoseStamped.h>
 
@@ -20,45 +23,51 @@
 
 namespace cloth_sim {
 
-/// Why a request is refused, in one sentence.
+/// Says why a request is refused, in one sentence.
 struct Refusal {
   std::string message;
 };
+/// A command, or why a message makes none.
 using Request = std::variant<Command, Refusal>;
 
 /// Turns a pose in a tf frame into the world frame.
 /// \throws std::runtime_error if the frame is unknown at the asked time.
 using WorldTransform = std::function<Pose(const Pose&, const std_msgs::Header&)>;
 
-/// Checks requests against what a scene has. Clamps come and go: whether one is there, only the
-/// simulation can say.
+/// Turns messages into commands in the world frame. Thread-safe if `WorldTransform` is.
 class RequestChecker {
  public:
   RequestChecker(const Scene& scene, WorldTransform toWorld);
 
   Request clampPose(const std::string& clamp, const geometry_msgs::PoseStamped& pose) const;
   Request grasp(const std::string& clamp, bool grasp) const;
-  /// The force limit first, if there is one, then the width; or a single refusal.
+  /// Returns the command for the force, if there is one, then that for the width; or a single
+  /// refusal, if either is invalid.
   std::vector<Request> gripper(const std::string& clamp, const GripperCommand& command) const;
   Request gripWidth(const std::string& clamp, double width) const;
   Request newClamp(const AddClamp::Request& message) const;
-  Request phase(const std::string& phase) const;
   Request reset(std::uint8_t scope) const;
-  /// Empty if `factor` can be a real-time factor.
-  std::string realTimeFactor(double factor) const;
-  /// Empty if the number of steps can be asked for.
-  std::string steps(std::uint32_t count) const;
   Request stroke(const CutStroke& message) const;
   Request drag(const DragRay& message) const;
   Request refinement(const Refine::Request& message) const;
-  /// Empty if `name` can be the name of a saved state: no path, nothing hidden.
-  std::string stateName(const std::string& name) const;
 
+  /// The names of the scene's phases, in order.
   const std::vector<std::string>& phases() const { return phases_; }
+  /// Returns why there is no phase of that name to run to; empty if there is one.
+  std::string phaseError(const std::string& phase) const;
 
  private:
+  Pose frameOf(const std_msgs::Header& header) const { return toWorld_(Pose(), header); }
+
   std::vector<std::string> phases_;
   WorldTransform toWorld_;
 };
+
+/// Returns why `factor` cannot be a real-time factor; empty if it can.
+std::string realTimeFactorError(double factor);
+/// Returns why that many steps cannot be requested at once; empty if they can.
+std::string stepCountError(std::uint32_t count);
+/// Returns why `name` cannot name a saved state; empty if it can: no path, nothing hidden.
+std::string stateNameError(const std::string& name);
 
 }  // namespace cloth_sim

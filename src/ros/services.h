@@ -1,5 +1,8 @@
 #pragma once
-/// \file The node's services: check, hand over, wait for the answer.
+/// \file The node's services: convert, hand over to the simulation thread, wait for the answer.
+///
+/// Each family of services is a file of its own with a function `advertise...Services`. A new
+/// service is a .srv file and a handler in one of them; a new family is a row in services.cpp.
 
 #include <ros/node_handle.h>
 #include <ros/service_server.h>
@@ -7,67 +10,50 @@
 #include <vector>
 
 #include "clamp_ports.h"
-#include "cloth_sim/AddClamp.h"
-#include "cloth_sim/Cut.h"
-#include "cloth_sim/Follow.h"
-#include "cloth_sim/GetState.h"
-#include "cloth_sim/Grasp.h"
-#include "cloth_sim/LoadState.h"
-#include "cloth_sim/Pause.h"
-#include "cloth_sim/Refine.h"
-#include "cloth_sim/RemoveClamp.h"
-#include "cloth_sim/ResetScene.h"
-#include "cloth_sim/SaveState.h"
-#include "cloth_sim/SetClampPose.h"
-#include "cloth_sim/SetRealTimeFactor.h"
-#include "cloth_sim/StartPhase.h"
-#include "cloth_sim/Step.h"
 #include "requests.h"
 #include "simulation_thread.h"
 #include "state_directory.h"
 
 namespace cloth_sim {
 
-/// What ~get_state tells beside the state: it does not change while the node lives.
+/// Facts for ~get_state that do not change while the node lives.
 struct SceneFacts {
   std::string scene;
   std::string solver;
-  double dt = 0.0;  ///< [s]
+  double dt = 0.0;  ///< length of a step [s]
   std::string worldFrame;
   std::string stateDirectory;
 };
 
-/// Every service replies `true` to ROS; whether the request was carried out is in the reply.
+/// All services of the node. Every call succeeds for ROS; whether the request was carried out is in
+/// `success` and `message` of the reply.
 class Services {
  public:
+  /// All references must outlive this.
   Services(ros::NodeHandle& privateNode, SceneFacts facts, const RequestChecker& checker,
            SimulationThread& simulation, ClampPorts& clamps);
 
- private:
-  template <typename Service>
-  void advertise(ros::NodeHandle& node, const std::string& name,
-                 void (Services::*handler)(const typename Service::Request&,
-                                           typename Service::Response&));
+  const SceneFacts& facts() const { return facts_; }
+  const RequestChecker& checker() const { return checker_; }
+  const StateDirectory& states() const { return states_; }
+  SimulationThread& simulation() { return simulation_; }
+  ClampPorts& clamps() { return clamps_; }
+
+  /// Advertises a service.
+  /// \tparam Service  the generated class of the .srv file.
+  /// \param handler   called as handler(const Service::Request&, Service::Response&).
+  template <typename Service, typename Handler>
+  void advertise(const std::string& name, Handler handler);
+
+  /// Has the command carried out and waits for it, or passes on why there is none.
+  /// \param done  message of success, where the command itself has none.
   template <typename Reply>
-  void carryOut(const Request& request, const std::string& done, Reply& reply);
+  void execute(const Request& request, const std::string& done, Reply& reply);
 
-  void setClampPose(const SetClampPose::Request& request, SetClampPose::Response& reply);
-  void grasp(const Grasp::Request& request, Grasp::Response& reply);
-  void addClamp(const AddClamp::Request& request, AddClamp::Response& reply);
-  void removeClamp(const RemoveClamp::Request& request, RemoveClamp::Response& reply);
-  void track(const Follow::Request& request, Follow::Response& reply);
-  void cut(const Cut::Request& request, Cut::Response& reply);
-  void refine(const Refine::Request& request, Refine::Response& reply);
-  void setPhase(const StartPhase::Request& request, StartPhase::Response& reply);
-  void pause(const Pause::Request& request, Pause::Response& reply);
-  void step(const Step::Request& request, Step::Response& reply);
-  void setRealTimeFactor(const SetRealTimeFactor::Request& request,
-                         SetRealTimeFactor::Response& reply);
-  void reset(const ResetScene::Request& request, ResetScene::Response& reply);
-  void saveState(const SaveState::Request& request, SaveState::Response& reply);
-  void loadState(const LoadState::Request& request, LoadState::Response& reply);
-  void getState(const GetState::Request& request, GetState::Response& reply);
+ private:
+  CommandResult execute(const Request& request);
 
+  ros::NodeHandle& node_;
   SceneFacts facts_;
   StateDirectory states_;
   const RequestChecker& checker_;
@@ -75,5 +61,29 @@ class Services {
   ClampPorts& clamps_;
   std::vector<ros::ServiceServer> servers_;
 };
+
+void advertiseClampServices(Services& services);  ///< set_clamp_pose, grasp, add_clamp, ...
+void advertiseMeshServices(Services& services);   ///< cut, refine
+void advertiseRunServices(Services& services);    ///< pause, step, set_phase, reset, ...
+void advertiseStateServices(Services& services);  ///< save_state, load_state, get_state
+
+template <typename Service, typename Handler>
+void Services::advertise(const std::string& name, Handler handler) {
+  using Arguments = typename Service::Request;
+  using Reply = typename Service::Response;
+  const boost::function<bool(Arguments&, Reply&)> callback = [handler](Arguments& request,
+                                                                       Reply& reply) {
+    handler(request, reply);
+    return true;
+  };
+  servers_.push_back(node_.advertiseService<Arguments, Reply>(name, callback));
+}
+
+template <typename Reply>
+void Services::execute(const Request& request, const std::string& done, Reply& reply) {
+  const CommandResult result = execute(request);
+  reply.success = result.success;
+  reply.message = result.success && result.message.empty() ? done : result.message;
+}
 
 }  // namespace cloth_sim

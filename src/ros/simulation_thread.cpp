@@ -14,7 +14,7 @@ using std::chrono::duration;
 using std::chrono::duration_cast;
 
 constexpr double kMeasuringWindow = 0.5;  ///< [s]
-constexpr double kMaxLag = 0.1;  ///< behind the pace by more than this, the lag is forgiven [s]
+constexpr double kMaxLag = 0.1;           ///< a longer delay behind the pace is not made up for [s]
 
 std::string failureMessage(const Simulation& simulation) {
   return "the simulation has failed (" + simulation.failure() + "); reset it";
@@ -69,11 +69,11 @@ CommandResult SimulationThread::execute(Command command, std::chrono::millisecon
   return deliver(std::move(command), timeout);
 }
 
-CommandResult SimulationThread::inspect(Look look, std::chrono::milliseconds timeout) {
-  return deliver(std::move(look), timeout);
+CommandResult SimulationThread::inspect(Inspection inspection, std::chrono::milliseconds timeout) {
+  return deliver(std::move(inspection), timeout);
 }
 
-CommandResult SimulationThread::deliver(std::variant<Command, Look> request,
+CommandResult SimulationThread::deliver(std::variant<Command, Inspection> request,
                                         std::chrono::milliseconds timeout) {
   const auto promise = std::make_shared<std::promise<CommandResult>>();
   const auto withdrawn = std::make_shared<std::atomic<bool>>(false);
@@ -83,7 +83,7 @@ CommandResult SimulationThread::deliver(std::variant<Command, Look> request,
     return {false, "too many commands are waiting, or the node is shutting down"};
   }
   if (future.wait_for(timeout) == std::future_status::ready) return future.get();
-  // Whoever sets the flag first, this thread or the simulation's, decides.
+  // The thread that sets the flag first, this one or the simulation's, decides.
   if (withdrawn->exchange(true)) return future.get();
   return {false, "no answer from the simulation in time; the command was withdrawn"};
 }
@@ -157,7 +157,8 @@ Observation SimulationThread::observe() const {
 }
 
 Observation SimulationThread::observeWhole(std::chrono::milliseconds timeout) {
-  inspect([](const Simulation& /*simulation*/) {}, timeout);  // who waits is shown everything
+  inspect([](const Simulation& /*simulation*/) {},
+          timeout);  // a request that somebody waits for publishes figures
   return observe();
 }
 
@@ -219,12 +220,13 @@ void SimulationThread::takeRequests() {
   takeRuns(last);
 }
 
-/// Commands are carried out without holding the lock of the mailbox.
+/// Processes the requests without holding the lock of the mailbox.
+/// \param last  whether the thread is stopping: then they are refused.
 void SimulationThread::takeMail(bool last) {
   bool show = !taken_.empty() && !last;
   for (Envelope& envelope : taken_) {
     if (!last) {
-      carryOut(envelope);
+      process(envelope);
     } else if (envelope.answer && !(envelope.withdrawn && envelope.withdrawn->exchange(true))) {
       envelope.answer({false, "the node is shutting down"});
     }
@@ -263,7 +265,7 @@ void SimulationThread::endRun(RunResult::Outcome outcome, const std::string& mes
   run_.reset();
 }
 
-/// The run is over, one way or the other: everybody waits for what comes next.
+/// Ends the current run if its goal is met or out of reach, and pauses.
 void SimulationThread::checkRun() {
   if (!run_ || !run_->job.isOver(simulation_)) return;
   setPaused(true);
@@ -272,19 +274,19 @@ void SimulationThread::checkRun() {
   run_.reset();
 }
 
-void SimulationThread::carryOut(Envelope& envelope) {
+void SimulationThread::process(Envelope& envelope) {
   if (envelope.withdrawn && envelope.withdrawn->exchange(true)) return;
   CommandResult result{true, ""};
-  if (const auto* look = std::get_if<Look>(&envelope.request)) {
-    (*look)(simulation_);
+  if (const auto* inspection = std::get_if<Inspection>(&envelope.request)) {
+    (*inspection)(simulation_);
   } else {
-    result = carryOut(std::get<Command>(envelope.request));
+    result = applyCommand(std::get<Command>(envelope.request));
   }
-  if (envelope.withdrawn) publish();  // who waits for the answer shall see its effect
+  if (envelope.withdrawn) publish();  // so that the caller sees the effect when the answer comes
   if (envelope.answer) envelope.answer(result);
 }
 
-CommandResult SimulationThread::carryOut(const Command& command) {
+CommandResult SimulationThread::applyCommand(const Command& command) {
   CommandRecord record{0, simulation_.stepCount(), simulation_.time(), command};
   const CommandResult result = simulation_.apply(command);
   if (!result.success) return result;
@@ -303,7 +305,7 @@ CommandResult SimulationThread::carryOut(const Command& command) {
   return result;
 }
 
-/// After a reset or a restored state.
+/// Forgets what belongs to the cloth before, after a reset or a restored state.
 void SimulationThread::beginAnew() {
   endRun(RunResult::Outcome::kFailed, "the simulation was reset");
   ++resets_;
@@ -346,7 +348,7 @@ void SimulationThread::tellTime() {
   if (settings_.onTime) settings_.onTime(simulation_.time());
 }
 
-/// Springs fail in steps, and by commands that cut.
+/// Takes over the events of steps, and of commands that cut.
 void SimulationThread::collectEvents() {
   const std::vector<FailureEvent> events = simulation_.takeEvents();
   const std::vector<GripEvent> grips = simulation_.takeGripEvents();
@@ -372,12 +374,12 @@ void SimulationThread::answerJobs(const CommandResult& result) {
   jobs_.clear();
 }
 
-/// Paused or failed: sleeps until someone asks for something.
+/// Sleeps while paused or failed, until a request comes.
 void SimulationThread::waitForWork() {
   if (simulation_.failed()) {
     answerJobs({false, failureMessage(simulation_)});
     if (!std::exchange(failureShown_, true)) publish();
-  } else if (windowSteps_ > 0) {  // just paused: show where it stands
+  } else if (windowSteps_ > 0) {  // it has just paused
     realTimeFactor_ = 0.0;
     publish();
   }
@@ -394,7 +396,7 @@ bool SimulationThread::hasRequests() const {
          !cancelledRuns_.empty();
 }
 
-/// When the step after the one that begins now is due.
+/// Computes when the step after the one that begins now is due.
 void SimulationThread::keepPace(Clock::time_point now) {
   const double factor = realTimeFactorAsked_;
   if (factor <= 0.0) {
@@ -431,7 +433,7 @@ void SimulationThread::measure(Clock::duration busy) {
   startMeasuring();
 }
 
-/// Shows where it is while it runs: with figures as often as they are asked for.
+/// Publishes an observation while it runs, with figures at their own rate.
 void SimulationThread::show() {
   const Clock::time_point now = Clock::now();
   const double rate = figureRate_;

@@ -1,6 +1,6 @@
 #pragma once
 /// \file The thread that owns the simulation: commands go in, immutable observations come out.
-/// No ROS in here.
+/// Independent of ROS.
 
 #include <atomic>
 #include <chrono>
@@ -18,33 +18,33 @@
 
 namespace cloth_sim {
 
-/// How a simulation is run.
+/// Settings of a run.
 struct RunSettings {
-  double realTimeFactor = 1.0;  ///< simulated over wall time, >= 0; 0: as fast as it can
-  bool paused = false;          ///< at the start
-  int threads = 0;              ///< of the core's loops; 0: as many as the machine has
-  /// Told the simulated time [s] after every step and whenever it jumps, in order, from the thread
-  /// that made it so; must not block.
+  double realTimeFactor = 1.0;  ///< simulated over wall time, >= 0; 0: as fast as possible
+  bool paused = false;          ///< whether the run starts paused
+  int threads = 0;              ///< number for the core's loops; 0: all that the machine has
+  /// Called with the simulated time [s] after every step and whenever the time jumps, in order,
+  /// from the thread that changed it; must not block.
   std::function<void(double)> onTime = nullptr;
 };
 
-/// The answer to a request for steps.
+/// Answer to a request for steps.
 struct StepResult {
   CommandResult result;
   std::uint64_t step = 0;  ///< steps since the start or the last reset
   double time = 0.0;       ///< [s]
 };
 
-/// Runs a `Simulation` in a thread of its own, at a set pace or as fast as it can. All its methods
-/// may be called from any thread; none waits for a step except `execute` and the future of
-/// `requestSteps`.
+/// Runs a `Simulation` in a thread of its own, at a set pace or as fast as possible. All methods
+/// may be called from any thread; only `execute`, `inspect`, `observeWhole` and the future of
+/// `requestSteps` wait for the simulation.
 class SimulationThread {
  public:
-  static constexpr std::size_t kMaxWaiting = 1000;  ///< commands in the mailbox
-  static constexpr int kMaxSteps = 1000000;         ///< of one request
+  static constexpr std::size_t kMaxWaiting = 1000;  ///< commands that may wait
+  static constexpr int kMaxSteps = 1000000;         ///< steps that one request may ask for
 
   using Answer = std::function<void(const CommandResult&)>;
-  using Look = std::function<void(const Simulation&)>;
+  using Inspection = std::function<void(const Simulation&)>;
 
   /// \throws what the constructor of `Simulation` throws.
   SimulationThread(Scene scene, const RunSettings& settings);
@@ -52,63 +52,66 @@ class SimulationThread {
   SimulationThread(const SimulationThread&) = delete;
   SimulationThread& operator=(const SimulationThread&) = delete;
 
-  /// Stops the thread after the step it is in. Whoever waits gets an answer. Called by the
+  /// Stops the thread after the current step, and answers everybody who waits. Called by the
   /// destructor; may be called before.
   void stop();
 
-  /// Puts a command into the mailbox; it is carried out between two steps.
+  /// Queues a command, to be carried out between two steps.
   /// \param answer  called from the simulation thread with the result; must not block.
   void post(Command command, Answer answer = {});
 
-  /// Posts a command and waits until it was carried out or refused. A command that was not taken
-  /// up within `timeout` is withdrawn.
+  /// Queues a command and waits until it was carried out or refused. A command whose turn has not
+  /// come within `timeout` is withdrawn.
   CommandResult execute(Command command, std::chrono::milliseconds timeout);
 
-  /// Has `look` called between two steps, from the simulation thread, and waits for it.
-  CommandResult inspect(Look look, std::chrono::milliseconds timeout);
+  /// Has `inspection` called between two steps, from the simulation thread, and waits for it.
+  CommandResult inspect(Inspection inspection, std::chrono::milliseconds timeout);
 
   void setPaused(bool paused);
 
-  /// From the next step on. \param factor  simulated over wall time, >= 0; 0: as fast as it can.
+  /// Sets the pace from the next step on.
+  /// \param factor  simulated over wall time, >= 0; 0: as fast as possible.
   void setRealTimeFactor(double factor);
 
-  /// Pauses, and makes `steps` steps as fast as it can.
+  /// Pauses, and makes `steps` steps as fast as possible.
   std::future<StepResult> requestSteps(int steps);
 
-  /// Goes on, if it is paused, until `goal` is met, and pauses then. The run before it, if there is
-  /// one, is cancelled. \return its number; 0, and no answer comes, if the thread has stopped.
+  /// Runs until `goal` is met, then pauses. Ends a pause, and cancels the run before, if there is
+  /// one. \return the number of the run; 0, and no answer comes, if the thread has stopped.
   std::uint64_t requestRun(RunGoal goal, RunJob::Answer answer);
-  /// Cancels the run of that number, unless it is over, and pauses.
+  /// Cancels the run of that number and pauses, unless the run is over.
   void cancelRun(std::uint64_t number);
 
-  /// How often observations are wanted, in wall time [Hz], > 0. They are also made after commands
-  /// that somebody waits for, after requested steps, and when the simulation has failed.
+  /// Sets the rate of observations, in wall time [Hz], > 0. Others are made after commands that
+  /// somebody waits for, after requested steps, and when the simulation has failed.
   void setObservationRate(double rate) { observationRate_ = rate; }
-  /// How often they are to have figures [Hz], > 0: those that are also made have them anyway.
+  /// Sets the rate of observations with figures [Hz], > 0. Those others always have figures.
   void setFigureRate(double rate) { figureRate_ = rate; }
 
-  /// The latest; its snapshots are never null.
+  /// Returns the latest observation; its snapshots are never null.
   Observation observe() const;
-  /// The same with figures of now, unless that takes longer than `timeout`.
+  /// Returns an observation of now with figures, or the latest if that takes longer than `timeout`.
   Observation observeWhole(std::chrono::milliseconds timeout);
-  /// Waits until there is one after the one of number `seen`, but not longer than `timeout`.
+  /// Waits until there is an observation newer than number `seen`, at most for `timeout`.
   void waitForObservation(std::uint64_t seen, std::chrono::duration<double> timeout) const;
 
-  /// Springs that failed since the last call and the last reset. One caller only.
+  /// Returns the failures of springs since the last call or reset. For one caller only.
   FailureBatch takeEvents();
-  /// What became of grasps since the last call. One caller only.
+  /// Returns the events of grips since the last call. For one caller only.
   std::vector<GripEvent> takeGripEvents();
 
-  /// Commands that were carried out since the last call. One caller only.
+  /// Returns the commands that were carried out since the last call. For one caller only.
   std::vector<CommandRecord> takeCommands();
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// A request that waits for its turn.
   struct Envelope {
-    std::variant<Command, Look> request;
+    std::variant<Command, Inspection> request;
     Answer answer;
-    std::shared_ptr<std::atomic<bool>> withdrawn;  ///< null: cannot be
+    std::shared_ptr<std::atomic<bool>>
+        withdrawn;  ///< set when nobody waits any more; null: nobody does
   };
   struct StepJob {
     int left = 0;
@@ -120,14 +123,15 @@ class SimulationThread {
   };
 
   bool enqueue(Envelope envelope);
-  CommandResult deliver(std::variant<Command, Look> request, std::chrono::milliseconds timeout);
+  CommandResult deliver(std::variant<Command, Inspection> request,
+                        std::chrono::milliseconds timeout);
   void run();
   void takeRequests();
   void takeMail(bool last);
   void takeRuns(bool last);
   void endRun(RunResult::Outcome outcome, const std::string& message);
-  void carryOut(Envelope& envelope);
-  CommandResult carryOut(const Command& command);
+  void process(Envelope& envelope);
+  CommandResult applyCommand(const Command& command);
   void beginAnew();
   bool mayStep() const;
   bool isEarly() const;
@@ -164,7 +168,7 @@ class SimulationThread {
   double stepCpuTime_ = 0.0;
   std::uint64_t resets_ = 0;
   bool failureShown_ = false;
-  bool unseen_ = false;  ///< a step has been made since the last observation
+  bool unseen_ = false;  ///< whether a step has been made since the last observation
 
   std::atomic<double> observationRate_{30.0};
   std::atomic<double> figureRate_{30.0};
@@ -176,7 +180,7 @@ class SimulationThread {
   std::deque<StepJob> newJobs_;
   std::deque<NumberedRun> newRuns_;
   std::vector<std::uint64_t> cancelledRuns_;
-  std::uint64_t runs_ = 0;  ///< asked for
+  std::uint64_t runs_ = 0;  ///< number of runs requested so far
   bool paused_ = false;
   bool stopping_ = false;
   bool paceChanged_ = false;

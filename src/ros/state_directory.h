@@ -6,7 +6,7 @@
 
 namespace cloth_sim {
 
-/// Files "<name>.state" in one folder. Names are checked by RequestChecker::stateName; links in the
+/// Files "<name>.state" in one folder. Names are checked by stateNameError; links in the
 /// folder are not followed.
 class StateDirectory {
  public:

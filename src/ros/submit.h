@@ -1,5 +1,5 @@
 #pragma once
-/// \file What command topics do with what comes in.
+/// \file Hands requests from topics to the simulation.
 
 #include <ros/console.h>
 
@@ -10,9 +10,9 @@
 
 namespace cloth_sim {
 
-/// Hands a request to the simulation. What is refused, here or there, is warned about, not more
-/// often than twice a second.
-/// \param topic  for messages to people.
+/// Hands a request to the simulation, and warns if it is refused, here or there: at most twice a
+/// second.
+/// \param topic  named in the warning.
 inline void submit(const std::string& topic, const Request& request, SimulationThread& simulation) {
   constexpr double kWarnPeriod = 0.5;  // [s]
   if (const auto* refusal = std::get_if<Refusal>(&request)) {

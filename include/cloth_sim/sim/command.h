@@ -28,6 +28,11 @@ using Command =
                  SetGrasp, SetPhase, SetGravity, MoveObstacle, GuideObstacle, SetTearing, SetWind,
                  SetStiffness, PullParticle, CutAlong, RefineMesh, Reset, Restore>;
 
+/// Returns why a command cannot be carried out in any simulation; empty if it can in some.
+inline std::string validationError(const Command& command) {
+  return std::visit([](const auto& it) { return it.validationError(); }, command);
+}
+
 /// Whether a command replaces the cloth by another one, so that whatever was known of it is void.
 inline bool replacesCloth(const Command& command) {
   if (const auto* reset = std::get_if<Reset>(&command)) return reset->scope != ResetScope::kTime;

@@ -1,4 +1,4 @@
-/// \file What the border lets in, without a node and without a master.
+/// \file Requests from messages, without a node and without a master.
 
 #include "ros/requests.h"
 
@@ -48,7 +48,7 @@ class RequestsTest : public testing::Test {
     if (header.frame_id != "hand") throw std::runtime_error("unknown frame " + header.frame_id);
     return {pose.position + Vec3::UnitZ(), pose.orientation};
   }
-  std::string defect(const std::function<void(CutStroke&)>& spoil) const {
+  std::string errorAfter(const std::function<void(CutStroke&)>& spoil) const {
     CutStroke bad = stroke_;
     spoil(bad);
     return refusal(checker_.stroke(bad));
@@ -63,14 +63,15 @@ class RequestsTest : public testing::Test {
     request.radius = 0.1;
     return request;
   }
-  std::string defect(const std::function<void(Refine::Request&)>& spoil) const {
+  std::string errorAfter(const std::function<void(Refine::Request&)>& spoil) const {
     Refine::Request bad = refinement();
     spoil(bad);
     return refusal(checker_.refinement(bad));
   }
+  /// Why a request is refused, by the border or by the command that it became.
   static std::string refusal(const Request& request) {
     const auto* refused = std::get_if<Refusal>(&request);
-    return refused != nullptr ? refused->message : "";
+    return refused != nullptr ? refused->message : validationError(std::get<Command>(request));
   }
 
   RequestChecker checker_;
@@ -112,8 +113,8 @@ TEST_F(RequestsTest, NearlyUnitQuaternionIsNormalised) {
 }
 
 TEST_F(RequestsTest, UnknownNamesAreRefusedWithTheKnownOnes) {
-  EXPECT_THAT(refusal(checker_.phase("push")), HasSubstr("pull"));
-  EXPECT_EQ(refusal(checker_.phase("pull")), "");
+  EXPECT_THAT(checker_.phaseError("push"), HasSubstr("pull"));
+  EXPECT_EQ(checker_.phaseError("pull"), "");
 }
 
 TEST_F(RequestsTest, AGripperCommandIsAForceAndAWidth) {
@@ -127,9 +128,11 @@ TEST_F(RequestsTest, AGripperCommandIsAForceAndAWidth) {
   EXPECT_EQ(std::get<SetGapWidth>(std::get<Command>(both[1])).width, 0.01);
   message.max_effort = -1.0;
   ASSERT_EQ(checker_.gripper("left", message).size(), 1U);
-  EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("max_effort"));
+  EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("grip force"));
+  message.max_effort = 12.0;
   message.position = kNan;
-  EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("finite"));
+  ASSERT_EQ(checker_.gripper("left", message).size(), 1U) << "both or none";
+  EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("width"));
 }
 
 TEST_F(RequestsTest, ANewClampTakesDefaultsWhereNumbersAreZero) {
@@ -153,10 +156,10 @@ TEST_F(RequestsTest, ANewClampTakesDefaultsWhereNumbersAreZero) {
 }
 
 TEST_F(RequestsTest, StepsHaveARange) {
-  EXPECT_NE(checker_.steps(0), "");
-  EXPECT_EQ(checker_.steps(1), "");
-  EXPECT_EQ(checker_.steps(1000000), "");
-  EXPECT_NE(checker_.steps(1000001), "");
+  EXPECT_NE(stepCountError(0), "");
+  EXPECT_EQ(stepCountError(1), "");
+  EXPECT_EQ(stepCountError(1000000), "");
+  EXPECT_NE(stepCountError(1000001), "");
 }
 
 TEST_F(RequestsTest, StrokeAlongAPathReachesToBothSides) {
@@ -201,24 +204,25 @@ TEST_F(RequestsTest, StrokesAreTurnedIntoTheWorldFrame) {
 }
 
 TEST_F(RequestsTest, BadStrokesAreRefused) {
-  EXPECT_THAT(defect([](CutStroke& s) { s.points.clear(); }), HasSubstr("empty"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.points.resize(1); }), HasSubstr("two points"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.points.resize(10001); }), HasSubstr("10000"));
-  EXPECT_NE(defect([](CutStroke& s) { s.points[1] = s.points[0]; }), "");
-  EXPECT_THAT(defect([](CutStroke& s) { s.points[1].z = kNan; }), HasSubstr("finite"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.direction.x = kNan; }), HasSubstr("finite"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.direction.z = 0.0; }), HasSubstr("zero"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.reach = -1.0; }), HasSubstr("reach"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.half_width = -1.0; }), HasSubstr("half_width"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.half_width = kNan; }), HasSubstr("half_width"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.header.frame_id = "nowhere"; }), HasSubstr("nowhere"));
-  EXPECT_THAT(defect([](CutStroke& s) { s.heels.resize(1); }), HasSubstr("1 and 2"));
-  EXPECT_THAT(defect([](CutStroke& s) {
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.points.clear(); }), HasSubstr("two poses"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.points.resize(1); }), HasSubstr("two poses"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.points.resize(10001); }), HasSubstr("10000"));
+  EXPECT_NE(errorAfter([](CutStroke& s) { s.points[1] = s.points[0]; }), "");
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.points[1].z = kNan; }), HasSubstr("finite"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.direction.x = kNan; }), HasSubstr("finite"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.direction.z = 0.0; }), HasSubstr("zero"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.reach = -1.0; }), HasSubstr("reach"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.half_width = -1.0; }), HasSubstr("half-width"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.half_width = kNan; }), HasSubstr("half-width"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.header.frame_id = "nowhere"; }),
+              HasSubstr("nowhere"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) { s.heels.resize(1); }), HasSubstr("1 and 2"));
+  EXPECT_THAT(errorAfter([](CutStroke& s) {
                 s.heels.resize(2);
                 s.heels[0].x = kNan;
               }),
               HasSubstr("finite"));
-  EXPECT_NE(defect([](CutStroke& s) { s.heels = s.points; }), "");  // blades of no length
+  EXPECT_NE(errorAfter([](CutStroke& s) { s.heels = s.points; }), "");  // blades of no length
 }
 
 TEST_F(RequestsTest, RefinementBecomesACommandInTheWorldFrame) {
@@ -239,21 +243,21 @@ TEST_F(RequestsTest, RefinementBecomesACommandInTheWorldFrame) {
 }
 
 TEST_F(RequestsTest, BadRefinementsAreRefused) {
-  EXPECT_THAT(defect([](Refine::Request& r) { r.points.clear(); }), HasSubstr("empty"));
-  EXPECT_THAT(defect([](Refine::Request& r) { r.points[0].y = kNan; }), HasSubstr("finite"));
-  EXPECT_THAT(defect([](Refine::Request& r) { r.radius = 0.0; }), HasSubstr("radius"));
-  EXPECT_THAT(defect([](Refine::Request& r) { r.radius = kNan; }), HasSubstr("radius"));
-  EXPECT_THAT(defect([](Refine::Request& r) { r.generations = 13; }), HasSubstr("generations"));
-  EXPECT_THAT(defect([](Refine::Request& r) { r.min_edge = -1.0; }), HasSubstr("min_edge"));
-  EXPECT_THAT(defect([](Refine::Request& r) { r.header.frame_id = ""; }), HasSubstr("frame"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.points.clear(); }), HasSubstr("empty"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.points[0].y = kNan; }), HasSubstr("finite"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.radius = 0.0; }), HasSubstr("radius"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.radius = kNan; }), HasSubstr("radius"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.generations = 13; }), HasSubstr("generations"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.min_edge = -1.0; }), HasSubstr("min_edge"));
+  EXPECT_THAT(errorAfter([](Refine::Request& r) { r.header.frame_id = ""; }), HasSubstr("frame"));
 }
 
 TEST_F(RequestsTest, StateNamesAreNoPaths) {
-  EXPECT_EQ(checker_.stateName("run_7.before-tear"), "");
+  EXPECT_EQ(stateNameError("run_7.before-tear"), "");
   for (const char* bad : {"", "../up", "/etc/passwd", "a/b", ".hidden", "a b", "a\n"}) {
-    EXPECT_NE(checker_.stateName(bad), "") << bad;
+    EXPECT_NE(stateNameError(bad), "") << bad;
   }
-  EXPECT_NE(checker_.stateName(std::string(101, 'a')), "");
+  EXPECT_NE(stateNameError(std::string(101, 'a')), "");
 }
 
 TEST(Names, NearestIsTheOneWithTheFewestEdits) {
