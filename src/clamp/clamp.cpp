@@ -11,7 +11,8 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kAtTarget = 1e-6;  // [m], [rad], [m/s], [rad/s]
+/// Tolerance of `atTarget` [m], [rad], [m/s], [rad/s].
+constexpr double kAtTarget = 1e-6;
 
 void require(bool holds, const ClampSpec& spec, const char* what) {
   if (!holds) throw std::invalid_argument("clamp '" + spec.name + "': expected " + what);
@@ -31,14 +32,15 @@ void validate(const ClampSpec& spec) {
   require(!spec.gripForce || isPositive(*spec.gripForce), spec, "grip_force > 0");
 }
 
-/// `v`, no longer than `limit` but for round-off.
+/// Returns `v`, shortened to the length `limit` if it is longer by more than round-off.
 Vec3 shortened(const Vec3& v, double limit) {
   constexpr double kRoundOff = 1e-12;
   const double length = v.norm();
   return length > limit * (1.0 + kRoundOff) ? Vec3(v * (limit / length)) : v;
 }
 
-/// The shortest rotation from one orientation to another, in the world's axes [rad].
+/// Returns the shortest rotation between two orientations as axis times angle, in the axes of the
+/// world [rad].
 Vec3 rotationBetween(const Quat& from, const Quat& to) {
   return rotationVector(to.normalized() * from.conjugate());
 }
@@ -134,20 +136,20 @@ void Clamp::advance(const Model& model, const State& state, double dt) {
   movePose(dt);
 }
 
-/// The target's velocities over this step are means, as it may come to its end within.
+/// Moves the target on. Its velocities are means over the step, since it may stop within it.
 void Clamp::moveTarget(double dt) {
-  const double share = std::min(1.0, target_.horizon / dt);
-  targetLinear_ = share * target_.linear;
-  targetAngular_ = share * target_.angular;
+  const double fraction = std::min(1.0, target_.horizon / dt);
+  targetLinear_ = fraction * target_.linear;
+  targetAngular_ = fraction * target_.angular;
   target_.advance(dt);
 }
 
-/// Towards the target, in the frame that moves with it.
+/// Moves the clamp towards the target, by velocities relative to the target.
 void Clamp::movePose(double dt) {
   const double speed = std::min(spec_.maxLinearSpeed, speedLimit_.value_or(spec_.maxLinearSpeed));
   const MotionLimits linear{speed, spec_.maxLinearAcceleration};
-  const Vec3 shift = target_.pose.position - targetLinear_ * dt - pose_.position;
-  const Vec3 approach = limitedVelocity(shift, linearVelocity_ - targetLinear_, linear, dt);
+  const Vec3 distance = target_.pose.position - targetLinear_ * dt - pose_.position;
+  const Vec3 approach = limitedVelocity(distance, linearVelocity_ - targetLinear_, linear, dt);
   linearVelocity_ = shortened(targetLinear_ + approach, std::max(speed, linearVelocity_.norm()));
   pose_.position += linearVelocity_ * dt;
 
@@ -180,7 +182,7 @@ void Clamp::appendTargets(std::vector<KinematicTarget>& out) const {
 }
 
 void Clamp::addReactions(const std::vector<KinematicTarget>& targets,
-                         const std::vector<Vec3>& reactions, double share) {
+                         const std::vector<Vec3>& reactions, double fraction) {
   if (held_.empty() || slip_.on) return;
   if (targets.size() != reactions.size()) {
     throw std::invalid_argument("clamp: expected one reaction for each kinematic target");
@@ -191,7 +193,7 @@ void Clamp::addReactions(const std::vector<KinematicTarget>& targets,
   for (const VertexId vertex : held_) {
     const auto it = std::lower_bound(targets.begin(), targets.end(), vertex, byVertex);
     if (it == targets.end() || it->vertex != vertex) continue;
-    const Vec3 force = share * reactions[static_cast<std::size_t>(it - targets.begin())];
+    const Vec3 force = fraction * reactions[static_cast<std::size_t>(it - targets.begin())];
     wrench_.force += force;
     wrench_.torque += (it->position - pose_.position).cross(force);
   }

@@ -6,13 +6,14 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kTimeConstant = 0.05;  ///< with which the particle follows the ray [s]
+constexpr double kTimeConstant = 0.05;  ///< of the motion towards the ray [s]
 constexpr double kMaxSpeed = 1.5;       ///< [m/s]
-constexpr double kTie = 0.01;           ///< of distances from the ray that count as the same [m]
+constexpr double kTie = 0.01;  ///< differences of distance from the ray that do not count [m]
 
+/// The place of a point relative to a ray.
 struct Approach {
   double depth = 0.0;     ///< along the ray [m]
-  double distance = 0.0;  ///< from the ray [m]; infinity: behind its origin
+  double distance = 0.0;  ///< from the ray [m]; infinity for points behind its origin
 };
 
 Approach approach(const Vec3& point, const Vec3& origin, const Vec3& along) {

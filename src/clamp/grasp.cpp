@@ -1,4 +1,4 @@
-/// \file What a clamp holds, and where in its frame.
+/// \file Grasping: which particles a clamp holds, and where in its frame.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Whether `p` is in the box that `low` and `high` span, or on its border up to round-off.
+/// Whether `p` is inside the box from `low` to `high`, or on its border up to round-off.
 bool isWithin(const Vec2& p, const Vec2& low, const Vec2& high) {
   constexpr double kRoundOff = 1e-9;  // of the box's own size
   const Vec2 slack = kRoundOff * (high - low).cwiseAbs();
@@ -36,7 +36,7 @@ std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch
   for (int j = bottom; j <= top; ++j) {
     for (int i = left; i <= right; ++i) particles.push_back(vertex(i, j));
   }
-  // Later vertices are what edits made; they know where on the cloth they are.
+  // Later vertices were made by edits; their material coordinates tell where they belong.
   const ClothPart& last = model.cloths.back();
   for (VertexId v = last.firstVertex + last.vertices; v < model.mesh.vertexCount(); ++v) {
     const Vec2& low = model.mesh.material(vertex(left, bottom));
@@ -46,7 +46,8 @@ std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch
   return particles;
 }
 
-/// While closing: takes what the plates have met in this step; once the gap has closed, the rest.
+/// Takes the particles that the plates have met in this step; all between them once the gap has
+/// closed.
 void Clamp::grasp(const Model& model, const State& state, double gapBefore, double dt) {
   if (gap_ <= spec_.gapClosed) state_ = ClampState::kClosed;
   if (spec_.patch) {
@@ -61,7 +62,7 @@ void Clamp::graspPatch(const Model& model, const State& state) {
   for (const VertexId v : patchParticles(model, *spec_.patch)) take(v, pose_.toLocal(state.x[v]));
 }
 
-/// What is between the plates now, or was a step ago (and has outrun a plate since).
+/// Takes particles that are between the plates now, or were a step ago and have outrun a plate.
 void Clamp::graspRegion(const State& state, double gapBefore, double dt) {
   const Eigen::Matrix3d toLocal = pose_.orientation.conjugate().toRotationMatrix();
   const Vec2 halfPlate = 0.5 * spec_.plateSize;
@@ -84,7 +85,7 @@ void Clamp::take(VertexId vertex, const Vec3& local) {
   grips_.push_back({vertex, local, 0.0});
 }
 
-/// Brings what lies beyond a plate towards it, no faster than a plate closes.
+/// Moves held particles from beyond a plate towards it, no faster than a plate closes.
 void Clamp::squeeze(double dt) {
   const double travel = 0.5 * spec_.closingSpeed * dt;
   for (Grip& grip : grips_) {
@@ -95,7 +96,7 @@ void Clamp::squeeze(double dt) {
   }
 }
 
-/// Looks among the first held_.size() grips, which are sorted; later ones are new in this step.
+/// Searches the first held_.size() grips, which are sorted; later ones are new in this step.
 const Clamp::Grip* Clamp::findGrip(VertexId vertex) const {
   const auto it = std::lower_bound(held_.begin(), held_.end(), vertex);
   if (it == held_.end() || *it != vertex) return nullptr;

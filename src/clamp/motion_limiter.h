@@ -1,34 +1,37 @@
 #pragma once
-/// \file Following a target within limits on speed and acceleration, in discrete time.
+/// \file Motion towards a target within limits on speed and acceleration, in discrete time.
 
 #include "cloth_sim/types.h"
 
 namespace cloth_sim {
 
-/// What is nearer to its target than this is there [m] or [rad].
+/// Distance from the target below which it counts as reached [m] or [rad].
 constexpr double kArrived = 1e-12;
 
-/// Of a motion: [m/s] and [m/s^2], or [rad/s] and [rad/s^2].
+/// Limits of a motion, in m/s and m/s^2 or in rad/s and rad/s^2.
 struct MotionLimits {
   double speed = 0.0;         ///< > 0
   double acceleration = 0.0;  ///< > 0
 };
 
-/// The greatest speed at which a body may cover the next step of length `dt` so that, slowing down
-/// by `acceleration` dt at most in every step after it, it comes to rest after `distance` exactly.
+/// Returns the greatest speed at which a body may cover the next step of `dt` [s] and still come to
+/// rest after exactly `distance`, if it brakes by at most `acceleration` dt in every later step.
 double brakingSpeed(double distance, double acceleration, double dt);
 
-/// The velocity for the next step of length `dt`: towards the target as fast as the limits and
-/// braking in time allow, from `velocity` by a change of `limits.acceleration` dt at most. If the
-/// position then moves by this velocity times dt, it arrives on the straight line without overshoot
-/// from rest, and within the limits from any velocity.
+/// Returns the velocity for the next step of `dt` [s]: towards the target as fast as the limits and
+/// braking in time allow, and within `limits.acceleration` dt of `velocity`. If the position then
+/// moves by this velocity times dt in every step, it arrives from rest on a straight line without
+/// overshoot, and from any velocity within the limits.
+/// \param toTarget  vector from the position to the target.
 Vec3 limitedVelocity(const Vec3& toTarget, const Vec3& velocity, const MotionLimits& limits,
                      double dt);
 
-/// Axis times angle of the shortest rotation that `q` stands for [rad]; q and -q are the same one.
+/// Returns axis times angle of the shortest rotation that `q` (or -q, the same one) stands for
+/// [rad].
 Vec3 rotationVector(const Quat& q);
 
-/// `orientation` after turning at `angularVelocity` [rad/s] (in the world's axes) for `dt`.
+/// Returns `orientation` after turning at `angularVelocity` [rad/s], in the axes of the world, for
+/// `dt` [s].
 Quat turned(const Quat& orientation, const Vec3& angularVelocity, double dt);
 
 }  // namespace cloth_sim

@@ -1,4 +1,4 @@
-/// \file A grip of limited force: when it yields, and how the cloth slides through it.
+/// \file Grips of limited force: when they yield, and how the cloth slides through the plates.
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ double Clamp::heldMass(const Model& model) const {
   return mass;
 }
 
-/// Of what is held, relative to the clamp: the mean by mass [m/s].
+/// Returns the velocity of the held particles relative to the clamp, averaged by mass [m/s].
 Vec3 Clamp::slidingVelocity(const Model& model, const State& state) const {
   Vec3 momentum = Vec3::Zero();
   for (const VertexId v : held_) {
@@ -53,8 +53,9 @@ Vec3 Clamp::slidingVelocity(const Model& model, const State& state) const {
   return momentum / heldMass(model);
 }
 
-/// Sees where the sliding particles are now, and lets go of those that have left the plates. When
-/// they turn round, the clamp holds them where they are; if that takes too much, it yields again.
+/// Updates the places of sliding particles, and lets go of those that have left the plates. When
+/// the direction of sliding reverses, the clamp holds them where they are; if that takes more than
+/// the grip force, it yields again.
 void Clamp::slide(const Model& model, const State& state, double dt) {
   if (!slip_.on) return;
   for (Grip& grip : grips_) grip.local = pose_.toLocal(state.x[grip.vertex]);
@@ -69,7 +70,8 @@ void Clamp::slide(const Model& model, const State& state, double dt) {
     slip_.on = false;
     return;
   }
-  // Across, the friction of a step must not turn the motion round: that part is as if implicit.
+  // Across the direction, friction must not reverse the motion within a step: so this component is
+  // integrated implicitly.
   const double speed = sliding.norm();
   const double braking = *spec_.gripForce * dt / (heldMass(model) * speed);
   const Vec3 across = (sliding - along * slip_.direction) / (1.0 + braking);
@@ -83,9 +85,9 @@ void Clamp::appendForces(const Model& model, std::vector<PointForce>& out) const
   for (const VertexId v : held_) out.push_back({v, -perMass * model.mass[v] * slip_.direction});
 }
 
-void Clamp::addSlipWrench(const Model& model, const State& state, double share) {
+void Clamp::addSlipWrench(const Model& model, const State& state, double fraction) {
   if (!slip_.on) return;
-  const double perMass = share * *spec_.gripForce / heldMass(model);
+  const double perMass = fraction * *spec_.gripForce / heldMass(model);
   for (const VertexId v : held_) {
     const Vec3 force = perMass * model.mass[v] * slip_.direction;
     wrench_.force += force;

@@ -12,7 +12,7 @@ namespace {
 constexpr char kMagic[] = "cloth_sim state\n";
 constexpr std::size_t kMagicLength = sizeof kMagic - 1;
 
-/// What is before the payload, after the magic.
+/// The header, which stands between the magic word and the payload.
 struct Header {
   std::uint32_t version = 0;
   std::uint64_t length = 0;

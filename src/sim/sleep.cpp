@@ -5,7 +5,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Sums of many time steps miss the time that a scene names by some round-off [s].
+/// Round-off of a sum of many time steps, compared with the time that a scene names [s].
 constexpr double kTimeTolerance = 1e-9;
 
 }  // namespace

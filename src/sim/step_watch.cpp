@@ -6,14 +6,14 @@
 namespace cloth_sim {
 namespace {
 
-/// Speed at which obstacles push out what began inside of them [m/s].
+/// Speed at which obstacles push out particles that began inside of them [m/s].
 constexpr double kPushOut = 1.0;
-/// The energy of methods that conserve one close to it swings by this factor at most.
+/// Largest factor by which the energy swings with a method that nearly conserves it.
 constexpr double kSwing = 2.0;
-/// If two attempts agree so well about the energy, it did come in.
+/// Two attempts whose energies agree within this factor are right: the energy did come in.
 constexpr double kAgree = 1.2;
 
-/// The fastest thing that pushes the cloth in this step [m/s].
+/// Returns the speed of the fastest thing that pushes the cloth in this step [m/s].
 double drivingSpeed(const State& state, const Controls& controls, const ColliderSet& colliders,
                     double dt) {
   double fastest = controls.wind ? controls.wind->velocity.norm() : 0.0;
@@ -43,12 +43,12 @@ void StepWatch::begin(const Model& model, const State& state, const Controls& co
                       const ColliderSet& colliders, double dt) {
   if (!checksEnergy_) return;
   gravity_ = controls.gravity;
-  // What is driven at a speed leaves at twice that at most.
+  // Cloth that is driven at a speed leaves at twice that speed at most.
   const double speed = 2.0 * drivingSpeed(state, controls, colliders, dt);
   input_ = std::sqrt(0.5 * totalMass(model)) * speed;
   const Energies e = energies(model, state, gravity_);
   height_ = e.gravity;
-  // Growth that is slow from step to step does not pay into the budget; losses leave it.
+  // Slow growth from step to step does not raise the budget; losses lower it.
   const double now = kSwing * (e.kinetic + e.elastic);
   budget_ = budget_ < 0.0 ? now : std::min(budget_, now);
   previousEnergy_ = 0.0;

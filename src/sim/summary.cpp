@@ -52,7 +52,7 @@ Json piecesJson(const Simulation& simulation) {
   return pieces;
 }
 
-/// null while the cloth is in one piece.
+/// Returns null while the cloth has not come apart.
 Json separationJson(const std::optional<Separation>& separation) {
   if (!separation) return nullptr;
   return {{"time_s", number(separation->time)},

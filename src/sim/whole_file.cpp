@@ -1,4 +1,4 @@
-/// \file Files that are there whole or not at all.
+/// \file Files that exist whole or not at all.
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -30,7 +30,7 @@ class File {
 
   bool isOpen() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
-  /// \return whether the system had no complaint.
+  /// \return whether the system reported no error.
   bool close() {
     const int descriptor = descriptor_;
     descriptor_ = -1;
@@ -50,7 +50,7 @@ bool writeAll(int descriptor, const std::string& bytes) {
   return true;
 }
 
-/// A file that another process writes at the same time has another name.
+/// Returns a name that no other process uses for its temporary file.
 std::string temporaryName(const std::string& path) {
   static std::atomic<int> number{0};
   return path + ".tmp" + std::to_string(getpid()) + "_" + std::to_string(++number);
@@ -70,7 +70,7 @@ void writeFileWhole(const std::string& path, const std::string& bytes) {
     errno = reason;
     fail(path, "cannot be written");
   }
-  // The new name too is on the disk only when its folder is.
+  // The new name is on the disk only after its folder has been flushed.
   const std::string folder = std::filesystem::absolute(path).parent_path().string();
   const File directory(folder, O_RDONLY | O_DIRECTORY);
   if (directory.isOpen()) fsync(directory.descriptor());

@@ -1,6 +1,6 @@
 #pragma once
-/// \file Clamps: two parallel plates that grasp cloth. An input to a step: they say where the
-/// particles they hold shall be, and never edit the state.
+/// \file Clamps: two parallel plates that grasp cloth. A clamp is an input to a step: it prescribes
+/// the motion of the particles that it holds, and never edits the state.
 
 #include <optional>
 #include <string>
@@ -12,13 +12,13 @@
 
 namespace cloth_sim {
 
-/// A square patch of grid particles, (2 radius + 1) x (2 radius + 1) around one (clipped at the
-/// border of the grid), and whatever edits of the mesh have put between them.
+/// A square patch of (2 radius + 1) x (2 radius + 1) grid particles around one of them, clipped at
+/// the border of the grid, and the particles that edits of the mesh have added between them.
 struct ClampPatch {
   int column = 0;
   int row = 0;
   int radius = 3;         ///< [particles], >= 0
-  std::size_t cloth = 0;  ///< which of the model's
+  std::size_t cloth = 0;  ///< index of the cloth in the model
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -28,8 +28,8 @@ struct ClampPatch {
   }
 };
 
-/// What a scene says of a clamp. In the clamp's frame the plates are parallel to x and y, and
-/// close along z.
+/// Specification of a clamp, as a scene gives it. In the clamp's frame the plates are parallel to
+/// the x-y plane and close along z.
 struct ClampSpec {
   std::string name;
   Pose pose;                          ///< at the start
@@ -39,12 +39,12 @@ struct ClampSpec {
   double closingSpeed = 0.2;          ///< of the gap [m/s], > 0
   double maxLinearSpeed = 0.5;        ///< [m/s], > 0
   double maxAngularSpeed = 2.0;       ///< [rad/s], > 0
-  /// [m/s^2], > 0. The angular acceleration is limited to this over kClampArm.
+  /// Limit on the linear acceleration [m/s^2], > 0; that on the angular one is this over kClampArm.
   double maxLinearAcceleration = 10.0;
-  /// The most that it can hold against, > 0 [N]; absent: any force. Where the cloth pulls harder,
-  /// it slides through the plates.
+  /// Largest force that the grip can bear, > 0 [N]; absent: no limit. Cloth that pulls harder
+  /// slides through the plates.
   std::optional<double> gripForce;
-  /// Particles to grasp, wherever they are; absent: whatever is between the plates.
+  /// Particles to grasp, wherever they are; absent: all particles between the plates.
   std::optional<ClampPatch> patch;
 
   template <class Archive>
@@ -54,11 +54,11 @@ struct ClampSpec {
   }
 };
 
-/// Lever by which a clamp's linear acceleration limit becomes an angular one: the size of a hand
-/// [m].
+/// Lever arm by which the limit on the linear acceleration becomes one on the angular acceleration
+/// [m]: the size of a hand.
 constexpr double kClampArm = 0.1;
 
-/// Force and torque about the clamp's origin, in the world's axes.
+/// Force and torque about the origin of the clamp, in the axes of the world.
 struct Wrench {
   Vec3 force = Vec3::Zero();   ///< [N]
   Vec3 torque = Vec3::Zero();  ///< [N m]
@@ -72,30 +72,30 @@ struct Wrench {
 enum class ClampState { kOpen, kClosing, kClosed };
 const char* toString(ClampState state);  ///< "open", "closing", "closed"
 
-/// One clamp at work.
+/// A clamp in a simulation.
 ///
-/// Motion: from rest it moves on the straight line to its target and turns about the axis of the
-/// shortest arc, speeding up, cruising and braking within its limits, so that it arrives without
-/// overshoot. The target may change at any time; the velocity then turns towards the new one within
-/// the acceleration limit.
+/// Motion: from rest, the clamp moves on the straight line to its target and turns about the axis
+/// of the shortest arc. It accelerates, cruises and brakes within its limits, and arrives without
+/// overshoot. The target may change at any time; the velocity then turns towards the new target
+/// within the limit on the acceleration.
 ///
-/// Grasp: while the gap closes, the plates take along what they meet: a particle between them is
-/// held from the step in which one of them reaches it. When the gap has closed, what is left
-/// between the plates is held too. Each held particle keeps its place in the clamp's frame, except
-/// that its z is brought into the gap, at half the closing speed (that of one plate) at most, so
-/// that nothing jumps. A patch is grasped likewise but wherever it is, also beside the plates; what
-/// of it lies beyond a plate is held as soon as closing begins.
+/// Grasp: while the gap closes, the plates take along the particles that they meet: a particle
+/// between them is held from the step in which one of them reaches it. When the gap has closed, all
+/// particles left between the plates are held too. A held particle keeps its place in the clamp's
+/// frame, except that its z is brought into the gap, at most at half the closing speed (that of one
+/// plate), so that nothing jumps. A patch is grasped in the same way, but wherever it is, also
+/// beside the plates; its particles beyond a plate are held as soon as closing begins.
 ///
-/// Slip: a grip of limited force holds as long as what it must bear, |the sum of the reactions|, is
-/// within its limit. Beyond, all that it holds slides as one: the particles are free, and the grip
-/// brakes them by exactly its limit, against their mean velocity relative to the clamp, each by
-/// its share of their mass (dry friction of a patch). What leaves the region between the open
-/// plates is let go. When the sliding turns round, the clamp tries to hold again. So the wrench of
-/// a step never exceeds the limit.
+/// Slip: a grip of limited force holds as long as the norm of the sum of the reactions is within
+/// its limit. Beyond it, all held particles slide together: they are free, and the grip brakes them
+/// with exactly its limit, against their mean velocity relative to the clamp, each in proportion to
+/// its mass (dry friction of a patch). Particles that leave the region between the open plates are
+/// let go. When the direction of sliding reverses, the clamp tries to hold again. So the force of a
+/// step never exceeds the limit.
 ///
-/// Order of use in a step: `clearWrench`; then once, or for each of its equal parts: `advance`,
-/// `appendTargets`, `appendForces`, (solver), `yield` (and, if that says so, the solver again),
-/// `addReactions`. Call `applyChanges` after every edit of the mesh.
+/// Order of use in a step: `clearWrench` and `advance`; then, once or for each part of the step:
+/// `appendTargets`, `appendForces`, (solver), `yield` (if it returns true, the solver again),
+/// `addReactions`, `addSlipWrench`. `applyChanges` after every edit of the mesh.
 class Clamp {
  public:
   /// \throws std::invalid_argument unless every length, speed and acceleration is finite and > 0,
@@ -109,30 +109,30 @@ class Clamp {
   const Vec3& angularVelocity() const { return angularVelocity_; }
   double gap() const { return gap_; }  ///< between the plates [m]
   ClampState state() const { return state_; }
-  /// Particles held, ascending.
+  /// The held particles, ascending.
   const std::vector<VertexId>& held() const { return held_; }
-  /// What the cloth does to the clamp: mean over the last step; zero if it holds nothing.
+  /// The wrench of the cloth on the clamp, mean over the last step; zero if it holds nothing.
   const Wrench& wrench() const { return wrench_; }
 
-  /// Commands a pose (finite, with a unit quaternion); the clamp goes there within its limits.
+  /// Sends the clamp to a pose (finite, with a unit quaternion), within its limits.
   void setTarget(const Pose& target) { target_ = {target, Vec3::Zero(), Vec3::Zero(), 0.0}; }
-  /// Commands a pose that moves; the clamp goes along with it, without lag once it is there. Its
-  /// velocities are limited to the clamp's own.
+  /// Sends the clamp along with a moving pose, without delay once it has caught up. The velocities
+  /// of the target are cut to the limits of the clamp.
   void guide(const MovingPose& target);
-  /// Changes the grip force, > 0 [N]; absent: any force.
+  /// Sets the largest force of the grip, > 0 [N]; absent: no limit.
   void setGripForce(std::optional<double> force) { spec_.gripForce = force; }
-  /// Limits the linear speed further [m/s], > 0; absent: back to the spec's limit. A clamp that is
-  /// faster brakes within its acceleration limit.
+  /// Limits the linear speed further [m/s], > 0; absent: only the limit of the specification holds.
+  /// A clamp that is faster brakes within its limit on the acceleration.
   void setSpeedLimit(std::optional<double> speed) { speedLimit_ = speed; }
-  /// Puts the clamp at a pose at once. Only while it holds nothing.
+  /// Puts the clamp at a pose at once, while it holds nothing.
   /// \throws std::logic_error if it holds cloth.
   void place(const Pose& pose);
-  /// Where it would come to rest if it braked from now on.
+  /// Returns the pose at which it would come to rest if it braked from now on.
   Pose stoppingPose() const;
   /// Whether the clamp stands still at its target (1e-6 m, 1e-6 rad, and that per second).
   bool atTarget() const;
-  /// Whether the next steps leave it exactly as it is: it has arrived, opened or closed, and what
-  /// it holds is neither squeezed nor slips.
+  /// Whether the next steps leave it exactly as it is: it has arrived, and opened or closed, and
+  /// the held particles are neither squeezed nor slip.
   bool isStill() const;
 
   /// Starts closing. No effect while closing or closed.
@@ -140,50 +140,52 @@ class Clamp {
   /// Lets go at once and opens; the cloth keeps its velocity.
   void release();
 
-  /// Moves pose and gap by one step and grasps what the plates meet. `state` is the one before the
-  /// step.
+  /// Moves pose and gap by one step of `dt` [s], and grasps the particles that the plates meet.
+  /// \param state  before the step.
   void advance(const Model& model, const State& state, double dt);
 
-  /// Where the held particles shall be at the end of the step, ascending by vertex; none while
-  /// they slip.
+  /// Appends where the held particles are to be at the end of the step, ascending by vertex;
+  /// nothing while they slip.
   void appendTargets(std::vector<KinematicTarget>& out) const;
 
-  /// The friction on held particles that slip; none while they do not.
+  /// Appends the friction on the held particles while they slip.
   void appendForces(const Model& model, std::vector<PointForce>& out) const;
 
   /// Whether the held particles slide through the plates.
   bool isSlipping() const { return slip_.on; }
-  /// How far they have slid since they were grasped [m].
+  /// Distance that the held particles have slid since they were grasped [m].
   double slipped() const { return slip_.distance; }
 
-  /// If holding takes more than the grip force, lets the cloth slip. The step must then be solved
-  /// again from its start.
-  /// \param targets, reactions  as for `addReactions`, of a part of the step.
+  /// Lets the cloth slip if holding it takes more than the grip force.
+  /// \param targets, reactions  as for `addReactions`.
+  /// \return whether it slips from now on: the step must then be solved again from its start.
   bool yield(const std::vector<KinematicTarget>& targets, const std::vector<Vec3>& reactions);
 
   void clearWrench() { wrench_ = Wrench(); }
 
-  /// Adds to the wrench `reactions[k]`, the force that the particle `targets[k]` puts on its
-  /// holder, over what this clamp holds. Held particles that are not among the targets count as
-  /// zero. While they slip: `addSlipWrench`.
-  /// \param targets  ascending by vertex; of the step that the reactions are of.
-  /// \param share  of the step that the reactions are the mean over.
+  /// Adds the reactions of the held particles to the wrench. Held particles that are not among the
+  /// targets count as zero. Does nothing while they slip: see `addSlipWrench`.
+  /// \param targets    of the step, ascending by vertex.
+  /// \param reactions  force of the particle `targets[k].vertex` on its holder [N], for each k.
+  /// \param fraction   of the step that the reactions are the mean over, in (0, 1].
   /// \throws std::invalid_argument if there are not as many reactions as targets.
   void addReactions(const std::vector<KinematicTarget>& targets, const std::vector<Vec3>& reactions,
-                    double share = 1.0);
-  /// Adds the friction of a clamp that slips to its wrench. `state` is the one after the step.
-  void addSlipWrench(const Model& model, const State& state, double share = 1.0);
+                    double fraction = 1.0);
+  /// Adds the friction to the wrench while the held particles slip.
+  /// \param state  after the step.
+  void addSlipWrench(const Model& model, const State& state, double fraction = 1.0);
 
-  /// Copies of held particles are held too, at the same place; so is a particle that an edit put
-  /// between held ones. Held particles must not be moved within the surface.
+  /// Updates the held particles for an edit of the mesh: copies of held particles are held too, at
+  /// the same place, and so are particles that the edit put between held ones. The edit must not
+  /// move held particles within the surface.
   void applyChanges(const MeshChanges& changes);
 
  private:
-  /// A particle in the clamp's grip.
+  /// A held particle.
   struct Grip {
     VertexId vertex = kNone;
     Vec3 local = Vec3::Zero();  ///< place in the clamp's frame [m]
-    double squeeze = 0.0;       ///< rate of local z [m/s]
+    double squeeze = 0.0;       ///< rate of change of local z [m/s]
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -198,12 +200,12 @@ class Clamp {
     archive(gap_, state_, grips_, held_, wrench_, slip_, targetLinear_, targetAngular_);
   }
 
-  /// How what is held slides.
+  /// State of the sliding of the held particles.
   struct Slip {
     bool on = false;
     Vec3 direction = Vec3::Zero();  ///< unit vector, of the cloth relative to the clamp
-    Vec3 box = Vec3::Zero();        ///< half the region beyond which the clamp lets go [m]
-    double distance = 0.0;          ///< since the grasp [m]
+    Vec3 box = Vec3::Zero();        ///< half size of the region in which particles stay held [m]
+    double distance = 0.0;          ///< slid since the grasp [m]
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -231,7 +233,7 @@ class Clamp {
   Pose pose_;
   MovingPose target_;
   Vec3 targetLinear_ = Vec3::Zero();   ///< velocity of the target in this step [m/s]
-  Vec3 targetAngular_ = Vec3::Zero();  ///< [rad/s]
+  Vec3 targetAngular_ = Vec3::Zero();  ///< its angular velocity [rad/s]
   Vec3 linearVelocity_ = Vec3::Zero();
   Vec3 angularVelocity_ = Vec3::Zero();
   std::optional<double> speedLimit_;
@@ -243,8 +245,8 @@ class Clamp {
   Wrench wrench_;
 };
 
-/// The particles of a patch, ascending.
-/// \throws std::invalid_argument if the model is not a grid or the centre is outside of it.
+/// Returns the particles of a patch, ascending.
+/// \throws std::invalid_argument if the cloth is not a grid, or the centre is outside of it.
 std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch);
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file A pull at one particle, as with a mouse. An input to a step, like a clamp.
+/// \file The pull at one particle by a pointer such as a mouse. An input to a step, like a clamp.
 
 #include <string>
 #include <vector>
@@ -20,36 +20,38 @@ struct Ray {
   }
 };
 
-/// Why a ray cannot be used, in one sentence; empty if it can.
+/// Returns why a ray cannot be used, in one sentence; empty if it can.
 std::string validationError(const Ray& ray);
 
-/// Holds a particle where a ray is, at the distance from the ray's origin that it was picked at. It
-/// follows the ray with a time constant of 50 ms and at 1.5 m/s at most, as a kinematic target.
+/// Pulls a particle along with a ray, at the distance from the ray's origin at which it was picked.
+/// The particle follows as a kinematic target, with a time constant of 50 ms and at 1.5 m/s at
+/// most.
 ///
-/// It lets go by itself when it has not been aimed for `kPatience` of simulated time: whoever
-/// pulls may vanish.
+/// The pull ends by itself when it has not been aimed for `kPatience` of simulated time, since the
+/// program that pulls may vanish.
 class Drag {
  public:
-  /// [s]
+  /// Simulated time without `aim` after which the pull ends [s].
   static constexpr double kPatience = 1.0;
-  /// How near to the ray a particle must be to be picked [m].
+  /// Largest distance from the ray at which a particle is picked [m].
   static constexpr double kReach = 0.05;
 
-  /// Takes hold of the particle that is nearest to the ray (of several within 1 cm of that, the one
-  /// nearest to its origin); nothing happens while one is held.
-  /// \return whether a particle is held now.
+  /// Picks the particle nearest to the ray; of those less than 1 cm farther from it, the one
+  /// nearest to its origin. Does nothing while a particle is held. \return whether a particle is
+  /// held now.
   bool pick(const Ray& ray, const State& state);
-  /// Where the held particle shall go.
+  /// Directs the held particle to the ray.
   /// \param time  now [s].
   void aim(const Ray& ray, double time);
   void release() { vertex_ = kNone; }
-  VertexId vertex() const { return vertex_; }  ///< kNone: nothing is held
+  VertexId vertex() const { return vertex_; }  ///< the held particle; kNone: none
 
-  /// Moves the target by one step. `state` is the one before it.
+  /// Moves the target by one step of `dt` [s].
+  /// \param state  before the step.
   void advance(const State& state, double dt);
   void appendTargets(std::vector<KinematicTarget>& out) const;
   void applyChanges(const MeshChanges& changes);
-  /// Goes on as if it had been aimed `by` later [s].
+  /// Shifts the time of the last aim by `by` [s], as the clock jumps.
   void shiftTime(double by) { aimed_ += by; }
 
   template <class Archive>
@@ -60,11 +62,11 @@ class Drag {
  private:
   VertexId vertex_ = kNone;
   double depth_ = 0.0;            ///< along the ray [m]
-  Vec3 offset_ = Vec3::Zero();    ///< of the particle from the ray when it was picked [m]
-  Vec3 goal_ = Vec3::Zero();      ///< where it shall go [m]
-  double aimed_ = 0.0;            ///< when it was aimed last [s]
-  Vec3 position_ = Vec3::Zero();  ///< at the end of the step [m]
-  Vec3 velocity_ = Vec3::Zero();  ///< [m/s]
+  Vec3 offset_ = Vec3::Zero();    ///< from the ray to the particle when it was picked [m]
+  Vec3 goal_ = Vec3::Zero();      ///< where the particle is to go [m]
+  double aimed_ = 0.0;            ///< time of the last aim [s]
+  Vec3 position_ = Vec3::Zero();  ///< of the target at the end of the step [m]
+  Vec3 velocity_ = Vec3::Zero();  ///< of the target [m/s]
 };
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What became of a grasp, for whoever watches clamps.
+/// \file Events of grips: closed, slipping, lost, and so on.
 
 #include <string>
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace cloth_sim {
 
-/// What a clamp holds.
+/// The contents of a clamp's grip.
 struct GripContents {
-  int held = 0;        ///< particles
-  double area = 0.0;   ///< of the cloth that they stand for, at rest [m^2]
-  int onObstacle = 0;  ///< of the particles: how many touch an obstacle or lie in one
+  int held = 0;        ///< number of particles
+  double area = 0.0;   ///< rest area of the cloth that they represent [m^2]
+  int onObstacle = 0;  ///< number of the particles that touch an obstacle or lie in one
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -21,19 +21,20 @@ struct GripContents {
   }
 };
 
-/// A particle that is this near to an obstacle's surface touches it [m].
+/// Gap to an obstacle below which a particle touches it [m].
 constexpr double kTouching = 1e-4;
 
+/// Counts what a clamp holds.
 GripContents gripContents(const Clamp& clamp, const Model& model, const State& state,
                           const ColliderSet& colliders);
 
-/// Something that happened to a grasp, noticed at the end of a step.
+/// A change of a clamp's grip, noticed at the end of a step.
 struct GripEvent {
   enum class Kind {
-    kClosed,    ///< the plates have closed; what they hold is in `contents`, maybe nothing
+    kClosed,    ///< the plates have closed; `contents` may be empty
     kSlipping,  ///< the cloth pulls with more than the grip force, and slides
-    kHolding,   ///< it slides no more
-    kLost,      ///< the last of it has slid out of the plates
+    kHolding,   ///< the cloth has stopped sliding
+    kLost,      ///< the last held particle has slid out of the plates
     kReleased   ///< the clamp was opened
   };
   double time = 0.0;  ///< [s]
@@ -41,7 +42,7 @@ struct GripEvent {
   Kind kind = Kind::kClosed;
   GripContents contents;
   Vec3 force = Vec3::Zero();  ///< of the cloth on the clamp, mean over the step, in the world [N]
-  double slipped = 0.0;       ///< how far the cloth has slid since it was grasped [m]
+  double slipped = 0.0;       ///< distance that the cloth has slid since the grasp [m]
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -50,15 +51,16 @@ struct GripEvent {
 };
 const char* toString(GripEvent::Kind kind);  ///< "closed", "slipping", ...
 
-/// Where the clamps stood at the end of the last step; tells what has changed since.
+/// Compares the grips of clamps with those at the end of the step before.
 class GripWatch {
  public:
-  /// Which kinds of events the clamp's change since the last call amounts to, in order.
+  /// Returns the kinds of events since the last call for this clamp, in order.
   std::vector<GripEvent::Kind> update(const Clamp& clamp);
-  /// Forgets a clamp that is no more.
+  /// Forgets a clamp that was removed.
   void forget(const std::string& clamp);
 
  private:
+  /// The grip of a clamp at the last call.
   struct Seen {
     std::string clamp;
     ClampState state = ClampState::kOpen;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What happened in a run, for its summary.
+/// \file The record of a run, for its summary.
 
 #include <optional>
 #include <string>
@@ -9,32 +9,34 @@
 
 namespace cloth_sim {
 
-/// Since when the cloth is in more pieces than where the run began.
+/// The moment at which the cloth came apart into more pieces than at the start of the run.
 struct Separation {
   double time = 0.0;        ///< simulated [s]
   std::string phase;        ///< "" without a script
-  double phaseStart = 0.0;  ///< simulated; 0 without a script [s]
+  double phaseStart = 0.0;  ///< simulated [s]; 0 without a script
 };
 
-/// The greatest force of the cloth on a clamp, mean over a step.
+/// The largest force of the cloth on a clamp, as means over steps.
 struct PeakForce {
   std::string clamp;
   double force = 0.0;  ///< [N]
   double time = 0.0;   ///< simulated [s]
 };
 
+/// Initial values and extremes of a run.
 struct RunRecord {
-  double initialMass = 0.0;      ///< at the start of the scene [kg]
-  double initialRestArea = 0.0;  ///< at the start of the scene [m^2]
-  int piecesAtStart = 0;         ///< where the run begins
+  double initialMass = 0.0;      ///< at the start of the run [kg]
+  double initialRestArea = 0.0;  ///< at the start of the run [m^2]
+  int piecesAtStart = 0;         ///< number of pieces at the start of the run
   std::optional<Separation> separation;
-  std::vector<PeakForce> peaks;  ///< in the order of the clamps; those that were taken away, too
+  std::vector<PeakForce> peaks;  ///< in the order of appearance; also of removed clamps
 };
 
+/// Returns the record of a run that is about to start.
 /// \param simulation  before its first step.
 RunRecord startRecord(const Simulation& simulation);
 
-/// To be called after every step.
+/// Updates the record. To be called after every step.
 void observe(const Simulation& simulation, RunRecord& record);
 
 }  // namespace cloth_sim

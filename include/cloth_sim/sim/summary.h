@@ -1,5 +1,5 @@
 #pragma once
-/// \file The result of a run as JSON.
+/// \file The summary of a run as JSON.
 
 #include <string>
 
@@ -7,10 +7,9 @@
 
 namespace cloth_sim {
 
-/// The summary of a run as indented JSON text. Always valid JSON: a number that is not finite is
-/// written as null.
-/// \param wallTime     what the run took [s].
-/// \param interrupted  somebody stopped it before its end.
+/// Returns the summary of a run as indented JSON text. It is always valid JSON: a number that is
+/// not finite is written as null. \param wallTime     duration of the run [s]. \param interrupted
+/// whether somebody stopped it before its end.
 std::string summaryJson(const Simulation& simulation, const RunRecord& record, double wallTime,
                         bool interrupted = false);
 
