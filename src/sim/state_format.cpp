@@ -28,7 +28,7 @@ Origin originOf(const SimulationParts& parts) {
   return {parts.scene.text, parts.startHash, parts.scene.solver.method};
 }
 
-/// Contact with a collider in the last step, which phases look at.
+/// Contact with a collider in the last step, on which conditions of phases depend.
 struct Touch {
   std::uint64_t collider = 0;  ///< index
   std::uint64_t cloth = 0;     ///< index
@@ -44,7 +44,7 @@ struct Touch {
 }  // namespace
 
 /// Writes and reads the members of all components. To keep old files readable, the order stays as
-/// it is; whoever changes it raises kStateVersion.
+/// it is; a change raises kStateVersion.
 class StateFormat {
  public:
   /// Not in the list: everything that the scene says, scratch that every step makes anew, what

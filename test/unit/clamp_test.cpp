@@ -70,7 +70,6 @@ std::vector<KinematicTarget> targetsOf(const Clamp& clamp) {
 }
 
 // ---- specification
-// -------------------------------------------------------------------------------
 
 TEST(ClampSpecification, RefusesNonsense) {
   const auto refuses = [](auto change) {
@@ -91,7 +90,6 @@ TEST(ClampSpecification, RefusesNonsense) {
 }
 
 // ---- motion
-// --------------------------------------------------------------------------------------
 
 TEST(ClampMotion, KeepsItsLimitsWhateverItIsTold) {
   std::mt19937 random(5);
@@ -210,7 +208,6 @@ TEST(ClampMotion, ASpeedLimitSlowsItDownWithinItsAcceleration) {
 }
 
 // ---- grasping
-// ------------------------------------------------------------------------------------
 
 TEST(ClampGrasp, ClosesAtItsSpeedAndOpensAgain) {
   Clamp clamp(spec());
@@ -385,7 +382,6 @@ TEST(ClampGrasp, JumpsOnlyWithoutCloth) {
 }
 
 // ---- edits and reactions
-// -------------------------------------------------------------------------
 
 TEST(ClampFollow, HoldsCopiesAndWhatIsBetweenHeldParticles) {
   Clamp clamp(spec());

@@ -1,4 +1,4 @@
-/// \file Commands as bytes and as words; scenes as text.
+/// \file Commands as bytes and as text; scenes as text.
 
 #include "sim/command_text.h"
 
@@ -14,7 +14,7 @@
 namespace cloth_sim {
 namespace {
 
-/// One of each kind, with numbers that decimal digits would not keep.
+/// Returns a command of each kind, with numbers that decimal digits would not preserve.
 std::vector<Command> someCommands() {
   const double third = 1.0 / 3.0;
   const double never = std::numeric_limits<double>::infinity();
@@ -71,7 +71,7 @@ TEST(PackedCommand, IsRefusedIfItIsNone) {
   EXPECT_THROW(unpackCommand(bytes), StateError);
 }
 
-/// The text of every shipped scene, with an override, is the scene.
+/// The stored text of every shipped scene, with an override, gives the same scene again.
 TEST(SceneText, IsTheSceneAgain) {
   const std::filesystem::path folder = CLOTH_SIM_SOURCE_DIR "/config/scenes";
   int scenes = 0;
@@ -109,7 +109,7 @@ phases: [{name: "1", timeout: 1}, {name: "a: b #c"}]
   EXPECT_EQ(again.obstacles[0].name, "7");
 }
 
-/// What a reset leaves and what it takes back.
+/// A reset of the time leaves the cloth alone; a reset of the state leaves the time.
 TEST(ResetScope, StateOrTime) {
   const Scene scene = parseScene(R"(
 cloth: {size: [0.2, 0.2], particles: [5, 5], pins: [corner_00]}

@@ -1,4 +1,4 @@
-/// \file A pull at one particle.
+/// \file The pull at one particle.
 
 #include "cloth_sim/clamp/drag.h"
 
@@ -15,7 +15,7 @@ using testing_support::flatState;
 
 constexpr double kStep = 1.0 / 60.0;
 
-/// Down on (x, y).
+/// Returns a ray straight down on (x, y).
 Ray downOn(double x, double y) { return {Vec3(x, y, 2.0), Vec3(0.0, 0.0, -3.0)}; }
 
 class DragTest : public testing::Test {

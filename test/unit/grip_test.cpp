@@ -1,4 +1,4 @@
-/// \file Grips of limited force: they hold up to it, slip beyond it, and say so.
+/// \file Grips of limited force: they hold up to the limit, slip beyond it, and report it.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ constexpr double kWeight = kMass * 9.81;  // [N]
 constexpr double kHalfPlate = 0.1;        // along the pull [m]
 constexpr double kDt = 1.0 / 60.0;        // [s]
 
-/// A cloth of 0.2 kg hangs by a clamp that is as wide as it is and reaches 0.1 m down.
+/// A cloth of 0.2 kg that hangs by a clamp as wide as the cloth, whose plates reach 0.1 m down.
 const char* const kScene = R"(
 cloth:
   size: [0.4, 0.5]
@@ -99,7 +99,7 @@ TEST(Grip, HoldsWithinItsForce) {
   EXPECT_NEAR(simulation.clamps()[0].wrench().force.norm(), kWeight, 0.005 * kWeight);
 }
 
-/// The cloth falls with g - F / m while anything of it is between the plates.
+/// The cloth falls with g - F / m as long as a part of it is between the plates.
 TEST(Grip, BeyondItsForceTheClothSlidesAsDryFrictionSays) {
   constexpr double kForce = 1.5;  // [N]
   const double acceleration = 9.81 - kForce / kMass;
@@ -131,7 +131,7 @@ TEST(Grip, LetsGoOfWhatHasSlidOut) {
   EXPECT_GE(events[1].slipped, 0.9 * kHalfPlate);
 }
 
-/// A jerk upwards at 10 m/s^2 asks for 4 N of a grip that has 3; then it holds again.
+/// A jerk upwards at 10 m/s^2 takes 4 N, of a grip that has 3 N; then the grip holds again.
 TEST(Grip, SlipsInAJerkAndHoldsAgain) {
   constexpr double kForce = 3.0;
   Simulation simulation = hanging({"clamps.hand.grip_force=3.0"});
@@ -171,7 +171,7 @@ TEST(Grip, RefusesForcesThatAreNone) {
   EXPECT_TRUE(simulation.apply(SetGripForce{"hand", std::nullopt}).success);
 }
 
-// ---- clamps that come and go -------------------------------------------------------------------
+// ---- clamps that come and go
 
 TEST(ClampSet, GrowsAndShrinksWhileItRuns) {
   Simulation simulation(parseScene(kScene, "hand.yaml", {}));
@@ -202,7 +202,6 @@ TEST(ClampSet, ARemovedClampLetsGo) {
 }
 
 // ---- targets that move
-// ---------------------------------------------------------------------------
 
 TEST(GuidedClamp, GoesAlongWithoutLagAndStopsAtTheHorizon) {
   Simulation simulation(parseScene(kScene, "hand.yaml", {}));

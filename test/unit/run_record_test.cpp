@@ -1,4 +1,4 @@
-/// \file What a run leaves for its summary: when the cloth came apart, how hard it pulled.
+/// \file The record of a run: when the cloth came apart, how hard it pulled.
 
 #include "cloth_sim/sim/run_record.h"
 

@@ -57,7 +57,6 @@ std::uint64_t hashOf(const Simulation& simulation) {
 }
 
 // ---- start
-// ---------------------------------------------------------------------------------------
 
 TEST(Simulation, StartsWhereTheSceneSays) {
   const Simulation simulation = simulationOf();
@@ -97,7 +96,6 @@ TEST(Simulation, AnObstacleFarAwayChangesNothing) {
 }
 
 // ---- commands
-// ------------------------------------------------------------------------------------
 
 struct BadCommand {
   const char* name;
@@ -250,7 +248,6 @@ TEST(Command, ResetGoesBackToTheStart) {
 }
 
 // ---- events and snapshots
-// ------------------------------------------------------------------------
 
 TEST(Simulation, EveryFailureIsCountedOnce) {
   Simulation simulation = simulationOf();
@@ -315,7 +312,6 @@ TEST(Snapshot, SharesTheTopologyUntilItChanges) {
 }
 
 // ---- failure
-// -------------------------------------------------------------------------------------
 
 TEST(Simulation, StopsAtTheLastGoodStateIfTheMethodDiverges) {
   // Ten times the step at which symplectic Euler is stable.
@@ -347,7 +343,6 @@ TEST(Simulation, FailsIfAPhaseDoesNotEndInTime) {
 }
 
 // ---- summary
-// -------------------------------------------------------------------------------------
 
 using Json = nlohmann::json;
 

@@ -1,4 +1,4 @@
-/// \file What commands turn while a simulation runs.
+/// \file Commands that change settings while a simulation runs.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -33,7 +33,7 @@ class GuardedSolver {
 
   /// How the last step went.
   const StepReport& report() const { return report_; }
-  /// What the guard has done so far.
+  /// The interventions of the guard so far.
   const GuardRecord& guard() const { return watch_.record(); }
   /// Number of substeps of a step that is not redone.
   int substeps() const { return solver_->substeps(); }

@@ -131,14 +131,14 @@ TEST(SimulationThread, FloodOfCommandsIsBoundedAndAnswered) {
   EXPECT_TRUE(eventually([&] { return answers == kCommands; }));
 }
 
-/// A step of this takes a second or so.
+/// A scene whose steps take about a second.
 const char* const kSlowScene = R"(
 cloth: {size: [1.0, 1.0], particles: [48, 48], pins: [corner_00, corner_10]}
 solver: {method: xpbd, substeps: 10000}
 clamps: {left: {pose: {position: [0.0, 0.0, 0.5]}}}
 )";
 
-/// Everything that callbacks and the publishing thread ask for, but for what waits by its nature.
+/// Calls every method of callbacks and of the publishing thread that is not meant to wait.
 void askForEverything(SimulationThread& simulation, std::atomic<int>& answers) {
   simulation.post(SetGrasp{"left", true}, [&](const CommandResult&) { ++answers; });
   simulation.setRealTimeFactor(0.0);
@@ -152,8 +152,8 @@ void askForEverything(SimulationThread& simulation, std::atomic<int>& answers) {
   simulation.observe();
 }
 
-/// Whoever asks for something, or looks at what there is, never waits for the step under way: the
-/// stepping thread holds no lock while it steps.
+/// Requests and observations never wait for the current step: the stepping thread holds no lock
+/// while it steps.
 TEST(SimulationThread, NobodyWaitsForALongStep) {
   std::atomic<int> told{0};
   std::atomic<int> answers{0};
