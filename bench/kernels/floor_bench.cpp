@@ -268,7 +268,7 @@ void any(benchmark::State& run) {
 void later(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
   packed.slit();
-  sweeps<OverflowProjection, AnySweep>(run, packed, packed.schedule.firstLater());
+  sweeps<OverflowProjection, AnySweep>(run, packed, packed.schedule.firstOverflow());
 }
 
 const bool registered = [] {

@@ -43,7 +43,7 @@ std::vector<PlateElement> joined(const PlateBending& bending) {
 
 }  // namespace
 
-void BendSweep::build(const PlateBending& bending, const Particles& particles) {
+void BendProjection::build(const PlateBending& bending, const Particles& particles) {
   const std::vector<PlateElement> all = joined(bending);
   // Greedily, the smallest colour that no particle of the element has yet.
   std::vector<std::vector<bool>> seen;  // by colour, by slot
@@ -86,8 +86,8 @@ void BendSweep::build(const PlateBending& bending, const Particles& particles) {
   }
 }
 
-void BendSweep::setStep(double h, double retardation, const ScalarArray& inverseMass) {
-  lag_ = retardation / h;
+void BendProjection::setStep(double h, double retardation, const ScalarArray& inverseMass) {
+  gamma_ = retardation / h;
   held_.clear();
   for (std::size_t e = 0; e < elements_.size(); ++e) {
     Element& element = elements_[e];
@@ -99,24 +99,24 @@ void BendSweep::setStep(double h, double retardation, const ScalarArray& inverse
       sum += w * element.weight[i] * element.weight[i];
       element.held = element.held || w == 0.0;
     }
-    element.gain = 1.0 / ((1.0 + lag_) * sum + 1.0 / (element.stiffness * h * h));
+    element.gain = 1.0 / ((1.0 + gamma_) * sum + 1.0 / (element.stiffness * h * h));
     if (element.held && sum > 0.0) held_.push_back(e);
   }
 }
 
-Vec3 BendSweep::apply(const Element& element, Particles& p) const {
+Vec3 BendProjection::apply(const Element& element, Particles& p) const {
   Vec3 curvature = Vec3::Zero();
   for (int k = 0; k < element.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     curvature += element.weight[i] * p.x.at(static_cast<std::size_t>(element.slot[i]));
   }
-  if (lag_ > 0.0) {
+  if (gamma_ > 0.0) {
     Vec3 before = Vec3::Zero();
     for (int k = 0; k < element.count; ++k) {
       const auto i = static_cast<std::size_t>(k);
       before += element.weight[i] * p.start.at(static_cast<std::size_t>(element.slot[i]));
     }
-    curvature += lag_ * (curvature - before);
+    curvature += gamma_ * (curvature - before);
   }
   const Vec3 multiplier = -element.gain * curvature;
   for (int k = 0; k < element.count; ++k) {
@@ -127,7 +127,7 @@ Vec3 BendSweep::apply(const Element& element, Particles& p) const {
   return multiplier;
 }
 
-void BendSweep::projectFree(Particles& particles) const {
+void BendProjection::projectFree(Particles& particles) const {
   for (std::size_t colour = 0; colour + 1 < firstOfColour_.size(); ++colour) {
     const std::int32_t first = firstOfColour_[colour];
     parallelFor(firstOfColour_[colour + 1] - first, kGrainElements,

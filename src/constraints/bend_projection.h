@@ -9,7 +9,7 @@ namespace cloth_sim {
 /// The elements of a PlateBending as constraints with compliance: those with the same stencil
 /// joined into one, and coloured, so that no two of a colour share a particle. A function of the
 /// network alone.
-class BendSweep {
+class BendProjection {
  public:
   void build(const PlateBending& bending, const Particles& particles);
 
@@ -39,7 +39,7 @@ class BendSweep {
     std::array<std::int32_t, PlateElement::kMostVertices> slot;
     std::array<double, PlateElement::kMostVertices> weight;  ///< [1/m^2]
     double stiffness;                                        ///< [N m^3]
-    double gain;         ///< 1 / ((1 + lag) sum of w weight^2 + 1 / (k h^2)) [kg m^4]
+    double gain;         ///< 1 / ((1 + gamma) sum of w weight^2 + 1 / (k h^2)) [kg m^4]
     std::int32_t count;  ///< of vertices
     bool held;           ///< some particle of it has prescribed motion
   };
@@ -52,7 +52,7 @@ class BendSweep {
   std::vector<Element> elements_;            ///< colour by colour
   std::vector<std::int32_t> firstOfColour_;  ///< and one more
   std::vector<std::size_t> held_;            ///< held elements that have a free particle, too
-  double lag_ = 0.0;                         ///< retardation over h
+  double gamma_ = 0.0;                         ///< retardation over h
 };
 
 }  // namespace cloth_sim

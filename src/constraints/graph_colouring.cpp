@@ -10,7 +10,7 @@ namespace {
 constexpr double kGridTolerance = 1e-6;
 
 /// On a grid two colours suffice for parallel springs of one kind. Colours that are to be joined
-/// into a batch are numbered one after the other: first those within rows, then those between rows
+/// into a group are numbered one after the other: first those within rows, then those between rows
 /// 2k and 2k + 1, then those between rows 2k + 1 and 2k + 2, then those over two rows.
 int colourOf(const Model& model, const Spring& spring, int parity) {
   const bool bend = spring.kind == SpringKind::kBend;

@@ -57,7 +57,7 @@ void Particles::layOut(const Model& model) {
   resize();
 }
 
-void Particles::follow(const MeshChanges& changes) {
+void Particles::applyChanges(const MeshChanges& changes) {
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.isNew()) {
       slotOf.push_back(slots++);

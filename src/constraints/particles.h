@@ -34,7 +34,7 @@ struct Particles {
   /// Chooses slots and sizes every array.
   void layOut(const Model& model);
   /// Adds slots for the vertices that an edit made.
-  void follow(const MeshChanges& changes);
+  void applyChanges(const MeshChanges& changes);
   void load(const State& state);
   void store(State& state) const;
   /// Whether everything is finite, and no particle faster than this [m/s].

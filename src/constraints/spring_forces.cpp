@@ -7,30 +7,30 @@
 namespace cloth_sim {
 namespace {
 
-/// One spring from a to b: the force that a gets.
-struct Pull {
+/// Force of a spring from a to b on its end a [N]; b gets the opposite.
+struct SpringForce {
   double x, y, z;
 };
 
-[[gnu::always_inline]] inline Pull elasticPull(double dx, double dy, double dz, double rest,
-                                               double stiffness) {
+[[gnu::always_inline]] inline SpringForce elasticForce(double dx, double dy, double dz, double rest,
+                                                       double stiffness) {
   const double length = std::sqrt(dx * dx + dy * dy + dz * dz + kTinySquare);
   const double f = stiffness * (length - rest) / length;
   return {f * dx, f * dy, f * dz};
 }
 
-[[gnu::always_inline]] inline Pull dampedPull(double dx, double dy, double dz, double rx, double ry,
-                                              double rz, double rest, double stiffness,
-                                              double damping) {
+[[gnu::always_inline]] inline SpringForce dampedForce(double dx, double dy, double dz, double rx,
+                                                      double ry, double rz, double rest,
+                                                      double stiffness, double damping) {
   const double length = std::sqrt(dx * dx + dy * dy + dz * dz + kTinySquare);
   const double rate = (dx * rx + dy * ry + dz * rz) / length;
   const double f = (stiffness * (length - rest) + damping * rate) / length;
   return {f * dx, f * dy, f * dz};
 }
 
-/// Constants of the springs of a run, `kStride` apart: 0 if all have the same.
-template <int kStride, bool kDamped>
-[[gnu::always_inline]] inline void pullAll(const SpringSchedule::Span& span,
+/// Adds the forces of the springs of a contiguous span.
+template <bool kDamped>
+[[gnu::always_inline]] inline void addSpan(const SpringSchedule::Span& span,
                                            const SpringParameterTable& parameters,
                                            const VectorArray& x, const VectorArray& v,
                                            VectorArray& force) {
@@ -59,36 +59,33 @@ template <int kStride, bool kDamped>
   double* const fby = force.y.data() + b;
   double* const fbz = force.z.data() + b;
   const std::int32_t count = span.count;
-#pragma GCC ivdep
+  CLOTH_SIM_NO_ALIAS_LOOP
   for (std::int32_t k = 0; k < count; ++k) {
     const double dx = bx[k] - ax[k];
     const double dy = by[k] - ay[k];
     const double dz = bz[k] - az[k];
-    const std::int32_t p = kStride * k;
-    const Pull pull = kDamped ? dampedPull(dx, dy, dz, bu[k] - au[k], bv[k] - av[k], bw[k] - aw[k],
-                                           rest[p], stiffness[p], damping[p])
-                              : elasticPull(dx, dy, dz, rest[p], stiffness[p]);
-    fax[k] += pull.x;
-    fay[k] += pull.y;
-    faz[k] += pull.z;
-    fbx[k] -= pull.x;
-    fby[k] -= pull.y;
-    fbz[k] -= pull.z;
+    const SpringForce on = kDamped ? dampedForce(dx, dy, dz, bu[k] - au[k], bv[k] - av[k],
+                                                 bw[k] - aw[k], rest[k], stiffness[k], damping[k])
+                                   : elasticForce(dx, dy, dz, rest[k], stiffness[k]);
+    fax[k] += on.x;
+    fay[k] += on.y;
+    faz[k] += on.z;
+    fbx[k] -= on.x;
+    fby[k] -= on.y;
+    fbz[k] -= on.z;
   }
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullRun(const SpringSchedule::Span& span, const SpringParameterTable& parameters,
-             const VectorArray& x, const VectorArray& v, VectorArray& force) {
-  span.isUniform ? pullAll<0, false>(span, parameters, x, v, force)
-                 : pullAll<1, false>(span, parameters, x, v, force);
+void addElasticSpan(const SpringSchedule::Span& span, const SpringParameterTable& parameters,
+                    const VectorArray& x, const VectorArray& v, VectorArray& force) {
+  addSpan<false>(span, parameters, x, v, force);
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void pullDampedRun(const SpringSchedule::Span& span, const SpringParameterTable& parameters,
+void addDampedSpan(const SpringSchedule::Span& span, const SpringParameterTable& parameters,
                    const VectorArray& x, const VectorArray& v, VectorArray& force) {
-  span.isUniform ? pullAll<0, true>(span, parameters, x, v, force)
-                 : pullAll<1, true>(span, parameters, x, v, force);
+  addSpan<true>(span, parameters, x, v, force);
 }
 
 }  // namespace
@@ -117,22 +114,22 @@ void addSpringForce(const SpringSchedule::Element& spring, const VectorArray& x,
   const double dx = x.x[b] - x.x[a];
   const double dy = x.y[b] - x.y[a];
   const double dz = x.z[b] - x.z[a];
-  const Pull pull = damping > 0.0 ? dampedPull(dx, dy, dz, v.x[b] - v.x[a], v.y[b] - v.y[a],
-                                               v.z[b] - v.z[a], rest, stiffness, damping)
-                                  : elasticPull(dx, dy, dz, rest, stiffness);
-  force.x[a] += pull.x;
-  force.y[a] += pull.y;
-  force.z[a] += pull.z;
-  force.x[b] -= pull.x;
-  force.y[b] -= pull.y;
-  force.z[b] -= pull.z;
+  const SpringForce on = damping > 0.0 ? dampedForce(dx, dy, dz, v.x[b] - v.x[a], v.y[b] - v.y[a],
+                                                     v.z[b] - v.z[a], rest, stiffness, damping)
+                                       : elasticForce(dx, dy, dz, rest, stiffness);
+  force.x[a] += on.x;
+  force.y[a] += on.y;
+  force.z[a] += on.z;
+  force.x[b] -= on.x;
+  force.y[b] -= on.y;
+  force.z[b] -= on.z;
 }
 
 void addSpringForces(const SpringSchedule& schedule, const VectorArray& x, const VectorArray& v,
                      VectorArray& force) {
-  const auto pull = schedule.parameters.damped() ? pullDampedRun : pullRun;
+  const auto add = schedule.parameters.damped() ? addDampedSpan : addElasticSpan;
   schedule.sweep(
-      [&](const SpringSchedule::Span& span) { pull(span, schedule.parameters, x, v, force); },
+      [&](const SpringSchedule::Span& span) { add(span, schedule.parameters, x, v, force); },
       [&](const SpringSchedule::Element& spring) { addSpringForce(spring, x, v, force); });
 }
 

@@ -1,34 +1,47 @@
 #pragma once
-/// \file One pass of corrections along springs, one after the other.
+/// \file Gauss-Seidel projection of all springs of a schedule.
 
-#include <functional>
-
-#include "compliance.h"
-#include "overflow_projection.h"
-#include "uniform_mass_range.h"
+#include "particles.h"
+#include "spring_schedule.h"
 
 namespace cloth_sim {
 
-/// What is to be done with particles before their springs: `prepare(first, last)` for slots.
-using Prepare = std::function<void(std::size_t first, std::size_t last)>;
-
-/// Moves the ends of springs, in the order of a schedule; see `Compliance`.
+/// Projects springs as reference_projection.h says, four at a time.
+///
+/// The weights of four springs are a SIMD block. Spans whose springs have the same parameters and
+/// masses, as nearly all rows of a grid do, share their blocks, which then stay in the first-level
+/// cache. Where the number of springs in a span is no multiple of four, the first block of the span
+/// covers its last four springs; weights of zero leave those alone that later blocks project.
 class SpringProjection {
  public:
-  /// To be called when springs or masses have changed ...
-  /// \param inverseMass  by slot [1/kg]; they have to be the same when springs are corrected.
+  /// Finds which spans share weights. To be called when springs or masses have changed, and then
+  /// `setStep`.
+  /// \param inverseMass  by particle slot [1/kg].
   void setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass);
-  /// ... and then, and when the length of the substeps has.
-  /// \param h  that length [s].
-  void setStep(const SpringSchedule& schedule, double h);
-  /// \param prepare  if any: called for all slots, part by part, each as late as may be, so that
-  ///                 what it has written is still in the cache.
-  void correct(const SpringSchedule& schedule, Particles& particles, const Prepare& prepare = {});
+  /// Finds the weights for substeps of length h [s].
+  /// \param inverseMass  as in `setMasses`.
+  void setStep(const SpringSchedule& schedule, const ScalarArray& inverseMass, double h);
+  /// Projects every spring once, in the order of the schedule.
+  void project(const SpringSchedule& schedule, Particles& particles) const;
 
  private:
-  Compliances compliances_;             ///< by parameters of the schedule
-  std::vector<UniformMassRange> even_;  ///< by span of the schedule
-  OverflowProjection later_;
+  /// Weights of four springs.
+  struct alignas(32) WeightBlock {
+    double a[4] = {};
+    double b[4] = {};
+  };
+  struct Kernel;
+
+  std::vector<std::int32_t> firstBlock_;  ///< by span of the schedule: index in `blocks_`
+  std::vector<std::int32_t> owners_;      ///< spans with blocks of their own, ascending
+  std::vector<WeightBlock> blocks_;
+  std::vector<double> gamma_;  ///< four for each block; empty where there are no dashpots
+  /// A span and the hash of all that its weights depend on; kept to save allocations.
+  struct Key {
+    std::uint64_t hash = 0;
+    std::int32_t span = 0;
+  };
+  std::vector<Key> keys_;
 };
 
 }  // namespace cloth_sim

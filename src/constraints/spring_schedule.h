@@ -1,108 +1,89 @@
 #pragma once
-/// \file The order in which sweeps visit springs, and their constants in that order.
+/// \file The order in which sweeps visit springs, and their parameters in that order.
 
 #include "cloth_sim/cloth/model.h"
 #include "cloth_sim/threads/thread_pool.h"
+#include "schedule_blocks.h"
 #include "spring_parameters.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
 
-/// Springs are coloured: no two of a colour share a particle. Consecutive colours are then joined
-/// into a batch as long as the batch falls apart into many strands that share no particle. Within a
-/// strand the springs are visited colour by colour; strands may run in any order, or at once, with
-/// the same result. On a grid a strand is some rows, which stay in the cache while all the
-/// colours pass over them. A strand may have its turn as soon as those of earlier batches that it
-/// shares particles with have had theirs: one thread alone goes over the cloth once, as a wave, and
-/// several need not wait for each other between batches.
+/// Orders springs so that a Gauss-Seidel sweep gives the same bits on any number of threads.
 ///
-/// The springs of the undamaged mesh are laid out once. Where the ends of consecutive springs are
-/// consecutive particles they form a run, which is swept without gathers and without a list of
-/// ends; if all of them have the same parameters, as in the middle of a grid, it is there once, and
-/// runs whose parameters follow each other alike, as those from border to border, share them. Where
-/// a spring has gone or its ends have changed, its place stays with zero stiffness, so runs stay
-/// whole; springs that an edit made or moved are appended, coloured among themselves. What a sweep
-/// does is a function of the slots of the network alone, not of the order of edits.
+/// Springs are coloured: no two of a colour share a particle (graph_colouring.h). Consecutive
+/// colours form a colour group, whose blocks share no particle (schedule_blocks.h): blocks run in
+/// any order, or at once, with the same result. Within a block the sweep goes colour by colour.
+/// Consecutive groups form a phase. The task graph of a phase tells which blocks of earlier groups
+/// a block has to wait for, so threads meet only where a phase ends.
+///
+/// Springs of a colour whose ends are consecutive particle slots form a contiguous span, which a
+/// sweep reads and writes without gathers. All others are in gathered spans, with a list of ends.
+///
+/// The springs of the undamaged mesh are laid out once. Where an edit removes a spring or changes
+/// its ends, its place stays, without stiffness, so that spans stay whole. Springs that edits made
+/// or moved are the overflow: coloured among themselves and swept last, in gathered spans. The
+/// order depends on the slots of the network alone, not on the order of edits.
 class SpringSchedule {
  public:
-  /// Springs in a run at least.
-  static constexpr std::int32_t kShortestRun = 4;
-  /// Particle slots of a spring.
-  struct Ends {
-    std::int32_t a = kNone;
-    std::int32_t b = kNone;
-  };
-  /// Consecutive positions of one colour.
+  /// Fewest springs in a contiguous span: the width of a SIMD block.
+  static constexpr std::int32_t kShortestContiguous = 4;
+
+  /// Springs of one colour at consecutive positions of the schedule.
   struct Span {
-    std::int32_t first = 0;
-    std::int32_t count = 0;
-    bool isRun = false;                ///< their ends are consecutive particles
-    bool isUniform = false;            ///< a run of one parameters
-    bool sharesParameters = false;     ///< with other runs
-    Ends ends;                         ///< of the first one of a run
-    std::int32_t others = 0;           ///< of its first one in `endA` and `endB`, if it is no run
-    std::int32_t firstParameters = 0;  ///< of its first one, or of them all, in `parameters`
+    std::int32_t first = 0;            ///< position of the first spring
+    std::int32_t count = 0;            ///< springs
+    bool isContiguous = false;         ///< ends of the k-th spring: `ends.a + k`, `ends.b + k`
+    bool sharesParameters = false;     ///< with other spans (ParameterPatterns)
+    SpringEnds ends;                   ///< of the first spring, if contiguous
+    std::int32_t firstEnd = 0;         ///< index in `endA` and `endB`, if gathered
+    std::int32_t firstParameters = 0;  ///< index in `parameters`
   };
   /// A spring as sweeps see it.
   struct Element {
     std::int32_t position = 0;
-    std::int32_t a = kNone;  ///< particle slots
-    std::int32_t b = kNone;
+    std::int32_t a = kNone;  ///< particle slot
+    std::int32_t b = kNone;  ///< particle slot
     SpringParameters parameters;
   };
-  /// Consecutive spans, to be visited in order.
-  struct Strand {
+  /// Consecutive spans, visited in order.
+  struct Block {
     std::int32_t firstSpan = 0;
     std::int32_t endSpan = 0;
   };
-  /// Consecutive strands that share no particle.
-  struct Batch {
-    std::int32_t firstStrand = 0;
-    std::int32_t endStrand = 0;
+  /// Consecutive blocks that share no particle.
+  struct ColourGroup {
+    std::int32_t firstBlock = 0;
+    std::int32_t endBlock = 0;
     std::int32_t springs = 0;  ///< in all of them
   };
 
   void build(const Model& model, const std::vector<std::int32_t>& slotOf);
-  void follow(const Model& model, const SpringChanges& changes,
-              const std::vector<std::int32_t>& slotOf);
+  /// Follows an edit of the model.
+  /// \param slotOf  particle slot by vertex, after the edit.
+  void applyChanges(const Model& model, const SpringChanges& changes,
+                    const std::vector<std::int32_t>& slotOf);
 
-  /// To be visited in order.
-  const std::vector<Batch>& batches() const { return batches_; }
-  const std::vector<Strand>& strands() const { return strands_; }
+  const std::vector<ColourGroup>& groups() const { return groups_; }  ///< in order of the sweep
+  const std::vector<Block>& blocks() const { return blocks_; }
   const std::vector<Span>& spans() const { return spans_; }
-  /// The first of `spans` whose springs edits made or moved; none from it on is a run.
-  std::size_t firstLater() const { return original_.spans; }
+  /// Index of the first span of the overflow; no span from it on is contiguous.
+  std::size_t firstOverflow() const { return original_.spans; }
+  /// Number of positions, gone springs included.
   std::int32_t size() const {
     return spans_.empty() ? 0 : spans_.back().first + spans_.back().count;
   }
 
-  /// Calls `visitor(span, end)` for consecutive spans of the undamaged mesh, in the order of the
-  /// sweep, on several threads where that pays.
+  /// Calls `visitor(first, end)` for consecutive spans in the order of the sweep, on several
+  /// threads where that pays.
   template <typename SpansVisitor>
-  void sweepOriginals(const SpansVisitor& visitor) const {
-    sweepOriginals(
-        0, [](std::int32_t, std::int32_t) {}, visitor);
-  }
-  /// ... and `prepare(first, last)` for consecutive particle slots, which together are [0, slots),
-  /// before any spring of theirs.
-  template <typename Prepare, typename SpansVisitor>
-  void sweepOriginals(std::int32_t slots, const Prepare& prepare,
-                      const SpansVisitor& visitor) const;
-  /// Calls `visitor(span, end)` for those from `firstLater` on, in the order of the sweep: after
-  /// the others.
-  template <typename SpansVisitor>
-  void sweepLater(const SpansVisitor& visitor) const;
-  /// Calls `visitor(span, end)` for all of them.
-  template <typename SpansVisitor>
-  void sweepSpans(const SpansVisitor& visitor) const {
-    sweepOriginals(visitor);
-    sweepLater(visitor);
-  }
-  /// The same with `visitRun(span)` for runs and `visitor(element)` for all other springs.
-  template <typename RunVisitor, typename Visitor>
-  void sweep(const RunVisitor& visitRun, const Visitor& visitor) const {
+  void sweepSpans(const SpansVisitor& visitor) const;
+  /// The same with `visitSpan(span)` for contiguous spans and `visitor(element)` for all other
+  /// springs.
+  template <typename SpanVisitor, typename Visitor>
+  void sweep(const SpanVisitor& visitSpan, const Visitor& visitor) const {
     sweepSpans([&](const Span* span, const Span* end) {
-      for (; span != end; ++span) span->isRun ? visitRun(*span) : visit(*span, visitor);
+      for (; span != end; ++span) span->isContiguous ? visitSpan(*span) : visit(*span, visitor);
     });
   }
   /// The same with `visitor(element)` for every spring.
@@ -110,148 +91,132 @@ class SpringSchedule {
   void sweep(const Visitor& visitor) const {
     sweep([&](const Span& span) { visit(span, visitor); }, visitor);
   }
-  /// The same by ascending position, on one thread.
+  /// Calls `visitor(element)` for every spring, position by position, on this thread.
   template <typename Visitor>
   void forEach(const Visitor& visitor) const {
     for (const Span& span : spans_) visit(span, visitor);
   }
-  /// The same for a span.
+  /// Calls `visitor(element)` for every spring of a span.
   template <typename Visitor>
   void visit(const Span& span, const Visitor& visitor) const {
     for (std::int32_t k = 0; k < span.count; ++k) visitor(element(span, k));
   }
 
+  SpringEnds endsOf(const Span& span, std::int32_t k) const {
+    if (span.isContiguous) return {span.ends.a + k, span.ends.b + k};
+    return {endA[span.firstEnd + k], endB[span.firstEnd + k]};
+  }
+
   SpringParameterTable parameters;
-  std::vector<std::int32_t> endA, endB;  ///< particle slots, of springs that are in no run
+  std::vector<std::int32_t> endA, endB;  ///< particle slots of springs in gathered spans
 
  private:
-  /// Fewer springs, or particles, are not worth a second thread ...
+  /// Fewer springs are not worth a second thread ...
   static constexpr std::int32_t kGrain = 4096;
-  /// ... and fewer springs whose strands wait for each other.
-  static constexpr std::int32_t kGrainOfWaiting = 16384;
+  /// ... and neither are fewer springs whose blocks wait for each other.
+  static constexpr std::int32_t kDependentGrain = 16384;
 
+  /// Sizes of the arrays, to go back to.
   struct Extent {
-    std::size_t others = 0;
+    std::size_t ends = 0;
     std::size_t parameters = 0;
     std::size_t spans = 0;
-    std::size_t strands = 0;
-    std::size_t batches = 0;
+    std::size_t blocks = 0;
+    std::size_t groups = 0;
   };
-  /// What a strand shares with others at most: particles from the first to the last of its own.
-  struct Reach {
+  /// All slots from a block's first to its last: an upper bound of the particles it touches.
+  struct SlotRange {
     std::int32_t first = 0;
     std::int32_t last = 0;
-    bool meets(const Reach& other) const { return other.first <= last && first <= other.last; }
+    bool overlaps(const SlotRange& other) const {
+      return other.first <= last && first <= other.last;
+    }
   };
-  /// Consecutive batches through which threads go without waiting for each other between them.
-  struct Round {
-    std::int32_t firstStrand = 0;
-    std::int32_t endStrand = 0;
+  /// Consecutive colour groups that threads go through without a barrier between them.
+  struct Phase {
+    std::int32_t firstBlock = 0;
+    std::int32_t endBlock = 0;
     std::int32_t springs = 0;
-    TaskGraph order;  ///< of strands, from `firstStrand` on
+    TaskGraph tasks;  ///< of its blocks; task k is block `firstBlock + k`
   };
-  using Coloured = std::vector<std::vector<std::int32_t>>;  ///< spring slots by colour
 
-  Ends endsOf(const Span& span, std::int32_t k) const {
-    if (span.isRun) return {span.ends.a + k, span.ends.b + k};
-    return {endA[span.others + k], endB[span.others + k]};
-  }
   SpringParameters parametersOf(const Span& span, std::int32_t k) const {
-    return parameters[span.firstParameters + (span.isUniform ? 0 : k)];
+    return parameters[span.firstParameters + k];
   }
   Element element(const Span& span, std::int32_t k) const {
-    const Ends ends = endsOf(span, k);
+    const SpringEnds ends = endsOf(span, k);
     return {span.first + k, ends.a, ends.b, parametersOf(span, k)};
   }
-  template <typename StrandVisitor>
-  void visitOriginals(const StrandVisitor& visit) const;
-  /// \param end  after the last strand.
-  template <typename SpansVisitor>
-  void visitSpans(std::int32_t strand, std::int32_t end, const SpansVisitor& visitor) const {
-    visitor(spans_.data() + strands_[strand].firstSpan, spans_.data() + strands_[end - 1].endSpan);
-  }
+
   Extent extent() const;
   void truncate(const Extent& extent);
-
-  /// Puts a spring where the undamaged mesh had it, if its ends are the same, or else among those
-  /// to be appended; or nowhere, if it is gone.
-  void settle(const Spring& spring, std::int32_t slot, const std::vector<std::int32_t>& slotOf);
-  void setParameters(const SpringParameters& of, Span& span, std::int32_t k);
-  void separateParameters(Span& span);
-  void gatherParameters();
-  void append(const Model& model, const std::vector<std::int32_t>& slotOf, Coloured colours);
-  void appendLater(const Model& model, const std::vector<std::int32_t>& slotOf,
+  void appendOriginals(const Model& model, const std::vector<std::int32_t>& slotOf);
+  void appendBlock(const SpringNetwork& springs, const std::vector<SpringEnds>& ends,
                    const Coloured& colours);
-  std::vector<Reach> reaches() const;
-  void divideSlots(std::int32_t slots, std::vector<Reach>& reaches);
-  void orderWave(const std::vector<Reach>& reaches);
-  void orderRounds(const std::vector<Reach>& reaches);
-  void appendStrand(const SpringNetwork& springs, const std::vector<Ends>& ends,
-                    const Coloured& colours);
-  void appendColour(const SpringNetwork& springs, const std::vector<Ends>& ends,
+  void appendColour(const SpringNetwork& springs, const std::vector<SpringEnds>& ends,
                     const std::vector<std::int32_t>& slots);
+  void appendOverflow(const Model& model, const std::vector<std::int32_t>& slotOf,
+                      const Coloured& colours);
   template <typename EndsOf>
   void appendSpan(const SpringNetwork& springs, const EndsOf& endsOf, const std::int32_t* slot,
-                  const std::int32_t* end, Span span);
+                  const std::int32_t* end, bool isContiguous);
+  void updatePlace(const Spring& spring, std::int32_t slot,
+                   const std::vector<std::int32_t>& slotOf);
+  void setParameters(const SpringParameters& spring, Span& span, std::int32_t k);
+  void unshareParameters(Span& span);
+  void shareParametersAgain();
+  std::vector<SlotRange> slotRanges() const;
+  void buildPhases();
+  std::vector<std::int32_t> dependenciesOf(std::int32_t block, const ColourGroup& group,
+                                           const std::vector<SlotRange>& ranges) const;
 
-  std::vector<Batch> batches_;
-  std::vector<Strand> strands_;
+  template <typename SpansVisitor>
+  void sweepPhase(const Phase& phase, const SpansVisitor& visitor) const;
+  template <typename SpansVisitor>
+  void sweepOverflow(const ColourGroup& group, const SpansVisitor& visitor) const;
+  /// Visits the spans of blocks [block, end).
+  template <typename SpansVisitor>
+  void visitBlocks(std::int32_t block, std::int32_t end, const SpansVisitor& visitor) const {
+    visitor(spans_.data() + blocks_[block].firstSpan, spans_.data() + blocks_[end - 1].endSpan);
+  }
+
+  std::vector<ColourGroup> groups_;
+  std::vector<Block> blocks_;
   std::vector<Span> spans_;
+  std::vector<Phase> phases_;  ///< of the undamaged mesh
   ParameterPatterns patterns_;
-  // Strands of the undamaged mesh:
-  std::vector<std::int32_t> wave_;    ///< for one thread
-  std::vector<Round> rounds_;         ///< for several
-  std::vector<std::int32_t> bounds_;  ///< before, between and after the slots of the first batch's,
-                                      ///< if they have no others between theirs
-  std::vector<std::int32_t> home_;    ///< by spring slot of the undamaged mesh: its position
-  std::vector<bool> isAppended_;      ///< by spring slot, since the first edit
-  Extent original_;
+  std::vector<std::int32_t> positionOf_;  ///< by spring slot of the undamaged mesh
+  std::vector<bool> isOverflow_;          ///< by spring slot
+  Extent original_;                       ///< the undamaged mesh's part of the arrays
 };
 
-template <typename Prepare, typename SpansVisitor>
-void SpringSchedule::sweepOriginals(std::int32_t slots, const Prepare& prepare,
-                                    const SpansVisitor& visitor) const {
-  const std::int32_t divided = bounds_.empty() ? 0 : bounds_.back();
-  parallelFor(slots - divided, kGrain, [&](std::int32_t first, std::int32_t last) {
-    prepare(divided + first, divided + last);
-  });
-  visitOriginals([&](std::int32_t strand) {
-    const bool isFirstOfItsSlots = strand + 1 < static_cast<std::int32_t>(bounds_.size());
-    if (isFirstOfItsSlots) prepare(bounds_[strand], bounds_[strand + 1]);
-    visitSpans(strand, strand + 1, visitor);
-  });
-}
-
-template <typename StrandVisitor>
-void SpringSchedule::visitOriginals(const StrandVisitor& visit) const {
-  ThreadPool* const pool = ThreadPool::ofThisThread();
-  if (pool == nullptr) {
-    for (const std::int32_t strand : wave_) visit(strand);
-    return;
-  }
-  for (const Round& round : rounds_) {
-    if (round.springs < (round.order.waits.empty() ? kGrain : kGrainOfWaiting)) {
-      for (std::int32_t strand = round.firstStrand; strand < round.endStrand; ++strand) {
-        visit(strand);
-      }
-    } else {
-      parallelInOrder(*pool, round.order,
-                      [&](std::int32_t part) { visit(round.firstStrand + part); });
-    }
-  }
+template <typename SpansVisitor>
+void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
+  for (const Phase& phase : phases_) sweepPhase(phase, visitor);
+  for (std::size_t k = original_.groups; k < groups_.size(); ++k)
+    sweepOverflow(groups_[k], visitor);
 }
 
 template <typename SpansVisitor>
-void SpringSchedule::sweepLater(const SpansVisitor& visitor) const {
-  for (std::size_t next = original_.batches; next < batches_.size(); ++next) {
-    const Batch& batch = batches_[next];
-    const std::int32_t strands = batch.endStrand - batch.firstStrand;
-    const std::int32_t grain =
-        static_cast<std::int32_t>(std::int64_t{kGrain / 2} * strands / batch.springs) + 1;
-    parallelFor(strands, grain, [&](std::int32_t begin, std::int32_t end) {
-      visitSpans(batch.firstStrand + begin, batch.firstStrand + end, visitor);
-    });
+void SpringSchedule::sweepPhase(const Phase& phase, const SpansVisitor& visitor) const {
+  ThreadPool* const pool = ThreadPool::ofThisThread();
+  const std::int32_t grain = phase.tasks.waits.empty() ? kGrain : kDependentGrain;
+  if (pool == nullptr || phase.springs < grain) {
+    return visitBlocks(phase.firstBlock, phase.endBlock, visitor);
   }
+  parallelInOrder(*pool, phase.tasks, [&](std::int32_t task) {
+    visitBlocks(phase.firstBlock + task, phase.firstBlock + task + 1, visitor);
+  });
+}
+
+template <typename SpansVisitor>
+void SpringSchedule::sweepOverflow(const ColourGroup& group, const SpansVisitor& visitor) const {
+  const std::int32_t blocks = group.endBlock - group.firstBlock;
+  const auto grain =
+      static_cast<std::int32_t>(std::int64_t{kGrain / 2} * blocks / group.springs) + 1;
+  parallelFor(blocks, grain, [&](std::int32_t begin, std::int32_t end) {
+    visitBlocks(group.firstBlock + begin, group.firstBlock + end, visitor);
+  });
 }
 
 }  // namespace cloth_sim

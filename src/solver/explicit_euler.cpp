@@ -1,4 +1,4 @@
-#include "explicit_solver.h"
+#include "explicit_forces.h"
 #include "methods.h"
 
 namespace cloth_sim {
@@ -10,22 +10,16 @@ namespace {
 /// sqrt(1 + (omega h)^2) per substep; with the damping ratio zeta it is stable for
 /// h < 2 zeta / omega only (Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I,
 /// 1993, ch. I.7; Baraff & Witkin 1998 for why cloth needs better).
-class ExplicitEuler final : public ExplicitSolver {
- public:
-  ExplicitEuler(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
-
- private:
-  void substep(const Substep& now) override {
-    markStart();
-    evaluateForces(now);
-    drift(now.h);
-    damp(now.controls, now.h);
-    kick(now);
-    placeKinematic(now.fraction);
-    enforceContacts(now);
-    enforceContactVelocities(now);
-  }
-};
+void advanceExplicitEuler(Substep& now, const ExplicitForces& forces) {
+  now.markStart();
+  forces.evaluate(now);
+  forces.drift(now, now.h);
+  forces.damp(now, now.h);
+  forces.kick(now);
+  now.placeKinematic();
+  now.enforceContacts();
+  now.enforceContactVelocities();
+}
 
 }  // namespace
 
@@ -40,7 +34,7 @@ SolverInfo explicitEulerInfo() {
   info.stabilityLimit = 0.0;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<ExplicitEuler>(model, static_cast<int>(p.at("substeps")));
+    return makeExplicitSolver(model, p, advanceExplicitEuler);
   };
   return info;
 }

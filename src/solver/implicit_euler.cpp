@@ -1,5 +1,6 @@
-#include "implicit_solver.h"
 #include "methods.h"
+#include "newton_stage.h"
+#include "substep_solver.h"
 
 namespace cloth_sim {
 namespace {
@@ -9,20 +10,21 @@ namespace {
 /// First order, stable at any step (Baraff & Witkin 1998, with Newton's method to the end instead
 /// of one step). Damps what is fast: an oscillation shrinks by 1 / sqrt(1 + (omega h)^2) in a
 /// substep.
-class ImplicitEuler final : public ImplicitSolver {
+class ImplicitEuler final : public SubstepMethod {
  public:
-  ImplicitEuler(const Model& model, const SolverParameters& parameters)
-      : ImplicitSolver(model, parameters) {}
+  explicit ImplicitEuler(const SolverParameters& parameters) : newton_(parameters) {}
 
- private:
-  void substep(const Substep& now) override {
-    markStart();
-    velocity_ = particles_.v;
-    solveStage(now, now.h, now.fraction, particles_.start, velocity_);
-    addForcesToReactions(now.h);
-    enforceContacts(now);
+  void begin(Substep& now) override { newton_.begin(now); }
+  void advance(Substep& now) override {
+    now.markStart();
+    velocity_ = now.particles.v;
+    newton_.solve(now, {now.h, now.fraction, now.particles.start, velocity_});
+    now.kinematic.addForces(now.h, now.force);
+    now.enforceContacts();
   }
 
+ private:
+  NewtonStage newton_;
   VectorArray velocity_;  ///< at the start of the substep [m/s]
 };
 
@@ -37,7 +39,8 @@ SolverInfo implicitEulerInfo() {
   info.order = 1;
   info.parameters = implicitParameters();
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<ImplicitEuler>(model, p);
+    return std::make_unique<SubstepSolver>(model, substepsOf(p),
+                                           std::make_unique<ImplicitEuler>(p));
   };
   return info;
 }

@@ -15,7 +15,9 @@ SolverInfo trBdf2Info();
 SolverInfo verletInfo();
 SolverInfo xpbdInfo();
 
-/// The parameter that every method of SubstepSolver has.
+/// The parameter that every method has: substeps of a step.
 SolverParameter substepsParameter(int defaultValue);
+/// ... and its value.
+int substepsOf(const SolverParameters& parameters);
 
 }  // namespace cloth_sim

@@ -13,95 +13,98 @@ namespace {
 ///
 /// `stiffness` is that part. How stiff the cloth is follows from it, the passes and the step, not
 /// from the fabric, of which only masses count; dashpots act as impulses after the passes.
-class Pbd final : public SubstepSolver {
+class Pbd final : public SubstepMethod {
  public:
-  Pbd(const Model& model, const SolverParameters& parameters)
-      : SubstepSolver(model, static_cast<int>(parameters.at("substeps"))),
-        passes_(static_cast<int>(parameters.at("iterations"))),
+  explicit Pbd(const SolverParameters& parameters)
+      : passes_(static_cast<int>(parameters.at("iterations"))),
         stiffness_(parameters.at("stiffness")),
         keep_(parameters.at("velocity_factor")) {}
 
- private:
-  /// There is no stiffness that it could have: scenes that ask for it are refused.
-  void loadBending(const Model& /*model*/) override {}
-
-  void substep(const Substep& now) override {
-    markStart();
+  void advance(Substep& now) override {
+    Particles& p = now.particles;
+    now.markStart();
     predict(now);
-    placeKinematic(now.fraction);
+    now.placeKinematic();
     for (int pass = 0; pass < passes_; ++pass) {
-      schedule_.sweep([&](const SpringSchedule::Element& spring) { relax(spring, now.h); });
+      now.springs.sweep([&](const Element& spring) { relax(spring, now); });
     }
-    now.contacts.project(particles_.view(), now.time, now.h);
-    setSum(particles_.x, -1.0, particles_.start, particles_.v);
+    now.contacts.project(p.view(), now.time, now.h);
+    findVelocities(now);
+    if (now.springs.areDamped()) {
+      now.springs.sweep([&](const Element& spring) { damp(spring, now); });
+    }
+    now.iterations += passes_;
+  }
+
+ private:
+  using Element = SpringConstraints::Element;
+
+  void predict(Substep& now) const {
+    Particles& p = now.particles;
+    const std::size_t n = p.mass.size();
+    setZero(n, now.force);
+    if (now.controls.hasLoads()) now.addLoads();
+    now.kinematic.addForces(now.h, now.force);
+    const double keep = keep_ * std::exp(-now.controls.drag * now.h);
+    for (std::size_t k = 0; k < n; ++k) {
+      if (p.mass[k] <= 0.0) continue;
+      const Vec3 a = now.controls.gravity + p.inverseMass[k] * now.force.at(k);
+      p.x.set(k, p.x.at(k) + now.h * (keep * p.v.at(k) + now.h * a));
+    }
+  }
+
+  static void findVelocities(Substep& now) {
+    Particles& p = now.particles;
+    setSum(p.x, -1.0, p.start, p.v);
     forAxes(
         [&](auto& axis) {
           for (double& v : axis) v /= now.h;
         },
-        particles_.v);
-    if (schedule_.parameters.damped()) {
-      schedule_.sweep([&](const SpringSchedule::Element& spring) { damp(spring, now.h); });
-    }
-    noteIterations(passes_, 0.0);
-  }
-
-  void predict(const Substep& now) {
-    const std::size_t n = particles_.mass.size();
-    setZero(n, force_);
-    if (now.controls.hasLoads()) addLoads(now.model, now.controls);
-    addForcesToReactions(now.h);
-    const double keep = keep_ * std::exp(-now.controls.drag * now.h);
-    for (std::size_t k = 0; k < n; ++k) {
-      if (particles_.mass[k] <= 0.0) continue;
-      const Vec3 a = now.controls.gravity + particles_.inverseMass[k] * force_.at(k);
-      particles_.x.set(k, particles_.x.at(k) + now.h * (keep * particles_.v.at(k) + now.h * a));
-    }
+        p.v);
   }
 
   /// Moves the ends of a spring together or apart by `stiffness` of its error.
-  void relax(const SpringSchedule::Element& spring, double h) {
+  void relax(const Element& spring, Substep& now) const {
+    Particles& p = now.particles;
     const auto a = static_cast<std::size_t>(spring.a);
     const auto b = static_cast<std::size_t>(spring.b);
-    const double wa = particles_.inverseMass[a];
-    const double wb = particles_.inverseMass[b];
+    const double wa = p.inverseMass[a];
+    const double wb = p.inverseMass[b];
     if (wa + wb == 0.0 || spring.parameters.stiffness <= 0.0) return;
-    const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
+    const Vec3 d = p.x.at(b) - p.x.at(a);
     const double length = d.norm();
     if (length == 0.0) return;
-    const Vec3 correction =
-        stiffness_ * (length - spring.parameters.restLength) / (length * (wa + wb)) * d;
-    if (wa > 0.0) particles_.x.set(a, particles_.x.at(a) + wa * correction);
-    if (wb > 0.0) particles_.x.set(b, particles_.x.at(b) - wb * correction);
-    if (wa == 0.0) bear(a, correction / h);
-    if (wb == 0.0) bear(b, -correction / h);
+    const double error = length - spring.parameters.restLength;
+    const Vec3 correction = stiffness_ * error / (length * (wa + wb)) * d;
+    if (wa > 0.0) p.x.set(a, p.x.at(a) + wa * correction);
+    if (wb > 0.0) p.x.set(b, p.x.at(b) - wb * correction);
+    if (wa == 0.0) now.kinematic.addImpulseAt(a, correction / now.h);
+    if (wb == 0.0) now.kinematic.addImpulseAt(b, -correction / now.h);
   }
 
-  /// Takes from the ends of a spring what its dashpot would in the time h, implicitly.
-  void damp(const SpringSchedule::Element& spring, double h) {
+  /// Takes from the ends of a spring the momentum that its dashpot would in the substep,
+  /// implicitly.
+  static void damp(const Element& spring, Substep& now) {
+    Particles& p = now.particles;
     const auto a = static_cast<std::size_t>(spring.a);
     const auto b = static_cast<std::size_t>(spring.b);
-    const double w = particles_.inverseMass[a] + particles_.inverseMass[b];
-    const Vec3 d = particles_.x.at(b) - particles_.x.at(a);
+    const double wa = p.inverseMass[a];
+    const double wb = p.inverseMass[b];
+    const Vec3 d = p.x.at(b) - p.x.at(a);
     const double square = d.squaredNorm();
-    if (w == 0.0 || square == 0.0) return;
-    const double c = h * spring.parameters.damping;
-    const double rate = d.dot(particles_.v.at(b) - particles_.v.at(a)) / square;
-    const Vec3 impulse = c * rate / (1.0 + c * w) * d;
-    if (particles_.inverseMass[a] > 0.0) {
-      particles_.v.set(a, particles_.v.at(a) + particles_.inverseMass[a] * impulse);
-    } else {
-      bear(a, impulse);
-    }
-    if (particles_.inverseMass[b] > 0.0) {
-      particles_.v.set(b, particles_.v.at(b) - particles_.inverseMass[b] * impulse);
-    } else {
-      bear(b, -impulse);
-    }
+    if (wa + wb == 0.0 || square == 0.0) return;
+    const double c = now.h * spring.parameters.damping;
+    const double rate = d.dot(p.v.at(b) - p.v.at(a)) / square;
+    const Vec3 impulse = c * rate / (1.0 + c * (wa + wb)) * d;
+    if (wa > 0.0) p.v.set(a, p.v.at(a) + wa * impulse);
+    if (wb > 0.0) p.v.set(b, p.v.at(b) - wb * impulse);
+    if (wa == 0.0) now.kinematic.addImpulseAt(a, impulse);
+    if (wb == 0.0) now.kinematic.addImpulseAt(b, -impulse);
   }
 
-  int passes_;
-  double stiffness_;
-  double keep_;
+  int passes_;        ///< over all springs in a substep
+  double stiffness_;  ///< part of its error that a spring takes off in a pass
+  double keep_;       ///< part of the velocity kept in a substep
 };
 
 SolverParameter part(const std::string& name, double value, const std::string& description) {
@@ -131,7 +134,7 @@ SolverInfo pbdInfo() {
                      part("stiffness", 0.5, "part of its error that a spring takes off in a pass"),
                      part("velocity_factor", 1.0, "part of the velocity kept in a substep")};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<Pbd>(model, p);
+    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<Pbd>(p));
   };
   return info;
 }

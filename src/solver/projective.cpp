@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "constraints/spring_forces.h"
-#include "support/vector_clones.h"
 #include "contact_warm_start.h"
 #include "linalg/bend_matrix.h"
 #include "linalg/updatable_factor.h"
@@ -13,6 +12,7 @@
 #include "methods.h"
 #include "sim/archive.h"
 #include "substep_solver.h"
+#include "support/vector_clones.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
@@ -60,6 +60,21 @@ double residualAxis(std::size_t n, double h, double g, double drag, const Terms&
   return sum;
 }
 
+/// v = (x - start) / h.
+void findVelocity(Substep& now) {
+  Particles& p = now.particles;
+  setDifference(p.x, p.start, 1.0 / now.h, p.v);
+}
+
+/// Makes the step fail: it is then refused.
+void setNaN(VectorArray& q) {
+  forAxes(
+      [](auto& axis) {
+        std::fill(axis.begin(), axis.end(), std::numeric_limits<double>::quiet_NaN());
+      },
+      q);
+}
+
 /// Projective dynamics for springs (Liu, Bargteil, O'Brien & Kavan 2013): backward Euler,
 /// alternating between the direction of each spring (local) and the positions given the directions
 /// (global). The matrix of the global step, M (1 + drag h) / h^2 + sum of (k + c/h) S^T S, does not
@@ -69,232 +84,237 @@ double residualAxis(std::size_t n, double h, double g, double drag, const Terms&
 ///
 /// After cuts and tears, and when clamps take or leave particles, the factorisation is updated
 /// (UpdatableFactor); only when that would cost more is it made anew.
-class Projective final : public SubstepSolver {
+class Projective final : public SubstepMethod {
  public:
-  Projective(const Model& model, const SolverParameters& parameters)
-      : SubstepSolver(model, static_cast<int>(parameters.at("substeps"))),
-        iterations_(static_cast<int>(parameters.at("iterations"))),
+  explicit Projective(const SolverParameters& parameters)
+      : iterations_(static_cast<int>(parameters.at("iterations"))),
         tolerance_(parameters.at("tolerance")) {}
 
+  void begin(Substep& now) override;
+  void advance(Substep& now) override;
+  void save(StateWriter& archive) const override {
+    archive(step_, drag_, holdWeight_, factor_, warmStart_);
+  }
+  void load(StateReader& archive) override {
+    archive(step_, drag_, holdWeight_, factor_, warmStart_);
+  }
+
  private:
-  void loadBending(const Model& model) override { bending_.build(model, particles_); }
+  void prepareMatrix(const Substep& now);
+  void factorise(const Substep& now);
+  UpdatableFactor::Matrix globalMatrix(const Substep& now) const;
+  void listHeldSprings(const Substep& now);
 
-  void prepare(const Controls& controls, double h) override {
-    if (h == step_ && controls.drag == drag_ && !layoutChanged_) return;
-    const bool scaled = h != step_ || controls.drag != drag_;
-    step_ = h;
-    drag_ = controls.drag;
-    freeMass_ = std::accumulate(particles_.mass.begin(), particles_.mass.end(), 0.0);
-    listHeldSprings();
-    if (scaled || !isSolvable_ || factor_.rows() == 0) return factorise();
-    const UpdatableFactor::Matrix matrix = globalMatrix();
-    isSolvable_ = factor_.tryUpdate(matrix) || factor_.compute(matrix);
-  }
+  void findLoads(Substep& now);
+  double findResidual(Substep& now);
+  double findResidualOf(std::size_t part, const Substep& now);
+  void moveBySolution(Substep& now);
+  double removeMeanMotion(const ScalarArray& mass, ScalarArray& residual) const;
+  void restoreMeanMotion(const ScalarArray& mass, double mean, ScalarArray& change) const;
+  void addReactions(Substep& now);
 
-  void substep(const Substep& now) override {
-    if (now.before == 0.0) obstacles_.begin(now.contacts, particles_, now.time - now.h, now.h);
-    markStart();
-    copy(particles_.v, velocity_);
-    findWind(now);
-    setSum(particles_.start, now.h, particles_.v, particles_.x);
-    placeKinematic(now.fraction);
-    int k = 0;
-    double residual = 0.0;
-    for (; k < iterations_; ++k) {
-      residual = findResidual(now);
-      if (residual <= tolerance_) break;
-      moveBySolution();
-      placeKinematic(now.fraction);
-    }
-    noteIterations(k, residual);
-    findVelocity(now.h);
-    bearForces(now);
-    obstacles_.enforce(now.time, now.h, now.contacts, particles_);
-  }
-
-  void findWind(const Substep& now) {
-    if (!now.controls.hasLoads()) return;
-    setZero(particles_.mass.size(), force_);
-    addLoads(now.model, now.controls);
-    wind_ = force_;
-  }
-
-  /// v = (x - start) / h.
-  void findVelocity(double h) {
-    setDifference(particles_.x, particles_.start, 1.0 / h, particles_.v);
-  }
-
-  /// h^2 times the forces that are out of balance, in `residual_`; as a mean acceleration [m/s^2].
-  double findResidual(const Substep& now) {
-    if (now.controls.hasLoads()) {
-      copy(wind_, force_);
-    } else {
-      setZero(particles_.mass.size(), force_);
-    }
-    obstacles_.addForces(particles_.mass, force_);
-    // Dashpots: of the motion in the substep.
-    if (schedule_.parameters.damped() || bending_.retardation() > 0.0) findVelocity(now.h);
-    addSpringForces(schedule_, particles_.x, particles_.v, force_);
-    bending_.addForces(particles_.x, particles_.v, force_);
-    const std::size_t n = particles_.mass.size();
-    residual_.resize(n);
-    squares_.assign((n + kPart - 1) / kPart, 0.0);
-    parallelForEach(squares_.size(),
-                    [&](std::size_t part) { squares_[part] = findResidualOf(part, now); });
-    const double square = std::accumulate(squares_.begin(), squares_.end(), 0.0);
-    return freeMass_ > 0.0 ? std::sqrt(square / freeMass_) / (now.h * now.h) : 0.0;
-  }
-
-  /// \return the sum of the squares over the masses.
-  double findResidualOf(std::size_t part, const Substep& now) {
-    const std::size_t begin = part * kPart;
-    const std::size_t count = std::min(kPart, residual_.x.size() - begin);
-    const double* const m = particles_.mass.data() + begin;
-    const double* const w = particles_.inverseMass.data() + begin;
-    double square = 0.0;
-    int axis = 0;
-    forAxes(
-        [&](const auto& v, const auto& f, const auto& start, const auto& x, auto& r) {
-          square += residualAxis(
-              count, now.h, now.controls.gravity[axis++], now.controls.drag,
-              {m, w, v.data() + begin, f.data() + begin, start.data() + begin, x.data() + begin},
-              r.data() + begin);
-        },
-        velocity_, force_, particles_.start, particles_.x, residual_);
-    return square;
-  }
-
-  /// x += A^-1 residual. Where nothing is held, the motion of the whole is kept out of the
-  /// solution, which is in single precision: so linear momentum is right to round-off.
-  void moveBySolution() {
-    const bool isFree = kinematicSlots_.empty();
-    const ScalarArray& mass = particles_.mass;
-    const double inertia = freeMass_ * (1.0 + step_ * drag_);
-    std::array<double, 3> mean{};
-    int axis = 0;
-    if (isFree) {
-      forAxes(
-          [&](auto& r) {
-            const double whole = std::accumulate(r.begin(), r.end(), 0.0) / freeMass_;
-            for (std::size_t k = 0; k < r.size(); ++k) r[k] -= mass[k] * whole;
-            mean[axis++] = whole * freeMass_ / inertia;
-          },
-          residual_);
-    }
-    if (!isSolvable_) return setNaN(particles_.x);
-    factor_.solve(residual_, change_);
-    if (isFree) {
-      axis = 0;
-      forAxes(
-          [&](auto& d) {
-            const double wrong = std::inner_product(d.begin(), d.end(), mass.begin(), 0.0);
-            for (double& value : d) value += mean[axis] - wrong / freeMass_;
-            ++axis;
-          },
-          change_);
-    }
-    addScaled(1.0, change_, particles_.x);
-  }
-
-  /// The step is then refused.
-  static void setNaN(VectorArray& q) {
-    forAxes(
-        [](auto& axis) {
-          std::fill(axis.begin(), axis.end(), std::numeric_limits<double>::quiet_NaN());
-        },
-        q);
-  }
-
-  /// What kinematic targets bear: the forces on them where the substep ends.
-  void bearForces(const Substep& now) {
-    if (kinematicSlots_.empty()) return;
-    for (const std::int32_t k : kinematicSlots_) {
-      const auto slot = static_cast<std::size_t>(k);
-      force_.set(slot, now.controls.hasLoads() ? wind_.at(slot) : Vec3::Zero());
-    }
-    for (const SpringSchedule::Element& spring : heldSprings_) {
-      addSpringForce(spring, particles_.x, particles_.v, force_);
-    }
-    for (const std::int32_t k : kinematicSlots_) {
-      bending_.addForce(static_cast<std::size_t>(k), particles_.x, particles_.v, force_);
-    }
-    addForcesToReactions(now.h);
-  }
-
-  void listHeldSprings() {
-    const auto isHeld = [this](std::int32_t slot) {
-      return targetOf()[static_cast<std::size_t>(slot)] != kNone;
-    };
-    heldSprings_.clear();
-    schedule_.forEach([&](const SpringSchedule::Element& spring) {
-      if (isHeld(spring.a) || isHeld(spring.b)) heldSprings_.push_back(spring);
-    });
-  }
-
-  /// What the matrix of the bending energy counts in the global step's.
+  /// Coefficient of the bending matrix in the global matrix [s^2].
   double bendWeight() const { return step_ * (step_ + bending_.retardation()); }
-
-  void factorise() {
-    double largest = 0.0;
-    for (double m : particles_.mass) largest = std::max(largest, m);
-    schedule_.forEach([&](const SpringSchedule::Element& spring) {
-      largest = std::max(largest, weight(spring.parameters));
-    });
-    holdWeight_ = kHold * (largest > 0.0 ? largest : 1.0);
-    isSolvable_ = factor_.compute(globalMatrix());
+  /// Coefficient of a spring in the global matrix [kg].
+  double weight(const SpringParameters& spring) const {
+    return step_ * step_ * spring.stiffness + step_ * spring.damping;
   }
 
-  /// What a spring counts in the global step's matrix [kg].
-  double weight(const SpringParameters& parameters) const {
-    return step_ * step_ * parameters.stiffness + step_ * parameters.damping;
-  }
-
-  /// The matrix of the global step; a particle that is held is tied to its place.
-  UpdatableFactor::Matrix globalMatrix() const {
-    std::vector<Eigen::Triplet<double>> entries;
-    const std::size_t n = particles_.mass.size();
-    entries.reserve(n + 3 * static_cast<std::size_t>(schedule_.size()));
-    for (std::size_t k = 0; k < n; ++k) {
-      const double m = particles_.mass[k] * (1.0 + step_ * drag_);
-      entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
-    }
-    schedule_.forEach([&](const SpringSchedule::Element& spring) {
-      const double w = weight(spring.parameters);
-      if (w == 0.0) return;
-      entries.emplace_back(spring.a, spring.a, w);
-      entries.emplace_back(spring.b, spring.b, w);
-      entries.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b), -w);
-    });
-    bending_.forLower([&](std::size_t row, std::int32_t column, double value) {
-      entries.emplace_back(row, column, bendWeight() * value);
-    });
-    UpdatableFactor::Matrix matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    return matrix;
-  }
-
-  void saveMemory(StateWriter& archive) const override {
-    archive(step_, drag_, holdWeight_, factor_, obstacles_);
-  }
-  void loadMemory(StateReader& archive) override {
-    archive(step_, drag_, holdWeight_, factor_, obstacles_);
-  }
-
-  BendMatrix bending_;
-  int iterations_;
-  double tolerance_;  ///< of the residual [m/s^2]
-  double step_ = 0.0;
-  double drag_ = 0.0;
+  int iterations_;           ///< at most, in a substep
+  double tolerance_;         ///< of the residual [m/s^2]
+  double step_ = 0.0;        ///< length of the substep that the matrix is for [s]
+  double drag_ = 0.0;        ///< that the matrix is for [1/s]
   double holdWeight_ = 0.0;  ///< on the diagonal, for particles that are held [kg]
   double freeMass_ = 0.0;    ///< of particles that are not held [kg]
+  BendMatrix bending_;
   UpdatableFactor factor_;
   bool isSolvable_ = true;  ///< the matrix was positive definite in spite of rounding
-  std::vector<SpringSchedule::Element> heldSprings_;  ///< at kinematic particles
-  VectorArray velocity_;                              ///< at the start of the substep [m/s]
-  ContactWarmStart obstacles_;
-  VectorArray wind_, residual_, change_;
+  std::vector<SpringConstraints::Element> heldSprings_;  ///< at kinematic particles
+  ContactWarmStart warmStart_;
+  VectorArray velocity_;         ///< at the start of the substep [m/s]
+  VectorArray loads_;            ///< [N]
+  VectorArray residual_;         ///< h^2 times the force out of balance [kg m]
+  VectorArray change_;           ///< of positions [m]
   std::vector<double> squares_;  ///< of the residual, by part
 };
+
+void Projective::begin(Substep& now) {
+  if (now.isNewModel && !now.model.bending.empty()) bending_.build(now.model, now.particles);
+  prepareMatrix(now);
+}
+
+void Projective::prepareMatrix(const Substep& now) {
+  const bool isScaled = now.h != step_ || now.controls.drag != drag_;
+  if (!isScaled && !now.isNewLayout) return;
+  step_ = now.h;
+  drag_ = now.controls.drag;
+  freeMass_ = std::accumulate(now.particles.mass.begin(), now.particles.mass.end(), 0.0);
+  listHeldSprings(now);
+  if (isScaled || !isSolvable_ || factor_.rows() == 0) return factorise(now);
+  const UpdatableFactor::Matrix matrix = globalMatrix(now);
+  isSolvable_ = factor_.tryUpdate(matrix) || factor_.compute(matrix);
+}
+
+void Projective::listHeldSprings(const Substep& now) {
+  heldSprings_.clear();
+  now.springs.forEach([&](const SpringConstraints::Element& spring) {
+    const bool isHeld =
+        now.kinematic.targetOf(spring.a) != kNone || now.kinematic.targetOf(spring.b) != kNone;
+    if (isHeld) heldSprings_.push_back(spring);
+  });
+}
+
+void Projective::factorise(const Substep& now) {
+  double largest = 0.0;
+  for (const double m : now.particles.mass) largest = std::max(largest, m);
+  now.springs.forEach([&](const SpringConstraints::Element& spring) {
+    largest = std::max(largest, weight(spring.parameters));
+  });
+  holdWeight_ = kHold * (largest > 0.0 ? largest : 1.0);
+  isSolvable_ = factor_.compute(globalMatrix(now));
+}
+
+/// M (1 + drag h) + h^2 K of springs, dashpots and bending [kg]; a particle that is held is tied to
+/// its place.
+UpdatableFactor::Matrix Projective::globalMatrix(const Substep& now) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  const std::size_t n = now.particles.mass.size();
+  entries.reserve(n + 3 * static_cast<std::size_t>(now.springs.size()));
+  for (std::size_t k = 0; k < n; ++k) {
+    const double m = now.particles.mass[k] * (1.0 + step_ * drag_);
+    entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
+  }
+  now.springs.forEach([&](const SpringConstraints::Element& spring) {
+    const double w = weight(spring.parameters);
+    if (w == 0.0) return;
+    entries.emplace_back(spring.a, spring.a, w);
+    entries.emplace_back(spring.b, spring.b, w);
+    entries.emplace_back(std::max(spring.a, spring.b), std::min(spring.a, spring.b), -w);
+  });
+  bending_.forLower([&](std::size_t row, std::int32_t column, double value) {
+    entries.emplace_back(row, column, bendWeight() * value);
+  });
+  UpdatableFactor::Matrix matrix(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+void Projective::advance(Substep& now) {
+  Particles& p = now.particles;
+  if (now.before == 0.0) warmStart_.begin(now.contacts, p, now.time - now.h, now.h);
+  now.markStart();
+  copy(p.v, velocity_);
+  findLoads(now);
+  setSum(p.start, now.h, p.v, p.x);
+  now.placeKinematic();
+  int k = 0;
+  now.residual = 0.0;
+  for (; k < iterations_; ++k) {
+    now.residual = findResidual(now);
+    if (now.residual <= tolerance_) break;
+    moveBySolution(now);
+    now.placeKinematic();
+  }
+  now.iterations += k;
+  findVelocity(now);
+  addReactions(now);
+  warmStart_.enforce(now.time, now.h, now.contacts, p);
+}
+
+void Projective::findLoads(Substep& now) {
+  if (!now.controls.hasLoads()) return;
+  setZero(now.particles.mass.size(), now.force);
+  now.addLoads();
+  loads_ = now.force;
+}
+
+/// Finds h^2 times the forces that are out of balance.
+/// \return their size as a mean acceleration [m/s^2].
+double Projective::findResidual(Substep& now) {
+  const Particles& p = now.particles;
+  if (now.controls.hasLoads()) {
+    copy(loads_, now.force);
+  } else {
+    setZero(p.mass.size(), now.force);
+  }
+  warmStart_.addForces(p.mass, now.force);
+  // Dashpots act on the motion in the substep.
+  if (now.springs.areDamped() || bending_.retardation() > 0.0) findVelocity(now);
+  now.springs.addForces(p.x, p.v, now.force);
+  bending_.addForces(p.x, p.v, now.force);
+  const std::size_t n = p.mass.size();
+  residual_.resize(n);
+  squares_.assign((n + kPart - 1) / kPart, 0.0);
+  parallelForEach(squares_.size(),
+                  [&](std::size_t part) { squares_[part] = findResidualOf(part, now); });
+  const double square = std::accumulate(squares_.begin(), squares_.end(), 0.0);
+  return freeMass_ > 0.0 ? std::sqrt(square / freeMass_) / (now.h * now.h) : 0.0;
+}
+
+/// \return the sum of the squares over the masses, of one part of the particles.
+double Projective::findResidualOf(std::size_t part, const Substep& now) {
+  const Particles& p = now.particles;
+  const std::size_t begin = part * kPart;
+  const std::size_t count = std::min(kPart, residual_.x.size() - begin);
+  const double* const m = p.mass.data() + begin;
+  const double* const w = p.inverseMass.data() + begin;
+  double square = 0.0;
+  int axis = 0;
+  forAxes(
+      [&](const auto& v, const auto& f, const auto& start, const auto& x, auto& r) {
+        square += residualAxis(
+            count, now.h, now.controls.gravity[axis++], now.controls.drag,
+            {m, w, v.data() + begin, f.data() + begin, start.data() + begin, x.data() + begin},
+            r.data() + begin);
+      },
+      velocity_, now.force, p.start, p.x, residual_);
+  return square;
+}
+
+/// x += A^-1 residual. The solution is in single precision. Where nothing is held, the motion of
+/// the centre of mass is kept out of it, so that linear momentum is right to round-off.
+void Projective::moveBySolution(Substep& now) {
+  Particles& p = now.particles;
+  if (!isSolvable_) return setNaN(p.x);
+  const bool isFree = now.kinematic.empty();
+  std::array<double, 3> mean{};
+  int axis = 0;
+  if (isFree) forAxes([&](auto& r) { mean[axis++] = removeMeanMotion(p.mass, r); }, residual_);
+  factor_.solve(residual_, change_);
+  axis = 0;
+  if (isFree) forAxes([&](auto& d) { restoreMeanMotion(p.mass, mean[axis++], d); }, change_);
+  addScaled(1.0, change_, p.x);
+}
+
+/// \return the displacement of the centre of mass that belongs to what is removed [m].
+double Projective::removeMeanMotion(const ScalarArray& mass, ScalarArray& residual) const {
+  const double mean = std::accumulate(residual.begin(), residual.end(), 0.0) / freeMass_;
+  for (std::size_t k = 0; k < residual.size(); ++k) residual[k] -= mass[k] * mean;
+  const double inertia = freeMass_ * (1.0 + step_ * drag_);
+  return mean * freeMass_ / inertia;
+}
+
+void Projective::restoreMeanMotion(const ScalarArray& mass, double mean,
+                                   ScalarArray& change) const {
+  const double error = std::inner_product(change.begin(), change.end(), mass.begin(), 0.0);
+  for (double& d : change) d += mean - error / freeMass_;
+}
+
+/// Adds the forces on held particles where the substep ends.
+void Projective::addReactions(Substep& now) {
+  const Particles& p = now.particles;
+  for (const std::int32_t k : now.kinematic.slots()) {
+    const auto slot = static_cast<std::size_t>(k);
+    now.force.set(slot, now.controls.hasLoads() ? loads_.at(slot) : Vec3::Zero());
+  }
+  for (const SpringConstraints::Element& spring : heldSprings_) {
+    addSpringForce(spring, p.x, p.v, now.force);
+  }
+  for (const std::int32_t k : now.kinematic.slots()) {
+    bending_.addForce(static_cast<std::size_t>(k), p.x, p.v, now.force);
+  }
+  now.kinematic.addForces(now.h, now.force);
+}
 
 }  // namespace
 
@@ -318,7 +338,7 @@ SolverInfo projectiveInfo() {
   tolerance.description = "residual, as a mean acceleration, at which a substep counts as solved";
   info.parameters = {substepsParameter(4), iterations, tolerance};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<Projective>(model, p);
+    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<Projective>(p));
   };
   return info;
 }

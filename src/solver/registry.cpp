@@ -87,4 +87,8 @@ SolverParameter substepsParameter(int defaultValue) {
   return parameter;
 }
 
+int substepsOf(const SolverParameters& parameters) {
+  return static_cast<int>(parameters.at("substeps"));
+}
+
 }  // namespace cloth_sim

@@ -1,7 +1,7 @@
 #include <array>
 #include <cmath>
 
-#include "explicit_solver.h"
+#include "explicit_forces.h"
 #include "linalg/vector_operations.h"
 #include "methods.h"
 
@@ -22,37 +22,36 @@ constexpr std::array<Stage, 4> kStages{
 /// Fourth order on smooth motion; first order where contact or tearing makes it not smooth. Stable
 /// for h below 2 sqrt(2) / omega_max, and damps what is fast a little (Hairer, Norsett & Wanner
 /// 1993, ch. II.1 and IV.2).
-class RungeKutta final : public ExplicitSolver {
+class RungeKutta {
  public:
-  RungeKutta(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
-
- private:
-  void substep(const Substep& now) override {
-    markStart();
-    velocity_ = particles_.v;
-    const std::size_t n = particles_.mass.size();
-    setZero(n, displacement_);
-    setZero(n, change_);
-    for (const Stage& stage : kStages) evaluate(stage, now);
-    setSum(particles_.start, now.h, displacement_, particles_.x);
-    setSum(velocity_, now.h, change_, particles_.v);
-    placeKinematic(now.fraction);
-    enforceContacts(now);
-    enforceContactVelocities(now);
+  void operator()(Substep& now, const ExplicitForces& forces) {
+    now.markStart();
+    Particles& p = now.particles;
+    velocity_ = p.v;
+    setZero(p.mass.size(), displacement_);
+    setZero(p.mass.size(), change_);
+    for (const Stage& stage : kStages) evaluate(stage, now, forces);
+    setSum(p.start, now.h, displacement_, p.x);
+    setSum(velocity_, now.h, change_, p.v);
+    now.placeKinematic();
+    now.enforceContacts();
+    now.enforceContactVelocities();
   }
 
-  void evaluate(const Stage& stage, const Substep& now) {
+ private:
+  void evaluate(const Stage& stage, Substep& now, const ExplicitForces& forces) {
+    Particles& p = now.particles;
     if (stage.at > 0.0) {
       const double step = stage.at * now.h;
-      setSum(particles_.start, step, particles_.v, particles_.x);
-      setSum(velocity_, step, acceleration_, particles_.v);
+      setSum(p.start, step, p.v, p.x);
+      setSum(velocity_, step, acceleration_, p.v);
     }
-    placeKinematic(now.before + stage.at * (now.fraction - now.before));
-    evaluateForces(now);
-    evaluateAccelerations(now.controls, acceleration_);
-    addScaled(stage.weight, particles_.v, displacement_);
+    now.kinematic.place(now.before + stage.at * (now.fraction - now.before), p);
+    forces.evaluate(now);
+    forces.findAccelerations(now, acceleration_);
+    addScaled(stage.weight, p.v, displacement_);
     addScaled(stage.weight, acceleration_, change_);
-    addForcesToReactions(stage.weight * now.h);
+    now.kinematic.addForces(stage.weight * now.h, now.force);
   }
 
   VectorArray velocity_;      ///< at the start of the substep [m/s]
@@ -73,7 +72,7 @@ SolverInfo rungeKuttaInfo() {
   info.stabilityLimit = 2.0 * std::sqrt(2.0);
   info.parameters = {substepsParameter(48)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<RungeKutta>(model, static_cast<int>(p.at("substeps")));
+    return makeExplicitSolver(model, p, RungeKutta());
   };
   return info;
 }

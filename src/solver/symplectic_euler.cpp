@@ -1,4 +1,4 @@
-#include "explicit_solver.h"
+#include "explicit_forces.h"
 #include "methods.h"
 
 namespace cloth_sim {
@@ -8,21 +8,15 @@ namespace {
 ///
 /// First order; stable for h below 2 / omega_max without damping (Hairer, Lubich & Wanner 2006,
 /// ch. VI.3). Cheap per substep, but stiff fabric needs very many of them.
-class SymplecticEuler final : public ExplicitSolver {
- public:
-  SymplecticEuler(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
-
- private:
-  void substep(const Substep& now) override {
-    markStart();
-    evaluateForces(now);
-    kick(now);
-    damp(now.controls, now.h);
-    drift(now.h);
-    placeKinematic(now.fraction);
-    enforceContacts(now);
-  }
-};
+void advanceSymplecticEuler(Substep& now, const ExplicitForces& forces) {
+  now.markStart();
+  forces.evaluate(now);
+  forces.kick(now);
+  forces.damp(now, now.h);
+  forces.drift(now, now.h);
+  now.placeKinematic();
+  now.enforceContacts();
+}
 
 }  // namespace
 
@@ -37,7 +31,7 @@ SolverInfo symplecticEulerInfo() {
   info.stabilityLimit = 2.0;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<SymplecticEuler>(model, static_cast<int>(p.at("substeps")));
+    return makeExplicitSolver(model, p, advanceSymplecticEuler);
   };
   return info;
 }

@@ -1,7 +1,8 @@
 #include <cmath>
 
-#include "implicit_solver.h"
 #include "methods.h"
+#include "newton_stage.h"
+#include "substep_solver.h"
 
 namespace cloth_sim {
 namespace {
@@ -16,37 +17,40 @@ const double kWeight = 0.25 * std::sqrt(2.0);  ///< of the forces at the start a
 ///
 /// Second order, one step, stable at any step, and damps only what is fast (Bank et al. 1985;
 /// Hosea & Shampine 1996, with gamma = 2 - sqrt(2), so that both stages have the same matrix).
-class TrBdf2 final : public ImplicitSolver {
+class TrBdf2 final : public SubstepMethod {
  public:
-  TrBdf2(const Model& model, const SolverParameters& parameters)
-      : ImplicitSolver(model, parameters) {}
+  explicit TrBdf2(const SolverParameters& parameters) : newton_(parameters) {}
 
- private:
-  void substep(const Substep& now) override {
-    markStart();
-    velocity_ = particles_.v;
+  void begin(Substep& now) override { newton_.begin(now); }
+  void advance(Substep& now) override {
+    now.markStart();
+    const Particles& p = now.particles;
+    velocity_ = p.v;
     const double tau = kTau * now.h;
-    evaluateForces(now);
-    addForcesToReactions(kWeight * now.h);
-    setTrapezoid(now.controls, tau);
-    solveStage(now, tau, now.before + kGamma * (now.fraction - now.before), fromX_, fromV_);
-    addForcesToReactions(kWeight * now.h);
-    combine(particles_.x, particles_.start, fromX_);
-    combine(particles_.v, velocity_, fromV_);
-    solveStage(now, tau, now.fraction, fromX_, fromV_);
-    addForcesToReactions(kTau * now.h);
-    enforceContacts(now);
-    enforceContactVelocities(now);
+    newton_.evaluateForces(now);
+    now.kinematic.addForces(kWeight * now.h, now.force);
+    setTrapezoid(now, tau);
+    const double middle = now.before + kGamma * (now.fraction - now.before);
+    newton_.solve(now, {tau, middle, fromX_, fromV_});
+    now.kinematic.addForces(kWeight * now.h, now.force);
+    combine(p.x, p.start, fromX_);
+    combine(p.v, velocity_, fromV_);
+    newton_.solve(now, {tau, now.fraction, fromX_, fromV_});
+    now.kinematic.addForces(kTau * now.h, now.force);
+    now.enforceContacts();
+    now.enforceContactVelocities();
   }
 
-  /// Half of the trapezoidal rule that the start of the substep decides.
-  void setTrapezoid(const Controls& controls, double tau) {
-    setSum(particles_.start, tau, velocity_, fromX_);
+ private:
+  /// Finds the explicit half of the trapezoidal rule.
+  void setTrapezoid(const Substep& now, double tau) {
+    const Particles& p = now.particles;
+    setSum(p.start, tau, velocity_, fromX_);
     fromV_.resize(velocity_.x.size());
     for (std::size_t k = 0; k < velocity_.x.size(); ++k) {
       const Vec3 v = velocity_.at(k);
       const Vec3 a =
-          force_.at(k) * particles_.inverseMass[k] + controls.gravity - controls.drag * v;
+          now.force.at(k) * p.inverseMass[k] + now.controls.gravity - now.controls.drag * v;
       fromV_.set(k, v + tau * a);
     }
   }
@@ -60,6 +64,7 @@ class TrBdf2 final : public ImplicitSolver {
     }
   }
 
+  NewtonStage newton_;
   VectorArray velocity_;       ///< at the start of the substep [m/s]
   VectorArray fromX_, fromV_;  ///< what a stage starts from [m], [m/s]
 };
@@ -75,7 +80,7 @@ SolverInfo trBdf2Info() {
   info.order = 2;
   info.parameters = implicitParameters();
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<TrBdf2>(model, p);
+    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<TrBdf2>(p));
   };
   return info;
 }

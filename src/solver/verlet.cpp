@@ -1,4 +1,4 @@
-#include "explicit_solver.h"
+#include "explicit_forces.h"
 #include "methods.h"
 
 namespace cloth_sim {
@@ -11,25 +11,19 @@ namespace {
 /// damping, and only that, first order. A displacement at the end of the substep stands for an
 /// impulse at its middle of twice its size over h; contacts bring one half of it, a second pass
 /// over the velocities the other, so that impacts do not bounce.
-class Verlet final : public ExplicitSolver {
- public:
-  Verlet(const Model& model, int substeps) : ExplicitSolver(model, substeps) {}
-
- private:
-  void substep(const Substep& now) override {
-    const double half = 0.5 * now.h;
-    markStart();
-    damp(now.controls, half);
-    drift(half);
-    evaluateForces(now);
-    kick(now);
-    drift(half);
-    damp(now.controls, half);
-    placeKinematic(now.fraction);
-    enforceContacts(now);
-    enforceContactVelocities(now);
-  }
-};
+void advanceVerlet(Substep& now, const ExplicitForces& forces) {
+  const double half = 0.5 * now.h;
+  now.markStart();
+  forces.damp(now, half);
+  forces.drift(now, half);
+  forces.evaluate(now);
+  forces.kick(now);
+  forces.drift(now, half);
+  forces.damp(now, half);
+  now.placeKinematic();
+  now.enforceContacts();
+  now.enforceContactVelocities();
+}
 
 }  // namespace
 
@@ -43,7 +37,7 @@ SolverInfo verletInfo() {
   info.stabilityLimit = 2.0;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<Verlet>(model, static_cast<int>(p.at("substeps")));
+    return makeExplicitSolver(model, p, advanceVerlet);
   };
   return info;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// \file Run-time choice of instruction set for a vectorised function.
+/// \file Macros for vectorised functions: run-time choice of the instruction set, independent
+/// loops.
 ///
 /// CLOTH_SIM_VECTOR_CLONES before a function compiles it for the baseline and for AVX2; the loader
 /// picks at start. FMA is left out on purpose: contraction would make the result depend on the
@@ -10,4 +11,11 @@
 #define CLOTH_SIM_VECTOR_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define CLOTH_SIM_VECTOR_CLONES
+#endif
+
+/// Before a loop: no iteration reads what another one writes.
+#if defined(__clang__)
+#define CLOTH_SIM_NO_ALIAS_LOOP _Pragma("clang loop vectorize(assume_safety)")
+#else
+#define CLOTH_SIM_NO_ALIAS_LOOP _Pragma("GCC ivdep")
 #endif

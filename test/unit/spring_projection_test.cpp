@@ -65,9 +65,9 @@ void expectIsOneByOne(Scheduled& cloth) {
 }
 
 /// How many have springs that edits made.
-std::size_t laterParticles(const SpringSchedule& schedule) {
+std::size_t overflowParticles(const SpringSchedule& schedule) {
   std::set<std::int32_t> slots;
-  for (std::size_t s = schedule.firstLater(); s < schedule.spans().size(); ++s) {
+  for (std::size_t s = schedule.firstOverflow(); s < schedule.spans().size(); ++s) {
     schedule.visit(schedule.spans()[s], [&](const SpringSchedule::Element& spring) {
       slots.insert({spring.a, spring.b});
     });
@@ -88,7 +88,7 @@ TEST(SpringProjection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements
         shake(random, cloth);
         expectIsOneByOne(cloth);
         cloth.follow(cloth.edit(random));
-        later = std::max(later, laterParticles(cloth.schedule));
+        later = std::max(later, overflowParticles(cloth.schedule));
       }
       shake(random, cloth);
       expectIsOneByOne(cloth);
@@ -122,7 +122,7 @@ TEST(EvenStretches, AreTheLongestOfTheirRunsInWholeFours) {
         const SpringSchedule::Span& span = cloth.schedule.spans()[s];
         const auto [from, end] = stretches[s];
         std::int32_t longest = 0;
-        for (std::int32_t k = 0; span.isRun && k < span.count; k += 4) {
+        for (std::int32_t k = 0; span.isContiguous && k < span.count; k += 4) {
           for (std::int32_t e = k + 4; e <= span.count && isEven(span, w, k, e); e += 4) {
             longest = std::max(longest, e - k);
           }

@@ -51,24 +51,24 @@ void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedu
 }
 
 /// Batches cover every position once. Springs of a span share no particle (one colour), and neither
-/// do strands of a batch (they may run at once): not even springs without effect, as they too are
+/// do blocks of a group (they may run at once): not even springs without effect, as they too are
 /// written.
 void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
   const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
   std::vector<int> visits(elements.size(), 0);
-  for (const SpringSchedule::Batch& batch : schedule.batches()) {
+  for (const SpringSchedule::ColourGroup& group : schedule.groups()) {
     std::set<std::int32_t> ofBatch;
-    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
+    for (std::int32_t s = group.firstBlock; s < group.endBlock; ++s) {
       std::set<std::int32_t> ofStrand;
-      const SpringSchedule::Strand& strand = schedule.strands()[s];
-      for (std::int32_t k = strand.firstSpan; k < strand.endSpan; ++k) {
+      const SpringSchedule::Block& block = schedule.blocks()[s];
+      for (std::int32_t k = block.firstSpan; k < block.endSpan; ++k) {
         const SpringSchedule::Span& span = schedule.spans()[k];
         std::set<std::int32_t> ofSpan;
         for (std::int32_t p = span.first; p < span.first + span.count; ++p) {
           ++visits[p];
           EXPECT_TRUE(ofSpan.insert(elements[p].a).second) << "position " << p;
           EXPECT_TRUE(ofSpan.insert(elements[p].b).second) << "position " << p;
-          EXPECT_TRUE(span.isRun || !span.isUniform);
+          EXPECT_TRUE(span.isContiguous || !span.isUniform);
         }
         ofStrand.insert(ofSpan.begin(), ofSpan.end());
       }
@@ -114,12 +114,12 @@ TEST(SpringSchedule, OfAMeshThatIsNoGrid) {
 }
 
 TEST(SpringSchedule, OfAGridNeedsFewBatchesAndIsAllRuns) {
-  // Two colours for each of six families of parallel springs, joined where strands of rows share
-  // no particle (all but the springs between two strands and bend springs along columns). Runs are
+  // Two colours for each of six families of parallel springs, joined where blocks of rows share
+  // no particle (all but the springs between two blocks and bend springs along columns). Runs are
   // a quarter of a row at least.
   const Scheduled grid(clothOf(64, 64, 1.0 / 63.0));
-  EXPECT_LE(grid.schedule.batches().size(), 4U);
-  EXPECT_EQ(shareIn(&SpringSchedule::Span::isRun, grid.schedule), 1.0);
+  EXPECT_LE(grid.schedule.groups().size(), 4U);
+  EXPECT_EQ(shareIn(&SpringSchedule::Span::isContiguous, grid.schedule), 1.0);
 }
 
 TEST(SpringSchedule, OfAGridHasTheLawOfARunOnceAndThatOfARowOnceForAllRows) {
@@ -192,22 +192,22 @@ TEST(SpringSchedule, OfAMeshWhoseRowsAllDiffer) {
 }
 
 TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
-  // What one thread has moved in a batch another one should not have to fetch in the next.
+  // What one thread has moved in a group another one should not have to fetch in the next.
   const int rows = 96;
   const Scheduled grid(clothOf(96, rows, 1.0 / 95.0));
   const SpringSchedule& schedule = grid.schedule;
   const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
   const auto rowOf = [](std::int32_t slot) { return slot / 96; };
-  for (const SpringSchedule::Batch& batch : schedule.batches()) {
-    const std::int32_t strands = batch.endStrand - batch.firstStrand;
-    if (strands == 1) continue;
-    EXPECT_EQ(strands % 2, 0);
+  for (const SpringSchedule::ColourGroup& group : schedule.groups()) {
+    const std::int32_t blocks = group.endBlock - group.firstBlock;
+    if (blocks == 1) continue;
+    EXPECT_EQ(blocks % 2, 0);
     int lastOfFirstHalf = 0;
     int firstOfSecondHalf = rows;
-    for (std::int32_t s = batch.firstStrand; s < batch.endStrand; ++s) {
-      const bool isFirst = s - batch.firstStrand < strands / 2;
-      const SpringSchedule::Strand& strand = schedule.strands()[s];
-      for (std::int32_t k = strand.firstSpan; k < strand.endSpan; ++k) {
+    for (std::int32_t s = group.firstBlock; s < group.endBlock; ++s) {
+      const bool isFirst = s - group.firstBlock < blocks / 2;
+      const SpringSchedule::Block& block = schedule.blocks()[s];
+      for (std::int32_t k = block.firstSpan; k < block.endSpan; ++k) {
         const SpringSchedule::Span& span = schedule.spans()[k];
         for (std::int32_t p = span.first; p < span.first + span.count; ++p) {
           for (const std::int32_t end : {elements[p].a, elements[p].b}) {
@@ -230,7 +230,7 @@ std::vector<std::int32_t> sweptAlone(const SpringSchedule& schedule) {
   return positions;
 }
 
-/// Every particle is moved by the springs of earlier batches, and earlier colours, first.
+/// Every particle is moved by the springs of earlier groups, and earlier colours, first.
 void expectSweepsEachParticleInOrder(const SpringSchedule& schedule) {
   const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
   const std::vector<std::int32_t> swept = sweptAlone(schedule);
@@ -272,7 +272,7 @@ void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule, const Partic
     for (std::size_t slot = first; slot < end; ++slot) ++prepared[slot];
   };
   schedule.sweepOriginals(particles.slots, prepare, visit);
-  schedule.sweepLater(visit);
+  schedule.sweepOverflow(visit);
   EXPECT_EQ(faults.load(), 0);
   EXPECT_EQ(std::count(prepared.begin(), prepared.end(), 1), static_cast<std::int64_t>(slots));
 }
@@ -318,10 +318,10 @@ TEST(SpringSchedule, OneThreadGoesOverAGridAsAWave) {
   const Scheduled grid(clothOf(150, 200, 0.01));
   expectSweepsEachParticleInOrder(grid.schedule);
   const std::vector<std::int32_t> swept = sweptAlone(grid.schedule);
-  const SpringSchedule::Batch& first = grid.schedule.batches().front();
+  const SpringSchedule::ColourGroup& first = grid.schedule.groups().front();
   const auto isLater = [&](std::int32_t position) { return position >= first.springs; };
   const auto later = std::find_if(swept.begin(), swept.end(), isLater);
-  EXPECT_LT(later - swept.begin(), first.springs / 2) << "the second batch waits for the first one";
+  EXPECT_LT(later - swept.begin(), first.springs / 2) << "the second group waits for the first one";
 }
 
 TEST(SpringSchedule, HoldsAParticleWithMoreSpringsThanOneWordHasColours) {
@@ -348,8 +348,8 @@ TEST(SpringSchedule, StaysCompleteAndConflictFreeOverCutsAndRefinements) {
       expectBatchesAreConflictFree(cloth.schedule);
       expectSweepsEachParticleInOrder(cloth.schedule);
       const std::vector<SpringSchedule::Span>& spans = cloth.schedule.spans();
-      EXPECT_TRUE(std::none_of(spans.begin() + cloth.schedule.firstLater(), spans.end(),
-                               [](const SpringSchedule::Span& span) { return span.isRun; }));
+      EXPECT_TRUE(std::none_of(spans.begin() + cloth.schedule.firstOverflow(), spans.end(),
+                               [](const SpringSchedule::Span& span) { return span.isContiguous; }));
     }
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Which particles springs join.
+/// \file Connected components of particles and springs.
 
 #include <algorithm>
 #include <cstdint>
@@ -9,17 +9,19 @@
 
 namespace cloth_sim {
 
-/// Particles joined by springs into connected sets.
-class ConnectedSets {
+/// A disjoint-set forest over particle slots, with path halving (Tarjan 1975). A particle belongs
+/// to no set until it is joined to another one.
+class DisjointSets {
  public:
-  explicit ConnectedSets(std::int32_t particles)
+  explicit DisjointSets(std::int32_t particles)
       : parent_(static_cast<std::size_t>(particles), kNone) {}
 
-  /// The smallest particle of the set.
+  /// The smallest particle of the set that `p` belongs to.
   std::int32_t rootOf(std::int32_t p) const {
     while (parent_[p] != p) p = parent_[p];
     return p;
   }
+  /// Merges the sets of two particles.
   void join(std::int32_t a, std::int32_t b) {
     a = find(a);
     b = find(b);
@@ -27,8 +29,9 @@ class ConnectedSets {
     parent_[std::max(a, b)] = std::min(a, b);
     --count_;
   }
+  /// Number of sets.
   std::int32_t count() const { return count_; }
-  /// Particles from the first to the last of the set that stretches the furthest.
+  /// Slots from the first to the last particle of the set that spans the most slots.
   std::int32_t widest() const {
     std::int32_t most = 0;
     for (std::int32_t p = 0; p < static_cast<std::int32_t>(parent_.size()); ++p) {
@@ -47,7 +50,7 @@ class ConnectedSets {
     return p;
   }
 
-  std::vector<std::int32_t> parent_;  ///< kNone: not seen yet
+  std::vector<std::int32_t> parent_;  ///< by slot; kNone: in no set yet
   std::int32_t count_ = 0;
 };
 

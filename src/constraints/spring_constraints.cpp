@@ -1,0 +1,16 @@
+#include "spring_constraints.h"
+
+#include "spring_forces.h"
+
+namespace cloth_sim {
+
+void SpringConstraints::addForces(const VectorArray& x, const VectorArray& v,
+                                  VectorArray& force) const {
+  addSpringForces(schedule_, x, v, force);
+}
+
+double SpringConstraints::potential(const VectorArray& x, const VectorArray& v, double tau) const {
+  return springPotential(schedule_, x, v, tau);
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,82 @@
+#include "substep.h"
+
+#include <array>
+#include <cmath>
+
+#include "linalg/vector_operations.h"
+
+namespace cloth_sim {
+
+void Substep::markStart() { copy(particles.x, particles.start); }
+
+void Substep::addLoads() {
+  if (controls.wind) addWind(*controls.wind);
+  for (const PointForce& load : controls.forces) {
+    const auto k = static_cast<std::size_t>(particles.slotOf[load.vertex]);
+    force.set(k, force.at(k) + load.force);
+  }
+}
+
+void Substep::addWind(const Wind& wind) {
+  const VectorArray& x = particles.x;
+  const VectorArray& v = particles.v;
+  for (const Face& face : model.mesh.faces()) {
+    std::array<std::size_t, 3> p;
+    for (int k = 0; k < 3; ++k) p[k] = static_cast<std::size_t>(particles.slotOf[face[k]]);
+    // Twice the area times the unit normal.
+    const Vec3 normal = (x.at(p[1]) - x.at(p[0])).cross(x.at(p[2]) - x.at(p[0]));
+    const double length = normal.norm();
+    if (length == 0.0) continue;
+    const Vec3 relative = wind.velocity - (v.at(p[0]) + v.at(p[1]) + v.at(p[2])) / 3.0;
+    const double along = relative.dot(normal) / length;
+    const Vec3 third =
+        wind.density * wind.dragCoefficient * std::abs(along) * along / 12.0 * normal;
+    for (const std::size_t k : p) force.set(k, force.at(k) + third);
+  }
+}
+
+void Substep::enforceContacts() {
+  if (contacts.empty()) return;
+  Particles& p = particles;
+  VectorArray& unprojected = scratch;
+  unprojected.resize(p.mass.size());
+  forFreeCandidates([&](std::size_t k) { unprojected.set(k, p.x.at(k)); });
+  contacts.project(p.view(), time, h);
+  // A particle near two obstacles is visited twice; the second visit finds no displacement left.
+  forFreeCandidates([&](std::size_t k) {
+    p.v.set(k, p.v.at(k) + (p.x.at(k) - unprojected.at(k)) / h);
+    unprojected.set(k, p.x.at(k));
+  });
+}
+
+void Substep::enforceContactVelocities() {
+  if (contacts.empty()) return;
+  Particles& p = particles;
+  VectorArray& ahead = scratch;
+  ahead.resize(p.mass.size());
+  forFreeCandidates([&](std::size_t k) {
+    p.start.set(k, p.x.at(k));
+    ahead.set(k, p.x.at(k) + h * p.v.at(k));
+  });
+  forFreeCandidates([&](std::size_t k) { p.x.set(k, ahead.at(k)); });
+  contacts.project(p.view(), time, h);
+  VectorArray& velocity = scratch;
+  forFreeCandidates([&](std::size_t k) { velocity.set(k, (p.x.at(k) - p.start.at(k)) / h); });
+  forFreeCandidates([&](std::size_t k) {
+    p.v.set(k, velocity.at(k));
+    p.x.set(k, p.start.at(k));
+  });
+}
+
+/// Calls `visit(slot)` for every particle near an obstacle that is free to move.
+template <typename Visit>
+void Substep::forFreeCandidates(const Visit& visit) const {
+  for (const ContactCandidates& candidates : contacts.candidates) {
+    for (const VertexId v : candidates.vertices) {
+      const auto k = static_cast<std::size_t>(particles.slotOf[v]);
+      if (particles.mass[k] > 0.0) visit(k);
+    }
+  }
+}
+
+}  // namespace cloth_sim

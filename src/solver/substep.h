@@ -1,0 +1,66 @@
+#pragma once
+/// \file What a method sees of a substep: the cloth's arrays and the rules at its boundary.
+
+#include "constraints/spring_constraints.h"
+#include "kinematic_particles.h"
+
+namespace cloth_sim {
+
+/// A cloth's arrays while a step is under way, and the length of its substeps. Methods read and
+/// write them; they keep arrays of their own for what outlives a substep.
+struct Substep {
+  const Model& model;
+  const Controls& controls;
+  Contacts& contacts;
+  Particles& particles;
+  SpringConstraints& springs;
+  KinematicParticles& kinematic;
+  VectorArray& force;        ///< by particle slot [N]; scratch of the method
+  VectorArray& scratch;      ///< of contacts
+  double h = 0.0;            ///< length of the substep [s]
+  double time = 0.0;         ///< at the end of the substep [s]
+  double before = 0.0;       ///< fraction of the step that has passed at its start
+  double fraction = 0.0;     ///< fraction of the step that has passed at its end
+  bool isNewModel = false;   ///< the model is not that of the last step, if there was one
+  bool isNewLayout = false;  ///< ... or other particles are kinematic
+  int iterations = 0;        ///< of the method, over all substeps
+  double residual = 0.0;     ///< of the last substep, in the method's own measure
+
+  /// Copies positions to `particles.start`.
+  void markStart();
+  /// Moves the kinematic particles to where they are at the end of the substep.
+  void placeKinematic() { kinematic.place(fraction, particles); }
+  /// Adds the pressure of the wind on every face, and forces on single particles, to `force`.
+  void addLoads();
+  /// Pushes particles out of obstacles. Velocities change by the displacement over h.
+  void enforceContacts();
+  /// Takes from velocities what would carry particles into obstacles in the next h, and the slip
+  /// that friction then stops. Positions stay.
+  void enforceContactVelocities();
+
+ private:
+  void addWind(const Wind& wind);
+  template <typename Visit>
+  void forFreeCandidates(const Visit& visit) const;
+};
+
+/// A method of integrating one substep. SubstepSolver makes a Solver of it.
+class SubstepMethod {
+ public:
+  virtual ~SubstepMethod() = default;
+
+  /// Advances `particles` by the substep; adds what kinematic particles bear to `kinematic`.
+  virtual void advance(Substep& now) = 0;
+  /// Called before the first substep of a step; masses are set, kinematic particles known.
+  virtual void begin(Substep& /*now*/) {}
+  /// Called after the last substep of a step: for methods whose substeps leave no velocities.
+  virtual void finish(Substep& /*now*/) {}
+  /// Substeps of a step, given the number that the scene asks for. Asked after every edit.
+  virtual int substepsFor(const Model& /*model*/, int configured) { return configured; }
+
+  /// See Solver::save and Solver::load: for methods with a memory beyond `particles`.
+  virtual void save(StateWriter& /*archive*/) const {}
+  virtual void load(StateReader& /*archive*/) {}
+};
+
+}  // namespace cloth_sim
