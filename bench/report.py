@@ -104,7 +104,7 @@ def with_spread(entry, figure):
 def floors(document):
     """Cost of a spring relative to the floor, measured in turns."""
     rows = []
-    for kind, title in (('grid', 'grid'), ('any', 'arbitrary'), ('later', 'overflow')):
+    for kind, title in (('grid', 'grid'), ('any', 'arbitrary'), ('refined', 'refined around cuts')):
         for side, entry in by_suffix(document, 'floor/%s/side:' % kind).items():
             rows.append([title, side] + [nanoseconds(entry['median'][figure])
                                         for figure in ('own', 'double', 'float')] +

@@ -7,10 +7,10 @@
 
 #include <cmath>
 
-#include "support/cache_aligned.h"
 #include "constraints/spring_projection.h"
-#include "support/vector_clones.h"
 #include "packed.h"
+#include "support/cache_aligned.h"
+#include "support/vector_clones.h"
 #include "turns.h"
 
 namespace cloth_sim::bench {
@@ -78,7 +78,7 @@ void correctRun(const Run<double>& run, Points<double>& p) { correct(run, p); }
 template <typename Real>
 class StructuredSweep {
  public:
-  StructuredSweep(const Packed& packed, std::size_t /*first*/)
+  explicit StructuredSweep(const Packed& packed)
       : n_(static_cast<std::size_t>(packed.simulation.model().cloths[0].grid->columns)),
         points_(slightlyWavy<Real>(static_cast<int>(n_))) {}
 
@@ -157,16 +157,14 @@ void correctColour(const Colour<double>& springs, Point<double>* points) {
 template <typename Real>
 class AnySweep {
  public:
-  /// \param first  of the spans.
-  AnySweep(const Packed& packed, std::size_t first) {
+  explicit AnySweep(const Packed& packed) {
     const VectorArray& x = packed.particles.x;
     for (std::size_t k = 0; k < x.x.size(); ++k) {
       const Vec3 wavy = x.at(k) + 0.01 * Vec3(x.x[k], std::sin(20.0 * x.x[k]), 2.0 * x.z[k]);
       points_.push_back({static_cast<Real>(wavy.x()), static_cast<Real>(wavy.y()),
                          static_cast<Real>(wavy.z()), Real(0)});
     }
-    for (std::size_t s = first; s < packed.schedule.spans().size(); ++s) {
-      const SpringSchedule::Span& span = packed.schedule.spans()[s];
+    for (const SpringSchedule::Span& span : packed.schedule.spans()) {
       colours_.push_back({static_cast<std::int32_t>(a_.size()), span.count});
       packed.schedule.visit(span, [&](const SpringSchedule::Element& spring) {
         a_.push_back(spring.a);
@@ -192,36 +190,20 @@ class AnySweep {
   std::vector<Real> rest_;
 };
 
-void makeReady(const Packed& packed, SpringProjection& correction) {
-  correction.setMasses(packed.schedule, packed.particles.inverseMass);
-  correction.setStep(packed.schedule, kSubstep);
-}
-
-void makeReady(const Packed& packed, OverflowProjection& correction) {
-  Compliances compliances;
-  setCompliances(packed.schedule.parameters, kSubstep, compliances);
-  correction.setMasses(packed.schedule, packed.particles.inverseMass);
-  correction.setStep(packed.schedule, compliances);
-}
-
-/// What `xpbd` does, or the part of it that is called `Correction`.
-template <typename Correction>
+/// The sweep of `xpbd`.
 class OwnSweep {
  public:
-  /// \param first  of the spans that it sweeps.
-  OwnSweep(Packed& packed, std::size_t first) : packed_(packed) {
-    makeReady(packed, correction_);
-    const std::int32_t before = packed.schedule.spans()[first].first;
-    springs_ = static_cast<std::size_t>(packed.schedule.size() - before);
+  explicit OwnSweep(Packed& packed) : packed_(packed) {
+    projection_.setMasses(packed.schedule, packed.particles.inverseMass);
+    projection_.setStep(packed.schedule, packed.particles.inverseMass, kSubstep);
   }
 
-  std::size_t springs() const { return springs_; }
-  void go() { correction_.correct(packed_.schedule, packed_.particles); }
+  std::size_t springs() const { return static_cast<std::size_t>(packed_.schedule.size()); }
+  void go() { projection_.project(packed_.schedule, packed_.particles); }
 
  private:
   Packed& packed_;
-  Correction correction_;
-  std::size_t springs_ = 0;
+  SpringProjection projection_;
 };
 
 /// Sweeps as often as makes a turn of a million springs.
@@ -238,11 +220,11 @@ void takeTurn(const std::string& name, Sweep& sweep, Turns& turns) {
 }
 
 /// Times are for one spring.
-template <typename Correction, template <typename> class Floor>
-void sweeps(benchmark::State& run, Packed& packed, std::size_t first = 0) {
-  Floor<float> single(packed, first);
-  Floor<double> twice(packed, first);
-  OwnSweep<Correction> own(packed, first);
+template <template <typename> class Floor>
+void sweeps(benchmark::State& run, Packed& packed) {
+  Floor<float> single(packed);
+  Floor<double> twice(packed);
+  OwnSweep own(packed);
   Turns turns;
   for (auto _ : run) {
     takeTurn("own", own, turns);
@@ -256,19 +238,19 @@ void sweeps(benchmark::State& run, Packed& packed, std::size_t first = 0) {
 
 void grid(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
-  sweeps<SpringProjection, StructuredSweep>(run, packed);
+  sweeps<StructuredSweep>(run, packed);
 }
 
 void any(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kAny);
-  sweeps<SpringProjection, AnySweep>(run, packed);
+  sweeps<AnySweep>(run, packed);
 }
 
-/// Those that cuts and refinement made, in a sweep of their own.
-void later(benchmark::State& run) {
+/// A grid with an overflow of springs that cuts and refinement made.
+void refined(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
   packed.slit();
-  sweeps<OverflowProjection, AnySweep>(run, packed, packed.schedule.firstOverflow());
+  sweeps<AnySweep>(run, packed);
 }
 
 const bool registered = [] {
@@ -282,7 +264,7 @@ const bool registered = [] {
   };
   add("floor/grid", grid)->Range(32, 1024);
   add("floor/any", any)->Range(32, 1024);
-  add("floor/later", later)->Range(64, 256);
+  add("floor/refined", refined)->Range(64, 256);
   return true;
 }();
 

@@ -4,9 +4,9 @@
 
 #include "constraints/bend_projection.h"
 #include "constraints/spring_forces.h"
+#include "constraints/spring_hessian.h"
 #include "constraints/spring_projection.h"
 #include "linalg/bend_matrix.h"
-#include "linalg/spring_matrix.h"
 #include "linalg/updatable_factor.h"
 #include "packed.h"
 
@@ -27,35 +27,33 @@ BENCHMARK_CAPTURE(springForces, grid, Order::kGrid)
     ->Range(32, 1024);
 BENCHMARK_CAPTURE(springForces, any, Order::kAny)->Name("kernel/spring_forces_any")->Arg(128);
 
-void springCorrections(benchmark::State& run, Order order) {
+void springProjection(benchmark::State& run, Order order) {
   Packed packed(static_cast<int>(run.range(0)), order);
-  SpringProjection correction;
-  correction.setMasses(packed.schedule, packed.particles.inverseMass);
-  correction.setStep(packed.schedule, kSubstep);
+  SpringProjection projection;
+  projection.setMasses(packed.schedule, packed.particles.inverseMass);
+  projection.setStep(packed.schedule, packed.particles.inverseMass, kSubstep);
   for (auto _ : run) {
-    correction.correct(packed.schedule, packed.particles);
+    projection.project(packed.schedule, packed.particles);
     benchmark::ClobberMemory();
   }
   tellPerSpring(packed.schedule.size(), run);
 }
-BENCHMARK_CAPTURE(springCorrections, grid, Order::kGrid)
+BENCHMARK_CAPTURE(springProjection, grid, Order::kGrid)
     ->Name("kernel/spring_corrections")
     ->RangeMultiplier(2)
     ->Range(32, 1024);
-BENCHMARK_CAPTURE(springCorrections, any, Order::kAny)
+BENCHMARK_CAPTURE(springProjection, any, Order::kAny)
     ->Name("kernel/spring_corrections_any")
     ->RangeMultiplier(2)
     ->Range(32, 1024);
 
 void springProduct(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid);
-  const BendMatrix noBending;
-  const SpringMatrix::Elements elements{packed.schedule, noBending};
-  SpringMatrix matrix;
-  matrix.linearise(elements, packed.particles.x, kFrame * kFrame, kFrame, packed.particles.mass);
-  VectorArray product;
+  SpringHessian hessian;
+  hessian.linearise(packed.schedule, packed.particles.x, kFrame * kFrame, kFrame);
+  VectorArray product = packed.particles.x;
   for (auto _ : run) {
-    matrix.multiply(elements, packed.particles.x, product);
+    hessian.addProduct(packed.schedule, packed.particles.x, product);
     benchmark::ClobberMemory();
   }
   tellPerSpring(packed.schedule.size(), run);
@@ -63,18 +61,18 @@ void springProduct(benchmark::State& run) {
 BENCHMARK(springProduct)->Name("kernel/spring_product")->RangeMultiplier(2)->Range(32, 1024);
 
 /// Bending elements of a cloth that resists bending, over its springs.
-void bendCorrections(benchmark::State& run) {
+void bendProjection(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "hinge");
-  BendSweep sweep;
-  sweep.build(packed.simulation.model().bending, packed.particles);
-  sweep.setStep(kSubstep, 0.0, packed.particles.inverseMass);
+  BendProjection projection;
+  projection.build(packed.simulation.model().bending, packed.particles);
+  projection.setStep(kSubstep, 0.0, packed.particles.inverseMass);
   for (auto _ : run) {
-    sweep.project(packed.particles, [](std::size_t, const Vec3&) {});
+    projection.project(packed.particles, [](std::size_t, const Vec3&) {});
     benchmark::ClobberMemory();
   }
   tellPerSpring(packed.schedule.size(), run);
 }
-BENCHMARK(bendCorrections)->Name("kernel/bend_corrections")->Arg(64)->Arg(128)->Arg(256);
+BENCHMARK(bendProjection)->Name("kernel/bend_corrections")->Arg(64)->Arg(128)->Arg(256);
 
 void bendForces(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "hinge");

@@ -52,7 +52,7 @@ void Packed::slit() {
   cutSlits(simulation);
   const Model& model = simulation.model();
   while (particles.count() < model.particleCount()) particles.slotOf.push_back(particles.slots++);
-  schedule.follow(model, model.springs.allModified(), particles.slotOf);
+  schedule.applyChanges(model, model.springs.allModified(), particles.slotOf);
   load();
 }
 

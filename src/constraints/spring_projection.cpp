@@ -91,8 +91,30 @@ void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArr
     firstBlock_[s] = blocks;
     blocks += blockCount(spans[s]);
   }
+  symmetric_.resize(spans.size());
+  for (std::size_t k = 0; k < spans.size(); ++k) {
+    symmetric_[k] = symmetricBlocks(schedule, k, inverseMass);
+  }
   blocks_.assign(static_cast<std::size_t>(blocks), {});
   gamma_.assign(schedule.parameters.damped() ? kLanes * blocks_.size() : 0, 0.0);
+}
+
+/// The longest sequence of full blocks with equal masses at both ends; none in gathered spans.
+SpringProjection::BlockRange SpringProjection::symmetricBlocks(const SpringSchedule& schedule,
+                                                               std::size_t s,
+                                                               const ScalarArray& inverseMass) {
+  const Span& span = schedule.spans()[s];
+  BlockRange longest;
+  if (!span.isContiguous) return longest;
+  const double* const a = inverseMass.data() + span.ends.a;
+  const double* const b = inverseMass.data() + span.ends.b;
+  std::int32_t from = 0;
+  for (std::int32_t block = 0; block < span.count / kLanes; ++block) {
+    const std::int32_t k = kLanes * block;
+    if (!std::equal(a + k, a + k + kLanes, b + k)) from = block + 1;
+    if (block + 1 - from > longest.end - longest.from) longest = {from, block + 1};
+  }
+  return longest;
 }
 
 void SpringProjection::setStep(const SpringSchedule& schedule, const ScalarArray& inverseMass,
@@ -123,75 +145,123 @@ struct SpringProjection::Kernel {
     const std::int32_t *endA, *endB;
     const double* restLength;
     const std::int32_t* firstBlock;
+    const BlockRange* symmetric;
     const WeightBlock* weights;
     const double* gamma;
     double *x, *y, *z;
-    const double *startX, *startY, *startZ;
+    double *startX, *startY, *startZ;  ///< read only
     Particles* particles;
   };
   /// A 3-vector for each of four springs.
   struct Vectors {
     Lanes x, y, z;
   };
-  /// Four particles from a slot on.
+  /// Three coordinates of consecutive particles.
   struct Contiguous {
-    std::int32_t first;
+    double *x, *y, *z;
+    std::ptrdiff_t at;  ///< of the first of four
 
-    [[gnu::always_inline]] Lanes load(const double* p) const { return lanesAt(p + first); }
-    [[gnu::always_inline]] void store(const Lanes& of, double* p) const { lanesAt(p + first) = of; }
+    [[gnu::always_inline]] Vectors load() const {
+      return {lanesAt(x + at), lanesAt(y + at), lanesAt(z + at)};
+    }
+    [[gnu::always_inline]] void store(const Vectors& of) const {
+      lanesAt(x + at) = of.x;
+      lanesAt(y + at) = of.y;
+      lanesAt(z + at) = of.z;
+    }
   };
-  /// Four particles anywhere.
+  /// Three coordinates of particles anywhere.
   struct Gathered {
-    const std::int32_t* slots;
+    double *x, *y, *z;
+    const std::int32_t* at;  ///< slots of four
 
-    [[gnu::always_inline]] Lanes load(const double* p) const { return gather(p, slots); }
-    [[gnu::always_inline]] void store(const Lanes& of, double* p) const { scatter(of, p, slots); }
+    [[gnu::always_inline]] Vectors load() const {
+      return {gather(x, at), gather(y, at), gather(z, at)};
+    }
+    [[gnu::always_inline]] void store(const Vectors& of) const {
+      scatter(of.x, x, at);
+      scatter(of.y, y, at);
+      scatter(of.z, z, at);
+    }
   };
-
   [[gnu::always_inline]] static Vectors difference(const Vectors& b, const Vectors& a) {
     return {b.x - a.x, b.y - a.y, b.z - a.z};
+  }
+  [[gnu::always_inline]] static Vectors scaled(const Lanes& s, const Vectors& a) {
+    return {s * a.x, s * a.y, s * a.z};
   }
   [[gnu::always_inline]] static Lanes dot(const Vectors& a, const Vectors& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
   }
 
   /// Projects four springs that share no particle.
-  template <bool kDamped, typename Index>
-  [[gnu::always_inline]] static void projectFour(const Arrays& m, const Index& a, const Index& b,
-                                                 const double* restLength, std::ptrdiff_t block) {
-    Vectors xa{a.load(m.x), a.load(m.y), a.load(m.z)};
-    Vectors xb{b.load(m.x), b.load(m.y), b.load(m.z)};
+  /// \param a, b            their ends.
+  /// \param startA, startB  the same at the start of the substep; read only if `kDamped`.
+  /// \tparam kSymmetric      whether both ends of each spring have the same weight.
+  template <bool kDamped, bool kSymmetric, typename Index>
+  [[gnu::always_inline]] static void projectFour(const Index& a, const Index& b,
+                                                 const Index& startA, const Index& startB,
+                                                 const double* restLength,
+                                                 const WeightBlock* weights, const double* gamma) {
+    const Vectors xa = a.load();
+    const Vectors xb = b.load();
     const Vectors d = difference(xb, xa);
     const Lanes squared = dot(d, d) + kTinySquare;
     const Lanes length = sqrt(squared);
     Lanes error = length - lanesAt(restLength);
     if constexpr (kDamped) {
-      const Vectors start = difference({b.load(m.startX), b.load(m.startY), b.load(m.startZ)},
-                                       {a.load(m.startX), a.load(m.startY), a.load(m.startZ)});
-      error += lanesAt(m.gamma + kLanes * block) * ((squared - dot(d, start)) / length);
+      const Vectors start = difference(startB.load(), startA.load());
+      error += lanesAt(gamma) * ((squared - dot(d, start)) / length);
     }
     const Lanes lambda = error / length;
-    const Lanes moveA = lanesAt(m.weights[block].a) * lambda;
-    const Lanes moveB = lanesAt(m.weights[block].b) * lambda;
-    a.store(xa.x + moveA * d.x, m.x);
-    a.store(xa.y + moveA * d.y, m.y);
-    a.store(xa.z + moveA * d.z, m.z);
-    b.store(xb.x - moveB * d.x, m.x);
-    b.store(xb.y - moveB * d.y, m.y);
-    b.store(xb.z - moveB * d.z, m.z);
+    const Vectors moveA = scaled(lanesAt(weights->a) * lambda, d);
+    const Vectors moveB = kSymmetric ? moveA : scaled(lanesAt(weights->b) * lambda, d);
+    a.store({xa.x + moveA.x, xa.y + moveA.y, xa.z + moveA.z});
+    b.store({xb.x - moveB.x, xb.y - moveB.y, xb.z - moveB.z});
   }
 
-  /// Projects the SIMD blocks of a span; `ends(k)` gives the ends of springs k to k + 3.
-  template <bool kDamped, typename Ends>
-  [[gnu::always_inline]] static void projectBlocks(const Arrays& m, const Span& span,
-                                                   std::ptrdiff_t block, const Ends& ends) {
+  /// Projects the SIMD blocks of a span. `a(k, x, y, z)` and `b(k, x, y, z)` give the ends of
+  /// springs k to k + 3.
+  template <bool kDamped, typename IndexA, typename IndexB>
+  [[gnu::always_inline]] static void projectBlocks(const Arrays& m, std::ptrdiff_t s,
+                                                   const Span& span, const IndexA& a,
+                                                   const IndexB& b) {
     const double* const rest = m.restLength + span.firstParameters;
-    const auto projectAt = [&](std::int32_t k) __attribute__((always_inline)) {
-      const auto [a, b] = ends(k);
-      projectFour<kDamped>(m, a, b, rest + k, block++);
+    const WeightBlock* weights = m.weights + m.firstBlock[s];
+    const double* gamma = m.gamma + kLanes * m.firstBlock[s];
+    const auto project = [&](std::ptrdiff_t k, std::ptrdiff_t n, auto isSymmetric)
+        __attribute__((always_inline)) {
+      projectFour<kDamped, decltype(isSymmetric)::value>(
+          a(k, m.x, m.y, m.z), b(k, m.x, m.y, m.z), a(k, m.startX, m.startY, m.startZ),
+          b(k, m.startX, m.startY, m.startZ), rest + k, weights + n, gamma + kLanes * n);
     };
-    if (span.count % kLanes != 0) projectAt(span.count - kLanes);
-    for (std::int32_t k = 0; k + kLanes <= span.count; k += kLanes) projectAt(k);
+    if (span.count % kLanes != 0) {
+      project(span.count - kLanes, 0, std::false_type());
+      ++weights;
+      if (kDamped) gamma += kLanes;
+    }
+    const std::ptrdiff_t blocks = span.count / kLanes;
+    const BlockRange symmetric = m.symmetric[s];
+    for (std::ptrdiff_t n = 0; n < symmetric.from; ++n) project(kLanes * n, n, std::false_type());
+    for (std::ptrdiff_t n = symmetric.from; n < symmetric.end; ++n) {
+      project(kLanes * n, n, std::true_type());
+    }
+    for (std::ptrdiff_t n = symmetric.end; n < blocks; ++n) {
+      project(kLanes * n, n, std::false_type());
+    }
+  }
+
+  [[gnu::always_inline]] static auto contiguous(std::ptrdiff_t first) {
+    return [first](std::ptrdiff_t k, double* x, double* y, double* z)
+        __attribute__((always_inline)) {
+      return Contiguous{x + first, y + first, z + first, k};
+    };
+  }
+  [[gnu::always_inline]] static auto gathered(const std::int32_t* slots) {
+    return [slots](std::ptrdiff_t k, double* x, double* y, double* z)
+        __attribute__((always_inline)) {
+      return Gathered{x, y, z, slots + k};
+    };
   }
 
   /// Projects the springs of a gathered span of fewer than four, one by one.
@@ -213,21 +283,14 @@ struct SpringProjection::Kernel {
   [[gnu::always_inline]] static void projectSpans(const Arrays& m, std::ptrdiff_t begin,
                                                   std::ptrdiff_t end) {
     for (std::ptrdiff_t s = begin; s < end; ++s) {
-      const Span& span = m.spans[s];
-      const std::ptrdiff_t block = m.firstBlock[s];
+      const Span span = m.spans[s];
       if (span.isContiguous) {
-        projectBlocks<kDamped>(
-            m, span, block, [&](std::int32_t k) __attribute__((always_inline)) {
-              return std::pair(Contiguous{span.ends.a + k}, Contiguous{span.ends.b + k});
-            });
+        projectBlocks<kDamped>(m, s, span, contiguous(span.ends.a), contiguous(span.ends.b));
       } else if (span.count >= kLanes) {
-        projectBlocks<kDamped>(
-            m, span, block, [&](std::int32_t k) __attribute__((always_inline)) {
-              const std::int32_t at = span.firstEnd + k;
-              return std::pair(Gathered{m.endA + at}, Gathered{m.endB + at});
-            });
+        projectBlocks<kDamped>(m, s, span, gathered(m.endA + span.firstEnd),
+                               gathered(m.endB + span.firstEnd));
       } else {
-        projectFew<kDamped>(m, span, block);
+        projectFew<kDamped>(m, span, m.firstBlock[s]);
       }
     }
   }
@@ -251,6 +314,7 @@ void SpringProjection::project(const SpringSchedule& schedule, Particles& p) con
                               schedule.endB.data(),
                               schedule.parameters.restLength().data(),
                               firstBlock_.data(),
+                              symmetric_.data(),
                               blocks_.data(),
                               gamma_.data(),
                               p.x.x.data(),

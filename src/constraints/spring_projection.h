@@ -30,10 +30,22 @@ class SpringProjection {
     double a[4] = {};
     double b[4] = {};
   };
+  /// Full blocks [from, end) of a span, counted without the first one if that covers the last
+  /// springs again.
+  struct BlockRange {
+    std::int32_t from = 0;
+    std::int32_t end = 0;
+  };
   struct Kernel;
 
+  static BlockRange symmetricBlocks(const SpringSchedule& schedule, std::size_t span,
+                                    const ScalarArray& inverseMass);
+
   std::vector<std::int32_t> firstBlock_;  ///< by span of the schedule: index in `blocks_`
-  std::vector<std::int32_t> owners_;      ///< spans with blocks of their own, ascending
+  /// By span: where both ends of each spring have the same weight, as nearly everywhere on a grid.
+  /// There both move by the same vector, which saves a tenth of a step of a large cloth.
+  std::vector<BlockRange> symmetric_;
+  std::vector<std::int32_t> owners_;  ///< spans with blocks of their own, ascending
   std::vector<WeightBlock> blocks_;
   std::vector<double> gamma_;  ///< four for each block; empty where there are no dashpots
   /// A span and the hash of all that its weights depend on; kept to save allocations.

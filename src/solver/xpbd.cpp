@@ -1,4 +1,5 @@
 #include <cmath>
+#include <utility>
 
 #include "constraints/bend_projection.h"
 #include "constraints/reference_projection.h"
@@ -10,15 +11,14 @@
 namespace cloth_sim {
 namespace {
 
-/// x += decay d + fall and start = x along one axis, d = x - start being the displacement of the
-/// substep before. Kinematic particles do not fall.
+/// Replaces positions at the start of the substep before by predicted ones, along one axis:
+/// start = x + decay (x - start) + fall. Kinematic particles do not fall.
 CLOTH_SIM_VECTOR_CLONES
-void predictAxis(std::size_t count, double decay, double fall, const double* w, double* x,
+void predictAxis(std::size_t count, double decay, double fall, const double* w, const double* x,
                  double* start) {
   for (std::size_t k = 0; k < count; ++k) {
     const double moved = decay * (x[k] - start[k]);
-    start[k] = x[k];
-    x[k] += moved + (w[k] > 0.0 ? fall : 0.0);
+    start[k] = x[k] + (moved + (w[k] > 0.0 ? fall : 0.0));
   }
 }
 
@@ -122,16 +122,17 @@ void Xpbd::predict(Substep& now) const {
     now.addLoads();
   }
   forParts(n, [&](std::size_t first, std::size_t count) { predictPart(now, first, count); });
+  std::swap(now.particles.x, now.particles.start);
   if (hasLoads) applyLoads(now);
 }
 
-/// x += decay (x - start) + h^2 g, start = x, for particle slots [first, first + count).
+/// Predicts positions in the slots [first, first + count), in the place of `start`.
 void Xpbd::predictPart(Substep& now, std::size_t first, std::size_t count) const {
   const Vec3 fall = now.h * now.h * now.controls.gravity;
   const double* const w = now.particles.inverseMass.data() + first;
   int axis = 0;
   forAxes(
-      [&](auto& x, auto& start) {
+      [&](const auto& x, auto& start) {
         predictAxis(count, decay_, fall[axis++], w, x.data() + first, start.data() + first);
       },
       now.particles.x, now.particles.start);

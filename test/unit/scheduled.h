@@ -33,11 +33,11 @@ struct Scheduled {
       plan.paths = findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), model.mesh, state.x);
       changes = cut(plan, limits, {}, model, state).changes;
     }
-    if (!changes.mesh.empty()) particles.follow(changes.mesh);
+    if (!changes.mesh.empty()) particles.applyChanges(changes.mesh);
     return changes;
   }
-  void follow(const ModelChanges& changes) {
-    schedule.follow(model, changes.springs, particles.slotOf);
+  void applyChanges(const ModelChanges& changes) {
+    schedule.applyChanges(model, changes.springs, particles.slotOf);
   }
 
   Model model;

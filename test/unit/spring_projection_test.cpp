@@ -1,11 +1,12 @@
-/// \file Corrections along springs, four at a time, are those of one spring after the other.
+/// \file The projection of springs four at a time is the scalar reference, bit by bit.
 
-#include "constraints/spring_projection.h"
+#include "constraints/spring_projection.h"  // private: the kernel is compared with its reference
 
 #include <gtest/gtest.h>
 
 #include <set>
 
+#include "constraints/reference_projection.h"
 #include "unit/scheduled.h"
 
 namespace cloth_sim {
@@ -30,41 +31,32 @@ void shake(Generator& random, Scheduled& cloth) {
   }
 }
 
-/// As Compliance says, one spring after the other.
-void correctOneByOne(const SpringSchedule& schedule, Particles& p) {
+/// Projects one spring after the other by the scalar reference.
+template <bool kDamped>
+void projectOneByOne(const SpringSchedule& schedule, Particles& p) {
   schedule.sweep([&](const SpringSchedule::Element& spring) {
-    const auto [alpha, lag] = complianceOf(spring.parameters, kStep);
-    const Vec3 d = p.x.at(spring.b) - p.x.at(spring.a);
-    const Vec3 start = p.start.at(spring.b) - p.start.at(spring.a);
-    const double wa = p.inverseMass[spring.a];
-    const double wb = p.inverseMass[spring.b];
-    const double squared = d.x() * d.x() + d.y() * d.y() + d.z() * d.z() + kTinySquare;
-    const double length = std::sqrt(squared);
-    double f = (length - spring.parameters.restLength) / (length * (wa + wb + alpha));
-    if (schedule.parameters.damped()) {
-      const double moved =
-          (squared - d.x() * start.x() - d.y() * start.y() - d.z() * start.z()) / length;
-      f = (length - spring.parameters.restLength + lag * moved) /
-          (length * ((1.0 + lag) * (wa + wb) + alpha));
-    }
-    p.x.set(spring.a, p.x.at(spring.a) + f * wa * d);
-    p.x.set(spring.b, p.x.at(spring.b) - f * wb * d);
+    const auto a = static_cast<std::size_t>(spring.a);
+    const auto b = static_cast<std::size_t>(spring.b);
+    projectSpring<kDamped>(
+        a, b, spring.parameters.restLength,
+        projectionWeights(spring.parameters, p.inverseMass[a], p.inverseMass[b], kStep), p);
   });
 }
 
 void expectIsOneByOne(Scheduled& cloth) {
   Particles expected = cloth.particles;
-  correctOneByOne(cloth.schedule, expected);
-  SpringProjection correction;
-  correction.setMasses(cloth.schedule, cloth.particles.inverseMass);
-  correction.setStep(cloth.schedule, kStep);
-  correction.correct(cloth.schedule, cloth.particles);
+  cloth.schedule.parameters.damped() ? projectOneByOne<true>(cloth.schedule, expected)
+                                     : projectOneByOne<false>(cloth.schedule, expected);
+  SpringProjection projection;
+  projection.setMasses(cloth.schedule, cloth.particles.inverseMass);
+  projection.setStep(cloth.schedule, cloth.particles.inverseMass, kStep);
+  projection.project(cloth.schedule, cloth.particles);
   EXPECT_EQ(cloth.particles.x.x, expected.x.x);
   EXPECT_EQ(cloth.particles.x.y, expected.x.y);
   EXPECT_EQ(cloth.particles.x.z, expected.x.z);
 }
 
-/// How many have springs that edits made.
+/// Number of particles that have springs in the overflow.
 std::size_t overflowParticles(const SpringSchedule& schedule) {
   std::set<std::int32_t> slots;
   for (std::size_t s = schedule.firstOverflow(); s < schedule.spans().size(); ++s) {
@@ -75,7 +67,7 @@ std::size_t overflowParticles(const SpringSchedule& schedule) {
   return slots.size();
 }
 
-TEST(SpringProjection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements) {
+TEST(SpringProjection, IsTheReferenceBitByBitAlsoAfterCutsAndRefinements) {
   Generator random(23);
   std::size_t later = 0;
   for (const double damping : {0.0, 1e-4}) {
@@ -87,7 +79,7 @@ TEST(SpringProjection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements
       for (int edit = 0; edit < 6; ++edit) {
         shake(random, cloth);
         expectIsOneByOne(cloth);
-        cloth.follow(cloth.edit(random));
+        cloth.applyChanges(cloth.edit(random));
         later = std::max(later, overflowParticles(cloth.schedule));
       }
       shake(random, cloth);
@@ -97,44 +89,37 @@ TEST(SpringProjection, IsThatOfOneSpringAfterTheOtherAlsoAfterCutsAndRefinements
   EXPECT_GT(later, 100U);
 }
 
-/// Springs of a run, [from, end), by hand.
-bool isEven(const SpringSchedule::Span& run, const ScalarArray& w, std::int32_t from,
-            std::int32_t end) {
-  for (std::int32_t k = from; k < end; ++k) {
-    if (w[run.ends.a + k] != w[run.ends.a + from]) return false;
-    if (w[run.ends.b + k] != w[run.ends.a + from]) return false;
-  }
-  return true;
+/// A published step of the textbook: two particles, one spring, by hand.
+TEST(SpringProjection, ReferenceIsEquation18Of2016) {
+  Particles p;
+  p.slots = 2;
+  p.resize();
+  p.x.set(0, Vec3(0.0, 0.0, 0.0));
+  p.x.set(1, Vec3(0.0, 3.0, 4.0));
+  const SpringParameters spring{4.0, 100.0, 0.0};
+  const double wa = 2.0;
+  const double wb = 6.0;
+  const double alpha = 1.0 / (100.0 * kStep * kStep);
+  const double lambda = (5.0 - 4.0) / (wa + wb + alpha);
+  projectSpring<false>(0, 1, spring.restLength, projectionWeights(spring, wa, wb, kStep), p);
+  EXPECT_LT((p.x.at(0) - wa * lambda * Vec3(0.0, 0.6, 0.8)).norm(), 1e-15);
+  EXPECT_LT((p.x.at(1) - (Vec3(0.0, 3.0, 4.0) - wb * lambda * Vec3(0.0, 0.6, 0.8))).norm(), 2e-15);
 }
 
-TEST(EvenStretches, AreTheLongestOfTheirRunsInWholeFours) {
-  Generator random(5);
-  std::vector<UniformMassRange> stretches;
-  std::int32_t springs = 0;
-  for (const auto& [columns, rows] : {std::pair(5, 4), std::pair(31, 9), std::pair(80, 6)}) {
-    Scheduled cloth(clothOf(columns, rows, 0.05));
-    for (int trial = 0; trial < 20; ++trial) {
-      shake(random, cloth);
-      const ScalarArray& w = cloth.particles.inverseMass;
-      findUniformMassRanges(cloth.schedule, w, stretches);
-      ASSERT_EQ(stretches.size(), cloth.schedule.spans().size());
-      for (std::size_t s = 0; s < stretches.size(); ++s) {
-        const SpringSchedule::Span& span = cloth.schedule.spans()[s];
-        const auto [from, end] = stretches[s];
-        std::int32_t longest = 0;
-        for (std::int32_t k = 0; span.isContiguous && k < span.count; k += 4) {
-          for (std::int32_t e = k + 4; e <= span.count && isEven(span, w, k, e); e += 4) {
-            longest = std::max(longest, e - k);
-          }
-        }
-        EXPECT_EQ(end - from, longest);
-        EXPECT_TRUE(longest == 0 || isEven(span, w, from, end));
-        EXPECT_EQ(from % 4, 0);
-        springs += longest;
-      }
-    }
-  }
-  EXPECT_GT(springs, 1000);
+TEST(SpringProjection, DashpotsAddTheirRatioAsInEquation26Of2016) {
+  const SpringParameters spring{4.0, 100.0, 0.3};
+  const double alpha = 1.0 / (100.0 * kStep * kStep);
+  const double gamma = 0.3 / (100.0 * kStep);
+  const ProjectionWeights weights = projectionWeights(spring, 2.0, 6.0, kStep);
+  EXPECT_DOUBLE_EQ(weights.gamma, gamma);
+  EXPECT_DOUBLE_EQ(weights.a, 2.0 / ((1.0 + gamma) * 8.0 + alpha));
+  EXPECT_DOUBLE_EQ(weights.b, 6.0 / ((1.0 + gamma) * 8.0 + alpha));
+}
+
+TEST(SpringProjection, ASpringThatIsGoneHasNoWeight) {
+  const ProjectionWeights weights = projectionWeights({}, 2.0, 6.0, kStep);
+  EXPECT_EQ(weights.a, 0.0);
+  EXPECT_EQ(weights.b, 0.0);
 }
 
 }  // namespace

@@ -31,12 +31,12 @@ std::vector<SpringSchedule::Element> elementsOf(const SpringSchedule& schedule) 
   return elements;
 }
 
-/// The springs there are, with their ends and laws, are the elements that have a law.
+/// The springs there are, with their ends and parameters, are the elements that have stiffness.
 void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedule,
                                 const std::vector<std::int32_t>& slotOf) {
   using Row = std::tuple<std::int32_t, std::int32_t, double, double, double>;
-  const auto row = [](std::int32_t a, std::int32_t b, const SpringParameters& law) {
-    return Row(a, b, law.restLength, law.stiffness, law.damping);
+  const auto row = [](std::int32_t a, std::int32_t b, const SpringParameters& p) {
+    return Row(a, b, p.restLength, p.stiffness, p.damping);
   };
   std::multiset<Row> expected, found;
   for (const Spring& spring : model.springs.slots()) {
@@ -50,16 +50,16 @@ void expectHoldsEverySpringOnce(const Model& model, const SpringSchedule& schedu
   EXPECT_TRUE(found == expected);
 }
 
-/// Batches cover every position once. Springs of a span share no particle (one colour), and neither
-/// do blocks of a group (they may run at once): not even springs without effect, as they too are
-/// written.
-void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
+/// Colour groups cover every position once. Springs of a span share no particle (one colour), and
+/// neither do blocks of a group (they may run at once): not even springs without effect, as they
+/// too are written.
+void expectGroupsAreConflictFree(const SpringSchedule& schedule) {
   const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
   std::vector<int> visits(elements.size(), 0);
   for (const SpringSchedule::ColourGroup& group : schedule.groups()) {
-    std::set<std::int32_t> ofBatch;
+    std::set<std::int32_t> ofGroup;
     for (std::int32_t s = group.firstBlock; s < group.endBlock; ++s) {
-      std::set<std::int32_t> ofStrand;
+      std::set<std::int32_t> ofBlock;
       const SpringSchedule::Block& block = schedule.blocks()[s];
       for (std::int32_t k = block.firstSpan; k < block.endSpan; ++k) {
         const SpringSchedule::Span& span = schedule.spans()[k];
@@ -68,12 +68,12 @@ void expectBatchesAreConflictFree(const SpringSchedule& schedule) {
           ++visits[p];
           EXPECT_TRUE(ofSpan.insert(elements[p].a).second) << "position " << p;
           EXPECT_TRUE(ofSpan.insert(elements[p].b).second) << "position " << p;
-          EXPECT_TRUE(span.isContiguous || !span.isUniform);
+          EXPECT_TRUE(span.isContiguous || !span.sharesParameters);
         }
-        ofStrand.insert(ofSpan.begin(), ofSpan.end());
+        ofBlock.insert(ofSpan.begin(), ofSpan.end());
       }
-      for (std::int32_t particle : ofStrand) {
-        EXPECT_TRUE(ofBatch.insert(particle).second) << "particle slot " << particle;
+      for (std::int32_t particle : ofBlock) {
+        EXPECT_TRUE(ofGroup.insert(particle).second) << "particle slot " << particle;
       }
     }
   }
@@ -88,11 +88,11 @@ void expectGoodSchedule(Model model) {
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);
   expectHoldsEverySpringOnce(model, schedule, particles.slotOf);
-  expectBatchesAreConflictFree(schedule);
+  expectGroupsAreConflictFree(schedule);
 }
 
-/// Part of the springs that is in spans of a kind.
-double shareIn(bool SpringSchedule::Span::*kind, const SpringSchedule& schedule) {
+/// Fraction of the springs that is in spans of a kind.
+double fractionIn(bool SpringSchedule::Span::*kind, const SpringSchedule& schedule) {
   std::int32_t springs = 0;
   for (const SpringSchedule::Span& span : schedule.spans()) springs += span.*kind ? span.count : 0;
   return static_cast<double>(springs) / schedule.size();
@@ -102,7 +102,7 @@ TEST(SpringSchedule, OfAGrid) {
   for (const auto& [columns, rows] : {std::pair(2, 2), std::pair(5, 3), std::pair(17, 30)}) {
     const Scheduled grid(clothOf(columns, rows, 0.1));
     expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
-    expectBatchesAreConflictFree(grid.schedule);
+    expectGroupsAreConflictFree(grid.schedule);
   }
 }
 
@@ -113,22 +113,19 @@ TEST(SpringSchedule, OfAMeshThatIsNoGrid) {
   expectGoodSchedule(model);
 }
 
-TEST(SpringSchedule, OfAGridNeedsFewBatchesAndIsAllRuns) {
+TEST(SpringSchedule, OfAGridNeedsFewColourGroupsAndIsAllContiguous) {
   // Two colours for each of six families of parallel springs, joined where blocks of rows share
   // no particle (all but the springs between two blocks and bend springs along columns). Runs are
   // a quarter of a row at least.
   const Scheduled grid(clothOf(64, 64, 1.0 / 63.0));
   EXPECT_LE(grid.schedule.groups().size(), 4U);
-  EXPECT_EQ(shareIn(&SpringSchedule::Span::isContiguous, grid.schedule), 1.0);
+  EXPECT_EQ(fractionIn(&SpringSchedule::Span::isContiguous, grid.schedule), 1.0);
 }
 
-TEST(SpringSchedule, OfAGridHasTheLawOfARunOnceAndThatOfARowOnceForAllRows) {
+TEST(SpringSchedule, OfAGridStoresTheParametersOfARowOnceForAllRows) {
   for (const double spacing : {1.0 / 63.0, 0.1, 0.7 / 63.0}) {
     const Scheduled grid(clothOf(64, 50, spacing));
-    const double uniform = shareIn(&SpringSchedule::Span::isUniform, grid.schedule);
-    const double shared = shareIn(&SpringSchedule::Span::sharesParameters, grid.schedule);
-    EXPECT_GT(uniform, 0.6) << spacing;
-    EXPECT_EQ(uniform + shared, 1.0) << spacing;
+    EXPECT_EQ(fractionIn(&SpringSchedule::Span::sharesParameters, grid.schedule), 1.0) << spacing;
     EXPECT_LT(grid.schedule.parameters.size(), 0.1 * grid.schedule.size()) << spacing;
   }
 }
@@ -145,36 +142,32 @@ void expectSame(const SpringSchedule& a, const SpringSchedule& b) {
   }
 }
 
-TEST(SpringSchedule, RunsHaveOneLawAgainWhenAllSpringsAreTuned) {
+TEST(SpringSchedule, RowsShareParametersAgainWhenAllSpringsAreTuned) {
   Scheduled grid(clothOf(64, 50, 0.1));
   const std::size_t before = grid.schedule.parameters.size();
   const SpringChanges changes = grid.model.springs.setScale(grid.model.mesh, 3.0);
-  grid.schedule.follow(grid.model, changes, grid.particles.slotOf);
+  grid.schedule.applyChanges(grid.model, changes, grid.particles.slotOf);
   EXPECT_EQ(grid.schedule.parameters.size(), before);
   expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
 }
 
-TEST(SpringSchedule, WhereASpringGoesOnlyItsRunGetsLawsOfItsOwn) {
+TEST(SpringSchedule, WhereASpringGoesOnlyItsSpanGetsParametersOfItsOwn) {
   const Scheduled whole(clothOf(64, 50, 0.1));
-  for (const auto kind :
-       {&SpringSchedule::Span::isUniform, &SpringSchedule::Span::sharesParameters}) {
-    for (const SpringSchedule::Span& span : whole.schedule.spans()) {
-      if (!(span.*kind)) continue;
-      Scheduled grid(clothOf(64, 50, 0.1));
-      const SpringSchedule::Element gone = elementsOf(grid.schedule)[span.first + span.count / 2];
-      const auto isGone = [&](const Spring& spring) {
-        return grid.particles.slotOf[spring.a] == gone.a &&
-               grid.particles.slotOf[spring.b] == gone.b;
-      };
-      const auto& slots = grid.model.springs.slots();
-      std::int32_t slot = 0;
-      while (!isGone(slots[slot])) ++slot;
-      const SpringChanges changes = grid.model.springs.clear(std::vector<std::int32_t>{slot});
-      grid.schedule.follow(grid.model, changes, grid.particles.slotOf);
-      EXPECT_EQ(grid.schedule.parameters.size(), whole.schedule.parameters.size() + span.count);
-      expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
-      break;
-    }
+  for (const std::size_t s : {std::size_t{0}, whole.schedule.spans().size() - 1}) {
+    const SpringSchedule::Span& span = whole.schedule.spans()[s];
+    ASSERT_TRUE(span.sharesParameters);
+    Scheduled grid(clothOf(64, 50, 0.1));
+    const SpringSchedule::Element gone = elementsOf(grid.schedule)[span.first + span.count / 2];
+    const auto isGone = [&](const Spring& spring) {
+      return grid.particles.slotOf[spring.a] == gone.a && grid.particles.slotOf[spring.b] == gone.b;
+    };
+    const auto& slots = grid.model.springs.slots();
+    std::int32_t slot = 0;
+    while (!isGone(slots[slot])) ++slot;
+    const SpringChanges changes = grid.model.springs.clear(std::vector<std::int32_t>{slot});
+    grid.schedule.applyChanges(grid.model, changes, grid.particles.slotOf);
+    EXPECT_EQ(grid.schedule.parameters.size(), whole.schedule.parameters.size() + span.count);
+    expectHoldsEverySpringOnce(grid.model, grid.schedule, grid.particles.slotOf);
   }
 }
 
@@ -191,7 +184,7 @@ TEST(SpringSchedule, OfAMeshWhoseRowsAllDiffer) {
   expectGoodSchedule(std::move(model));
 }
 
-TEST(SpringSchedule, HalvesOfEveryBatchOfALargeGridAreTheSameHalvesOfTheCloth) {
+TEST(SpringSchedule, HalvesOfEveryColourGroupOfALargeGridAreTheSameHalvesOfTheCloth) {
   // What one thread has moved in a group another one should not have to fetch in the next.
   const int rows = 96;
   const Scheduled grid(clothOf(96, rows, 1.0 / 95.0));
@@ -245,54 +238,44 @@ void expectSweepsEachParticleInOrder(const SpringSchedule& schedule) {
   }
 }
 
-/// Every slot is prepared once, before any of its springs, and moved by springs in the order of
-/// their positions: with so many threads.
-void expectPreparesAndSweepsInOrder(const SpringSchedule& schedule, const Particles& particles,
-                                    int threads) {
-  const auto slots = static_cast<std::size_t>(particles.slots);
-  std::vector<int> prepared(slots, 0);
-  std::vector<std::int32_t> last(slots, -1);
+/// Springs move every particle in the order of their positions, on so many threads.
+void expectSweepsInOrder(const SpringSchedule& schedule, const Particles& particles, int threads) {
+  std::vector<std::int32_t> last(static_cast<std::size_t>(particles.slots), -1);
   std::atomic<int> faults{0};
   const auto meet = [&](std::int32_t slot, std::int32_t position) {
-    if (prepared[slot] != 1 || last[slot] >= position) ++faults;
+    if (last[slot] >= position) ++faults;
     last[slot] = position;
   };
   const ThreadLimit limit(threads);
   ThreadPool pool;
   const ThreadPool::ParallelRegion region(pool);
-  const auto visit = [&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
+  schedule.sweepSpans([&](const SpringSchedule::Span* span, const SpringSchedule::Span* end) {
     for (; span != end; ++span) {
       schedule.visit(*span, [&](const SpringSchedule::Element& spring) {
         meet(spring.a, spring.position);
         meet(spring.b, spring.position);
       });
     }
-  };
-  const auto prepare = [&](std::size_t first, std::size_t end) {
-    for (std::size_t slot = first; slot < end; ++slot) ++prepared[slot];
-  };
-  schedule.sweepOriginals(particles.slots, prepare, visit);
-  schedule.sweepOverflow(visit);
+  });
   EXPECT_EQ(faults.load(), 0);
-  EXPECT_EQ(std::count(prepared.begin(), prepared.end(), 1), static_cast<std::int64_t>(slots));
 }
 
-TEST(SpringSchedule, PreparesEveryParticleBeforeItsSpringsOnAnyNumberOfThreads) {
+TEST(SpringSchedule, SweepsEachParticleInOrderOnAnyNumberOfThreads) {
   Generator random(7);
   for (const auto& [columns, rows] : {std::pair(3, 4), std::pair(64, 90), std::pair(150, 200)}) {
     Scheduled cloth(clothOf(columns, rows, 0.01));
     for (int edits = 0; edits < 4; ++edits) {
       for (int again = 0; again < 20; ++again) {
         for (const int threads : {1, 2, 3}) {
-          expectPreparesAndSweepsInOrder(cloth.schedule, cloth.particles, threads);
+          expectSweepsInOrder(cloth.schedule, cloth.particles, threads);
         }
       }
-      cloth.follow(cloth.edit(random));
+      cloth.applyChanges(cloth.edit(random));
     }
   }
 }
 
-TEST(SpringSchedule, PreparesParticlesInAnyOrderBeforeTheirSprings) {
+TEST(SpringSchedule, SweepsParticlesThatAreNumberedAtRandomInOrder) {
   Model model = buildModel(clothOf(80, 80, 0.01));
   std::vector<std::int32_t> at(static_cast<std::size_t>(model.particleCount()));  // by vertex
   std::iota(at.begin(), at.end(), 0);
@@ -310,18 +293,8 @@ TEST(SpringSchedule, PreparesParticlesInAnyOrderBeforeTheirSprings) {
   particles.layOut(model);
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);
-  expectBatchesAreConflictFree(schedule);
-  for (const int threads : {1, 2, 3}) expectPreparesAndSweepsInOrder(schedule, particles, threads);
-}
-
-TEST(SpringSchedule, OneThreadGoesOverAGridAsAWave) {
-  const Scheduled grid(clothOf(150, 200, 0.01));
-  expectSweepsEachParticleInOrder(grid.schedule);
-  const std::vector<std::int32_t> swept = sweptAlone(grid.schedule);
-  const SpringSchedule::ColourGroup& first = grid.schedule.groups().front();
-  const auto isLater = [&](std::int32_t position) { return position >= first.springs; };
-  const auto later = std::find_if(swept.begin(), swept.end(), isLater);
-  EXPECT_LT(later - swept.begin(), first.springs / 2) << "the second group waits for the first one";
+  expectGroupsAreConflictFree(schedule);
+  for (const int threads : {1, 2, 3}) expectSweepsInOrder(schedule, particles, threads);
 }
 
 TEST(SpringSchedule, HoldsAParticleWithMoreSpringsThanOneWordHasColours) {
@@ -343,9 +316,9 @@ TEST(SpringSchedule, StaysCompleteAndConflictFreeOverCutsAndRefinements) {
   for (int sequence = 0; sequence < 10; ++sequence) {
     Scheduled cloth(clothOf(whole(random, 2, 12), whole(random, 2, 20), 0.05));
     for (int edit = 0; edit < 8; ++edit) {
-      cloth.follow(cloth.edit(random));
+      cloth.applyChanges(cloth.edit(random));
       expectHoldsEverySpringOnce(cloth.model, cloth.schedule, cloth.particles.slotOf);
-      expectBatchesAreConflictFree(cloth.schedule);
+      expectGroupsAreConflictFree(cloth.schedule);
       expectSweepsEachParticleInOrder(cloth.schedule);
       const std::vector<SpringSchedule::Span>& spans = cloth.schedule.spans();
       EXPECT_TRUE(std::none_of(spans.begin() + cloth.schedule.firstOverflow(), spans.end(),
@@ -363,7 +336,7 @@ TEST(SpringSchedule, DependsOnTheSlotsAloneAndNotOnTheOrderOfEdits) {
   SpringChanges all;
   std::set<std::int32_t> seen;
   for (int edit = 0; edit < 8; ++edit) {
-    stepwise.follow(stepwise.edit(random));
+    stepwise.applyChanges(stepwise.edit(random));
     const ModelChanges changes = atOnce.edit(again);
     for (const auto* slots :
          {&changes.springs.added, &changes.springs.modified, &changes.springs.removed}) {
@@ -371,7 +344,7 @@ TEST(SpringSchedule, DependsOnTheSlotsAloneAndNotOnTheOrderOfEdits) {
     }
   }
   all.modified.assign(seen.begin(), seen.end());
-  atOnce.schedule.follow(atOnce.model, all, atOnce.particles.slotOf);
+  atOnce.schedule.applyChanges(atOnce.model, all, atOnce.particles.slotOf);
   expectSame(atOnce.schedule, stepwise.schedule);
 }
 
