@@ -31,16 +31,16 @@ INSTANTIATE_TEST_SUITE_P(Registry, Determinism,
                          [](const auto& test) { return test.param; });
 
 TEST_P(Determinism, OneThreadOrTwoOrFour) {
-  // 64 x 64 has enough springs for more than one strand of 2048, so that sweeps split over threads.
+  // 64 x 64 has enough springs for more than one block of 2048, so that sweeps split over threads.
   const Model model = buildModel(busyScene(GetParam()).cloths[0]);
   Particles particles;
   particles.layOut(model);
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);
   int parts = 0;
-  for (const SpringSchedule::Batch& batch : schedule.batches()) {
-    const int strands = batch.endStrand - batch.firstStrand;
-    if (batch.springs >= 2048 * strands) parts = std::max(parts, strands);
+  for (const SpringSchedule::ColourGroup& group : schedule.groups()) {
+    const int blocks = group.endBlock - group.firstBlock;
+    if (group.springs >= 2048 * blocks) parts = std::max(parts, blocks);
   }
   ASSERT_GE(parts, 2) << "the scene has too few springs to split";
 
