@@ -20,18 +20,20 @@ struct SymmetricBlocks {
 /// The block Jacobi preconditioner: z = B^-1 r, B the blocks on the diagonal.
 class BlockJacobi {
  public:
+  /// Sets every block to a multiple of the identity, and gives access to add to them.
+  /// \param diagonal  by slot.
+  SymmetricBlocks& reset(const ScalarArray& diagonal);
   /// Replaces the blocks by their inverses; a block with `isAbsent(slot)` by zero.
   template <typename IsAbsent>
-  void factorise(SymmetricBlocks blocks, const IsAbsent& isAbsent) {
-    inverse_ = std::move(blocks);
-    for (std::size_t k = 0; k < inverse_.diagonal.x.size(); ++k) invert(k, isAbsent(k));
+  void factorise(const IsAbsent& isAbsent) {
+    for (std::size_t k = 0; k < blocks_.diagonal.x.size(); ++k) invert(k, isAbsent(k));
   }
   void apply(const VectorArray& r, VectorArray& z) const;
 
  private:
   void invert(std::size_t slot, bool isAbsent);
 
-  SymmetricBlocks inverse_;
+  SymmetricBlocks blocks_;  ///< their inverses after `factorise`
 };
 
 }  // namespace cloth_sim

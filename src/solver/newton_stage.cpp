@@ -117,15 +117,12 @@ double NewtonStage::potential(const Substep& now, const ImplicitStage& stage) co
 void NewtonStage::linearise(Substep& now, double tau) {
   now.springs.linearise(now.particles.x, tau * tau, tau);
   bendFactor_ = tau * tau + tau * bending_.retardation();
-  SymmetricBlocks blocks;
-  blocks.diagonal.x = blocks.diagonal.y = blocks.diagonal.z = diagonal_;
-  setZero(diagonal_.size(), blocks.offDiagonal);
+  SymmetricBlocks& blocks = preconditioner_.reset(diagonal_);
   now.springs.addDiagonalBlocks(blocks);
   for (std::size_t k = 0; k < diagonal_.size(); ++k) {
     blocks.add(k, Vec3::Constant(bendFactor_ * bending_.diagonal(k)), Vec3::Zero());
   }
-  preconditioner_.factorise(std::move(blocks),
-                            [&](std::size_t slot) { return diagonal_[slot] <= 0.0; });
+  preconditioner_.factorise([&](std::size_t slot) { return diagonal_[slot] <= 0.0; });
 }
 
 /// q = A p. Rows of particles with prescribed motion count as absent.
