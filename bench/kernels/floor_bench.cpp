@@ -52,7 +52,7 @@ template <typename Real>
   Real* const yb = ya + run.stride;
   Real* const zb = za + run.stride;
   const Real rest = run.rest;
-#pragma GCC ivdep
+  CLOTH_SIM_NO_ALIAS_LOOP
   for (std::size_t k = 0; k < run.count; ++k) {
     const Real dx = xb[k] - xa[k];
     const Real dy = yb[k] - ya[k];

@@ -8,6 +8,7 @@
 namespace cloth_sim {
 namespace {
 
+/// Fewer elements are not worth a second thread.
 constexpr std::int32_t kGrainElements = 512;
 
 bool sameStencil(const PlateElement& a, const PlateElement& b) {
@@ -20,7 +21,7 @@ bool sameStencil(const PlateElement& a, const PlateElement& b) {
   return true;
 }
 
-/// Elements with the same stencil, joined.
+/// The elements, those with the same stencil joined into one.
 std::vector<PlateElement> joined(const PlateBending& bending) {
   std::vector<std::size_t> order;
   for (std::size_t e = 0; e < bending.elements().size(); ++e) {
@@ -41,49 +42,59 @@ std::vector<PlateElement> joined(const PlateBending& bending) {
   return result;
 }
 
+/// Colours elements greedily: each gets the smallest colour that none of its particles has yet.
+/// \return indices of elements by colour.
+std::vector<std::vector<std::size_t>> coloured(const std::vector<PlateElement>& elements,
+                                               const Particles& particles) {
+  std::vector<std::vector<bool>> isTaken;  // by colour, by slot
+  std::vector<std::vector<std::size_t>> colours;
+  const auto forSlots = [&](const PlateElement& element, const auto& visit) {
+    for (int k = 0; k < element.count; ++k) {
+      visit(
+          static_cast<std::size_t>(particles.slotOf[element.vertex[static_cast<std::size_t>(k)]]));
+    }
+  };
+  const auto isFree = [&](std::size_t colour, const PlateElement& element) {
+    bool isAny = false;
+    forSlots(element, [&](std::size_t slot) { isAny = isAny || isTaken[colour][slot]; });
+    return !isAny;
+  };
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    std::size_t colour = 0;
+    while (colour < isTaken.size() && !isFree(colour, elements[e])) ++colour;
+    if (colour == isTaken.size()) {
+      isTaken.emplace_back(static_cast<std::size_t>(particles.slots), false);
+      colours.emplace_back();
+    }
+    colours[colour].push_back(e);
+    forSlots(elements[e], [&](std::size_t slot) { isTaken[colour][slot] = true; });
+  }
+  return colours;
+}
+
 }  // namespace
 
 void BendProjection::build(const PlateBending& bending, const Particles& particles) {
-  const std::vector<PlateElement> all = joined(bending);
-  // Greedily, the smallest colour that no particle of the element has yet.
-  std::vector<std::vector<bool>> seen;  // by colour, by slot
-  std::vector<std::vector<std::size_t>> ofColour;
-  const auto isFree = [&](std::size_t colour, const PlateElement& element) {
-    for (int k = 0; k < element.count; ++k) {
-      const VertexId v = element.vertex[static_cast<std::size_t>(k)];
-      if (seen[colour][static_cast<std::size_t>(particles.slotOf[v])]) return false;
-    }
-    return true;
-  };
-  for (std::size_t e = 0; e < all.size(); ++e) {
-    std::size_t colour = 0;
-    while (colour < seen.size() && !isFree(colour, all[e])) ++colour;
-    if (colour == seen.size()) {
-      seen.emplace_back(static_cast<std::size_t>(particles.slots), false);
-      ofColour.emplace_back();
-    }
-    ofColour[colour].push_back(e);
-    for (int k = 0; k < all[e].count; ++k) {
-      const VertexId v = all[e].vertex[static_cast<std::size_t>(k)];
-      seen[colour][static_cast<std::size_t>(particles.slotOf[v])] = true;
-    }
-  }
+  const std::vector<PlateElement> elements = joined(bending);
   elements_.clear();
   firstOfColour_.assign(1, 0);
-  for (const std::vector<std::size_t>& colour : ofColour) {
-    for (const std::size_t e : colour) {
-      Element element{};
-      element.weight = all[e].weight;
-      element.stiffness = all[e].stiffness;
-      element.count = all[e].count;
-      for (int k = 0; k < element.count; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        element.slot[i] = particles.slotOf[all[e].vertex[i]];
-      }
-      elements_.push_back(element);
-    }
+  for (const std::vector<std::size_t>& colour : coloured(elements, particles)) {
+    for (const std::size_t e : colour) elements_.push_back(packed(elements[e], particles));
     firstOfColour_.push_back(static_cast<std::int32_t>(elements_.size()));
   }
+}
+
+BendProjection::Element BendProjection::packed(const PlateElement& element,
+                                               const Particles& particles) {
+  Element result{};
+  result.weight = element.weight;
+  result.stiffness = element.stiffness;
+  result.count = element.count;
+  for (int k = 0; k < element.count; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    result.slot[i] = particles.slotOf[element.vertex[i]];
+  }
+  return result;
 }
 
 void BendProjection::setStep(double h, double retardation, const ScalarArray& inverseMass) {
@@ -99,7 +110,7 @@ void BendProjection::setStep(double h, double retardation, const ScalarArray& in
       sum += w * element.weight[i] * element.weight[i];
       element.held = element.held || w == 0.0;
     }
-    element.gain = 1.0 / ((1.0 + gamma_) * sum + 1.0 / (element.stiffness * h * h));
+    element.factor = 1.0 / ((1.0 + gamma_) * sum + 1.0 / (element.stiffness * h * h));
     if (element.held && sum > 0.0) held_.push_back(e);
   }
 }
@@ -118,7 +129,7 @@ Vec3 BendProjection::apply(const Element& element, Particles& p) const {
     }
     curvature += gamma_ * (curvature - before);
   }
-  const Vec3 multiplier = -element.gain * curvature;
+  const Vec3 multiplier = -element.factor * curvature;
   for (int k = 0; k < element.count; ++k) {
     const auto i = static_cast<std::size_t>(k);
     const auto slot = static_cast<std::size_t>(element.slot[i]);

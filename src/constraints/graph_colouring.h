@@ -1,5 +1,5 @@
 #pragma once
-/// \file Springs in colours: no two of a colour share a particle.
+/// \file Graph colouring of springs: no two springs of a colour share a particle.
 
 #include <vector>
 
@@ -7,9 +7,10 @@
 
 namespace cloth_sim {
 
-/// \return by colour, none of them empty: spring slots. On a grid few colours suffice, and those of
-/// springs that share few rows follow each other.
-/// \param slots  those that are gone have no colour.
+/// Colours springs greedily; each prefers the colour that it would have on a regular grid. A grid
+/// needs fourteen colours, numbered so that colours which share few rows are neighbours.
+/// \param slots  spring slots to colour; springs that are gone get no colour.
+/// \return spring slots by colour; no colour is empty.
 std::vector<std::vector<std::int32_t>> colourSprings(const Model& model,
                                                      const std::vector<std::int32_t>& slots);
 

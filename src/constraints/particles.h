@@ -1,6 +1,5 @@
 #pragma once
-/// \file A solver's own copy of the particles, as structure of arrays in an order that suits
-/// sweeps.
+/// \file The particles of a solver: a structure of arrays in an order that suits sweeps.
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
@@ -9,10 +8,12 @@
 
 namespace cloth_sim {
 
-/// Particles in slots. Of a cloth that is a grid, each row is stored as its columns 0, 4, 8, ...,
-/// then 1, 5, ..., 2, 6, ... and 3, 7, ...: then springs that span one or two columns, and that a
-/// colouring lets run together, have their ends in two contiguous stretches, and a sweep needs no
-/// gathers.
+/// Particle data by slot, shape (slots,). A vertex keeps its slot for good; slots of removed
+/// vertices stay empty.
+///
+/// A row of a grid is stored as its columns 0, 4, 8, ..., then 1, 5, ..., then 2, 6, ... and 3, 7,
+/// .... Springs of one colour that span one or two columns then join two contiguous ranges of
+/// slots, so that a sweep needs no gathers.
 struct Particles {
   VectorArray x;                     ///< [m]
   VectorArray start;                 ///< positions at the start of the substep [m]
@@ -21,11 +22,12 @@ struct Particles {
   ScalarArray inverseMass;           ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
 
-  std::int32_t slots = 0;  ///< some may be empty, with mass 0
+  std::int32_t slots = 0;  ///< number of slots; empty ones have mass 0
 
+  /// Number of particles.
   std::int32_t count() const { return static_cast<std::int32_t>(slotOf.size()); }
 
-  /// Which slots there are. Values come with `load` and `loadMasses`, after `resize`.
+  /// Saves the layout. Values follow by `load` and `loadMasses`, after `resize`.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(slotOf, slots);
@@ -35,14 +37,16 @@ struct Particles {
   void layOut(const Model& model);
   /// Adds slots for the vertices that an edit made.
   void applyChanges(const MeshChanges& changes);
+  /// Copies positions and velocities from a state ...
   void load(const State& state);
+  /// ... and back.
   void store(State& state) const;
-  /// Whether everything is finite, and no particle faster than this [m/s].
+  /// Whether all numbers are finite and all particles slower than `speed` [m/s].
   bool areSlowerThan(double speed) const;
   /// Sets masses; the particles in `kinematic` get zero.
   void loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic);
   ParticleView view();
-  /// Makes room for every slot.
+  /// Gives every array one entry a slot; masses are zero then.
   void resize();
 };
 

@@ -6,16 +6,16 @@
 
 namespace cloth_sim {
 
-/// Adds to `force` the force of every spring, f = -(k (l - l0) + c dl/dt) along it [N].
+/// Adds the force of every spring, f = -(k (l - l0) + c dl/dt) along it [N], to `force` by slot.
 void addSpringForces(const SpringSchedule& schedule, const VectorArray& x, const VectorArray& v,
                      VectorArray& force);
 
-/// The same for one spring.
+/// Adds the force of one spring.
 void addSpringForce(const SpringSchedule::Element& spring, const VectorArray& x,
                     const VectorArray& v, VectorArray& force);
 
-/// Sum of 1/2 k (l - l0)^2 + tau/2 c (dl/dt)^2: its change along the motion x' = v is what springs
-/// and dashpots take in the time tau, for methods that search along a line [J].
+/// The sum of 1/2 k (l - l0)^2 + tau/2 c (dl/dt)^2 over all springs [J]: the part of springs and
+/// dashpots in the incremental potential of an implicit stage of length tau [s].
 double springPotential(const SpringSchedule& schedule, const VectorArray& x, const VectorArray& v,
                        double tau);
 

@@ -100,10 +100,7 @@ void BendMatrix::addProduct(double s, const VectorArray& x, VectorArray& out) co
   });
 }
 
-// Not inlined: profiles, and the test that counts instructions, know what bending costs by its
-// name.
-[[gnu::noinline]] void BendMatrix::addForces(const VectorArray& x, const VectorArray& v,
-                                             VectorArray& force) const {
+void BendMatrix::addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const {
   addProduct(-1.0, x, force);
   if (retardation_ > 0.0) addProduct(-retardation_, v, force);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The stiffness matrix of a bending energy, for methods that integrate forces.
+/// \file The stiffness matrix of a bending energy.
 
 #include "cloth_sim/cloth/model.h"
 #include "constraints/particles.h"
@@ -17,13 +17,13 @@ class BendMatrix {
   void addProduct(double s, const VectorArray& x, VectorArray& out) const;
   /// force -= K (x + retardation v) [N].
   void addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const;
-  /// The same for one slot.
+  /// Adds the force on the particle in one slot [N].
   void addForce(std::size_t slot, const VectorArray& x, const VectorArray& v,
                 VectorArray& force) const;
   /// 1/2 x^T K x + tau/2 retardation v^T K v: see springPotential [J].
   double potential(const VectorArray& x, const VectorArray& v, double tau) const;
   double retardation() const { return retardation_; }
-  /// The entry of a slot on the diagonal [N/m].
+  /// The diagonal entry of a slot [N/m]; 0 if there is no bending energy.
   double diagonal(std::size_t slot) const {
     return slot < diagonal_.size() ? diagonal_[slot] : 0.0;
   }

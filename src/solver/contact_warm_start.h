@@ -1,33 +1,34 @@
 #pragma once
-/// \file What obstacles did in the substep before, for methods that let them act after a solve.
+/// \file Warm starting of contact forces, for methods that enforce contacts after a global solve.
 
 #include "cloth_sim/contact/contacts.h"
 #include "constraints/particles.h"
 
 namespace cloth_sim {
 
-/// A method that solves for the springs as if there were no obstacles, and then moves particles out
-/// of them, strains the cloth where it stands on them: the weight that an obstacle bears has pulled
-/// it in before it is pushed out. So the forces of the obstacles in the last substep take part in
-/// the solve. What they do to a free particle is then taken back and they are found anew, as a
-/// whole: pushing or not, sticking or slipping is decided for the sum, not for what has been added
-/// (accumulated impulses: Catto, Iterative Dynamics with Temporal Coherence, 2005). At rest what is
-/// taken back is what comes anew.
+/// Contact forces of the last substep, which take part in the solve of the next one.
 ///
-/// Of what is remembered a part is forgotten in each substep: a force that no longer acts dies out
-/// although its own particle, tied to stiff springs, hardly moves by it.
+/// Without them the solve would pull the cloth into an obstacle by the weight that the obstacle
+/// bears, and pushing it out afterwards would strain it there. After the solve the displacement by
+/// the remembered forces is taken back from each particle near an obstacle, and its whole contact
+/// force is found anew: contact or not, sticking or slipping is decided for the accumulated
+/// impulse, not for the increment (Catto, Iterative Dynamics with Temporal Coherence, 2005).
+///
+/// Each substep forgets 5 % of a force, so that a force whose contact has ended dies out even where
+/// stiff springs keep its particle from moving.
 class ContactWarmStart {
  public:
-  /// To be called before the first substep, of length h, of a step: who may touch what in it. A
-  /// step that begins when the last one began, but for rounding, replaces it.
+  /// Begins a step: keeps the forces on particles that may touch an obstacle in it. A step that
+  /// begins at the same time as the last one, but for rounding, is that step done again.
   /// \param time  at the start of the step [s].
+  /// \param h     length of its substeps [s].
   void begin(const Contacts& contacts, const Particles& particles, double time, double h);
 
   /// Adds the forces of the last substep [N].
   void addForces(const ScalarArray& mass, VectorArray& force) const;
 
-  /// Enforces the contacts of a substep that was solved with these forces. Particles near obstacles
-  /// get the velocities that lead from `start` to where they are now.
+  /// Enforces the contacts of a substep that was solved with these forces, and remembers the forces
+  /// that result. Velocities of particles near obstacles become (x - start) / h.
   void enforce(double time, double h, Contacts& contacts, Particles& particles);
 
   template <class Archive>
@@ -36,19 +37,20 @@ class ContactWarmStart {
   }
 
  private:
-  /// By particle.
+  /// Contact forces by particle, arrays of one size.
   struct Forces {
     std::vector<std::int32_t> slots;
-    std::vector<Vec3> acceleration;  ///< by the forces of obstacles alone [m/s^2]
+    std::vector<Vec3> acceleration;  ///< force over mass [m/s^2]
   };
 
   void list(std::int32_t slot);
 
   Forces now_;
-  Forces atStart_;                     ///< of the step
-  Forces listed_;                      ///< while it begins
-  std::vector<std::int32_t> indexOf_;  ///< in now_, by slot, while a step begins; kNone otherwise
-  double startTime_ = -1.0;            ///< [s]
+  Forces atStart_;  ///< forces at the start of the step
+  Forces listed_;   ///< forces while a step begins
+  std::vector<std::int32_t>
+      indexOf_;              ///< index in now_ by slot, while a step begins; otherwise kNone
+  double startTime_ = -1.0;  ///< [s]
 };
 
 }  // namespace cloth_sim

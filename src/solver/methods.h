@@ -1,5 +1,5 @@
 #pragma once
-/// \file One function per method file: its row of the registry.
+/// \file The registry rows of all methods; each is defined in the method's own file.
 
 #include "cloth_sim/solver/registry.h"
 

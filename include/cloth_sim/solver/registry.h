@@ -1,5 +1,5 @@
 #pragma once
-/// \file The methods there are. A new one is a file in src/solver and a row in registry.cpp.
+/// \file The registry of methods. A new method is a file in src/solver and a row in registry.cpp.
 
 #include <functional>
 #include <limits>
@@ -20,20 +20,22 @@ struct SolverParameter {
   std::string description;  ///< one line
 };
 
-/// Options by name. Complete (every parameter of the method) after `completeParameters`.
+/// Values by parameter name. After `completeParameters` every parameter of the method is there.
 using SolverParameters = std::map<std::string, double>;
 
+/// A row of the registry: facts about a method that users, tests and the study need.
 struct SolverInfo {
   std::string name;         ///< as scenes write it: "xpbd"
   std::string title;        ///< "Extended position-based dynamics with small steps"
-  std::string reference;    ///< paper
-  std::string limitations;  ///< one line
-  int order = 1;            ///< of convergence in the time step on smooth problems; 0: none
-  /// Whether the stiffness of springs is what the fabric says. If not, the method's own parameters
-  /// set it, it changes with the step, and a bending energy is refused.
+  std::string reference;    ///< paper or book, with the year
+  std::string limitations;  ///< where the method is wrong or fails; one line
+  int order = 1;            ///< order of convergence in the time step on smooth problems; 0: none
+  /// Whether the cloth is as stiff as the fabric. If not, stiffness follows from the method's own
+  /// parameters and the step, and a bending energy is refused.
   bool followsFabric = true;
-  /// Largest omega h, h the length of a substep, at which an undamped oscillator of the angular
-  /// frequency omega stays bounded. Infinity: there is no such limit; 0: it never does.
+  /// Stability limit: the largest omega h at which an undamped oscillator of angular frequency
+  /// omega stays bounded in substeps of length h. Infinity: unconditionally stable; 0: never
+  /// stable.
   double stabilityLimit = std::numeric_limits<double>::infinity();
   std::vector<SolverParameter> parameters;
   std::function<std::unique_ptr<Solver>(const Model&, const SolverParameters&)> create;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What every time-stepping method looks like from outside.
+/// \file The interface of time-stepping methods.
 
 #include <memory>
 #include <optional>
@@ -18,8 +18,8 @@ namespace cloth_sim {
 using StateWriter = cereal::PortableBinaryOutputArchive;  ///< see sim/archive.h
 using StateReader = cereal::PortableBinaryInputArchive;
 
-/// A particle whose motion is prescribed during a step (by a clamp or a pin): it moves on a
-/// straight line from where the state has it to `position`.
+/// Prescribed motion of a particle during a step, by a clamp or a pin: on a straight line from
+/// where the state has it to `position`.
 struct KinematicTarget {
   VertexId vertex = kNone;
   Vec3 position = Vec3::Zero();  ///< at the end of the step [m]
@@ -31,8 +31,9 @@ struct KinematicTarget {
   }
 };
 
-/// Air that moves past the cloth and presses on each face by its relative velocity r and unit
-/// normal n: f = 1/2 density dragCoefficient A |r.n| (r.n) n, a third to each corner.
+/// Wind pressure on faces. A face of area A and unit normal n, past which air moves with the
+/// relative velocity r, gets the force f = 1/2 density dragCoefficient A |r.n| (r.n) n, a third at
+/// each corner.
 struct Wind {
   Vec3 velocity = Vec3::Zero();  ///< of the air [m/s]
   double density = 1.2;          ///< of the air [kg/m^3]
@@ -59,12 +60,12 @@ struct PointForce {
 struct Controls {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);    ///< [m/s^2]
   double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
-  std::optional<Wind> wind;                ///< absent: no face is visited
+  std::optional<Wind> wind;                ///< if absent, no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
-  std::vector<PointForce> forces;          ///< in any order; none: not looked at
-  std::vector<LengthLimit> limits;         ///< where one is passed, the step ends early
+  std::vector<PointForce> forces;          ///< in any order
+  std::vector<LengthLimit> limits;         ///< the step ends early where one is passed
 
-  /// Whether anything presses or pulls on particles, besides gravity and drag.
+  /// Whether wind or point forces act.
   bool hasLoads() const { return wind.has_value() || !forces.empty(); }
 
   template <class Archive>
@@ -73,31 +74,32 @@ struct Controls {
   }
 };
 
-/// How far a solver goes, and how finely.
+/// Length and division of a step.
 struct StepLength {
   double dt = 0.0;             ///< of the whole step [s], > 0
-  double substepFactor = 1.0;  ///< times the substeps that the method was configured with, > 0
-  double done = 0.0;           ///< share of the step that has passed already, in [0, 1)
+  double substepFactor = 1.0;  ///< multiplies the configured number of substeps, > 0
+  double done = 0.0;           ///< fraction of the step that has passed already, in [0, 1)
 
-  double left() const { return (1.0 - done) * dt; }  ///< [s]
+  /// Time that is left of the step [s].
+  double left() const { return (1.0 - done) * dt; }
 };
 
 enum class StepStatus {
   kOk,
-  kDiverged,  ///< something is not finite, or faster than 10 km/s
+  kDiverged,  ///< a number is not finite, or a particle faster than 10 km/s
 };
 
+/// Outcome of a step.
 struct StepReport {
   StepStatus status = StepStatus::kOk;
-  double fraction = 1.0;     ///< of the whole step that has passed, below 1 if it ended early
-  bool passedLimit = false;  ///< in the last substep
-  double substep = 0.0;      ///< length [s]
-  int substeps = 0;          ///< that a whole step has
-  int iterations = 0;        ///< over all substeps
+  double fraction = 1.0;     ///< of the whole step that has passed; below 1 if it ended early
+  bool passedLimit = false;  ///< whether a length limit was passed in the last substep
+  double substep = 0.0;      ///< length of a substep, h [s]
+  int substeps = 0;          ///< number of substeps in a whole step
+  int iterations = 0;        ///< of the method, over all substeps
   double residual = 0.0;     ///< of the last substep, in the method's own measure (0: it has none)
-  /// Mean force over what has been stepped that the cloth's springs, damping, weight, wind and
-  /// inertia put on each kinematic target, in the order of Controls::kinematic [N]: what its holder
-  /// must bear.
+  /// Reactions [N], in the order of Controls::kinematic: the mean force that springs, damping,
+  /// weight, wind and inertia of the cloth put on the holder of each kinematic particle.
   std::vector<Vec3> reactions;
 };
 
@@ -107,24 +109,23 @@ class Solver {
  public:
   virtual ~Solver() = default;
 
-  /// Advances `state` to the end of the step, or of the first substep in which a limit was passed;
-  /// if it diverges, says so in the status and leaves the state as it was.
-  /// Allocates nothing once warm.
+  /// Advances `state` to the end of the step, or to the end of the first substep in which a length
+  /// limit is passed. If the method diverges, the report says so and the state is as it was.
+  /// Allocates no memory once arrays have their sizes.
   virtual const StepReport& step(const Model& model, State& state, const Controls& controls,
                                  Contacts& contacts, const StepLength& length) = 0;
 
-  /// How many substeps a step takes whose `substepFactor` is 1.
+  /// Number of substeps in a step with a `substepFactor` of 1.
   virtual int substeps() const = 0;
 
-  /// To be called after every edit of the model, before the next step.
+  /// Follows an edit of the model. To be called after every edit, before the next step.
   virtual void onModelChanged(const Model& model, const ModelChanges& changes) = 0;
 
-  /// Writes what earlier steps and edits left behind, that the next step depends on to the bit, and
-  /// that does not follow from the model and the state.
+  /// Saves the memory of the method: whatever the next step depends on, to the bit, besides the
+  /// model and the state.
   virtual void save(StateWriter& archive) const = 0;
-  /// Reads it, in a solver that was made for the undamaged model with the same parameters; it then
-  /// goes on as the one that was saved would.
-  /// \param model  as it was when the solver was saved.
+  /// Loads what `save` wrote, into a solver made for the undamaged model with the same parameters.
+  /// It then continues as the saved one would. \param model  as it was when the solver was saved.
   virtual void load(StateReader& archive, const Model& model) = 0;
 };
 

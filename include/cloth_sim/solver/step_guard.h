@@ -1,25 +1,25 @@
 #pragma once
-/// \file What to do about a step that a method does not stand.
+/// \file The step guard: what happens to a step beyond a method's stability limit.
 
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/solver/registry.h"
 
 namespace cloth_sim {
 
-/// For substeps longer than a method is surely stable with.
+/// The treatment of substeps beyond the stability limit.
 enum class StepGuard {
-  kAllow,      ///< they are taken
-  kSubdivide,  ///< there are more of them instead
-  kRefuse,     ///< the scene is refused
+  kAllow,      ///< takes them as they are
+  kSubdivide,  ///< takes more and shorter ones
+  kRefuse,     ///< refuses the scene
 };
 
-/// What the guard over the steps has done.
+/// Counts of the guard's interventions.
 struct GuardRecord {
-  int configuredSubsteps = 0;  ///< what the scene asks for
-  int chosenSubsteps = 0;      ///< what it got when it was loaded
+  int configuredSubsteps = 0;  ///< substeps of a step that the scene asks for
+  int chosenSubsteps = 0;      ///< substeps of a step that the guard chose at load
   int redone = 0;              ///< attempts at a step that were rolled back
-  int finest = 1;              ///< most times that a step was divided further
-  double lastRedone = 0.0;     ///< simulated time of the last of them [s]
+  int finest = 1;              ///< largest factor by which a step was divided further
+  double lastRedone = 0.0;     ///< simulated time of the last attempt rolled back [s]
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -27,14 +27,15 @@ struct GuardRecord {
   }
 };
 
-/// Substeps by which `info`'s method is stable in steps of `dt`, from its limit of stability and
-/// the fastest mode; 1 if it has no limit. \throws std::invalid_argument if no number of substeps
-/// makes it stable.
+/// The least number of substeps with which a method is stable in steps of length `dt` [s]: from its
+/// stability limit and the fastest mode of the cloth. 1 for an unconditionally stable method.
+/// \throws std::invalid_argument if no number of substeps makes it stable.
 int stableSubsteps(const SolverInfo& info, const FastestMode& mode, double dt);
 
-/// The parameters of a method as the guard leaves them.
-/// \param parameters  complete.
-/// \throws std::invalid_argument with what is wrong and how many substeps it takes.
+/// Applies the guard to the parameters of a method.
+/// \param parameters  complete (completeParameters).
+/// \return the parameters, with more substeps if the guard subdivides.
+/// \throws std::invalid_argument naming the substeps needed, if the guard refuses.
 SolverParameters guardStep(StepGuard guard, const SolverInfo& info, const FastestMode& mode,
                            double dt, SolverParameters parameters);
 
