@@ -13,8 +13,7 @@ namespace {
 using std::chrono::duration;
 using std::chrono::duration_cast;
 
-constexpr double kMeasuringWindow = 0.5;  ///< [s]
-constexpr double kMaxLag = 0.1;           ///< a longer delay behind the pace is not made up for [s]
+constexpr double kMaxLag = 0.1;  ///< a longer delay behind the pace is not made up for [s]
 
 std::string failureMessage(const Simulation& simulation) {
   return "the simulation has failed (" + simulation.failure() + "); reset it";
@@ -29,7 +28,7 @@ SimulationThread::SimulationThread(Scene scene, const RunSettings& settings)
       paused_(settings.paused) {
   publish();
   tellTime();
-  startMeasuring();
+  meter_.restart(simulation_.time());
   thread_ = std::thread([this] { run(); });
 }
 
@@ -144,11 +143,7 @@ void SimulationThread::cancelRun(std::uint64_t number) {
 }
 
 Observation SimulationThread::observe() const {
-  Observation result;
-  {
-    const std::lock_guard<std::mutex> lock(outputMutex_);
-    result = observation_;
-  }
+  Observation result = board_.latest();
   const std::lock_guard<std::mutex> lock(requestMutex_);
   result.paused = paused_;
   result.realTimeFactorAsked = realTimeFactorAsked_;
@@ -160,28 +155,6 @@ Observation SimulationThread::observeWhole(std::chrono::milliseconds timeout) {
   inspect([](const Simulation& /*simulation*/) {},
           timeout);  // a request that somebody waits for publishes figures
   return observe();
-}
-
-FailureBatch SimulationThread::takeEvents() {
-  const std::lock_guard<std::mutex> lock(outputMutex_);
-  return {failures_.resets, std::exchange(failures_.before, {}),
-          std::exchange(failures_.events, {})};
-}
-
-void SimulationThread::waitForObservation(std::uint64_t seen,
-                                          std::chrono::duration<double> timeout) const {
-  std::unique_lock<std::mutex> lock(outputMutex_);
-  observed_.wait_for(lock, timeout, [&] { return observation_.number > seen; });
-}
-
-std::vector<CommandRecord> SimulationThread::takeCommands() {
-  const std::lock_guard<std::mutex> lock(outputMutex_);
-  return std::exchange(commands_, {});
-}
-
-std::vector<GripEvent> SimulationThread::takeGripEvents() {
-  const std::lock_guard<std::mutex> lock(outputMutex_);
-  return std::exchange(gripEvents_, {});
 }
 
 void SimulationThread::run() {
@@ -290,14 +263,10 @@ CommandResult SimulationThread::applyCommand(const Command& command) {
   CommandRecord record{0, simulation_.stepCount(), simulation_.time(), command};
   const CommandResult result = simulation_.apply(command);
   if (!result.success) return result;
-  {
-    const std::lock_guard<std::mutex> lock(outputMutex_);
-    record.number = commandCount_++;
-    commands_.push_back(std::move(record));
-  }
+  board_.addCommand(std::move(record));
   if (replacesCloth(command)) beginAnew();
   if (changesTime(command)) {
-    startMeasuring();
+    meter_.restart(simulation_.time());
     figurePace_ = Pace();
     tellTime();
   }
@@ -313,8 +282,7 @@ void SimulationThread::beginAnew() {
   const std::vector<FailureEvent> pending = simulation_.takeEvents();
   const auto& all = simulation_.failures();
   const auto told = all.end() - static_cast<std::ptrdiff_t>(pending.size());
-  const std::lock_guard<std::mutex> lock(outputMutex_);
-  failures_ = {resets_, {all.begin(), told}, pending};
+  board_.replaceFailures({resets_, {all.begin(), told}, pending});
 }
 
 bool SimulationThread::mayStep() const {
@@ -331,11 +299,10 @@ void SimulationThread::stepOnce() {
   if (jobs_.empty()) keepPace(start);
   const double cpuStart = threadCpuTime();
   simulation_.step();
-  stepCpuTime_ += threadCpuTime() - cpuStart;
+  meter_.addStep(simulation_.time(), Clock::now() - start, threadCpuTime() - cpuStart);
   unseen_ = true;
   tellTime();
   collectEvents();
-  measure(Clock::now() - start);
   if (const double rate = observationRate_; observationPace_.isDue(Clock::now(), rate)) {
     observationPace_.take(Clock::now(), rate);
     show();
@@ -350,12 +317,7 @@ void SimulationThread::tellTime() {
 
 /// Takes over the events of steps, and of commands that cut.
 void SimulationThread::collectEvents() {
-  const std::vector<FailureEvent> events = simulation_.takeEvents();
-  const std::vector<GripEvent> grips = simulation_.takeGripEvents();
-  if (events.empty() && grips.empty()) return;
-  const std::lock_guard<std::mutex> lock(outputMutex_);
-  failures_.events.insert(failures_.events.end(), events.begin(), events.end());
-  gripEvents_.insert(gripEvents_.end(), grips.begin(), grips.end());
+  board_.addEvents(simulation_.takeEvents(), simulation_.takeGripEvents());
 }
 
 void SimulationThread::countJobStep() {
@@ -379,8 +341,8 @@ void SimulationThread::waitForWork() {
   if (simulation_.failed()) {
     answerJobs({false, failureMessage(simulation_)});
     if (!std::exchange(failureShown_, true)) publish();
-  } else if (windowSteps_ > 0) {  // it has just paused
-    realTimeFactor_ = 0.0;
+  } else if (meter_.isMeasuring()) {  // it has just paused
+    meter_.stop();
     publish();
   }
   std::unique_lock<std::mutex> lock(requestMutex_);
@@ -388,7 +350,7 @@ void SimulationThread::waitForWork() {
   requestsArrived_.wait(lock, [&] { return hasRequests() || (!paused_ && !failed); });
   lock.unlock();
   nextStep_ = Clock::now();
-  startMeasuring();
+  meter_.restart(simulation_.time());
 }
 
 bool SimulationThread::hasRequests() const {
@@ -416,23 +378,6 @@ void SimulationThread::waitForPace() {
   requestsArrived_.wait_until(lock, nextStep_, [&] { return hasRequests() || paused_; });
 }
 
-void SimulationThread::startMeasuring() {
-  windowStart_ = Clock::now();
-  windowBusy_ = {};
-  windowTime_ = simulation_.time();
-  windowSteps_ = 0;
-}
-
-void SimulationThread::measure(Clock::duration busy) {
-  windowBusy_ += busy;
-  ++windowSteps_;
-  const double wall = duration<double>(Clock::now() - windowStart_).count();
-  if (wall < kMeasuringWindow) return;
-  realTimeFactor_ = (simulation_.time() - windowTime_) / wall;
-  stepTime_ = duration<double>(windowBusy_).count() / windowSteps_;
-  startMeasuring();
-}
-
 /// Publishes an observation while it runs, with figures at their own rate.
 void SimulationThread::show() {
   const Clock::time_point now = Clock::now();
@@ -443,24 +388,17 @@ void SimulationThread::show() {
 }
 
 void SimulationThread::publish(Detail detail) {
-  std::shared_ptr<const Snapshot> snapshot = simulation_.snapshot(detail);
   unseen_ = false;
-  {
-    const std::lock_guard<std::mutex> lock(outputMutex_);
-    ++observation_.number;
-    if (detail == Detail::kFigures) {
-      observation_.whole = snapshot;
-      observation_.wholeNumber = observation_.number;
-    }
-    observation_.snapshot = std::move(snapshot);
-    observation_.phases = simulation_.script().history();
-    observation_.realTimeFactor = realTimeFactor_;
-    observation_.stepTime = stepTime_;
-    observation_.stepCpuTime = stepCpuTime_;
-    observation_.substep = simulation_.substep();
-    observation_.resets = resets_;
-  }
-  observed_.notify_all();
+  Observation observation;
+  observation.snapshot = simulation_.snapshot(detail);
+  if (detail == Detail::kFigures) observation.whole = observation.snapshot;
+  observation.phases = simulation_.script().history();
+  observation.realTimeFactor = meter_.realTimeFactor();
+  observation.stepTime = meter_.stepTime();
+  observation.stepCpuTime = meter_.cpuTime();
+  observation.substep = simulation_.substep();
+  observation.resets = resets_;
+  board_.show(std::move(observation));
 }
 
 }  // namespace cloth_sim

@@ -11,10 +11,11 @@
 #include <mutex>
 #include <thread>
 
-#include "cloth_sim/ros/observation.h"
 #include "cloth_sim/sim/simulation.h"
+#include "observation_board.h"
 #include "pace.h"
 #include "run_job.h"
+#include "speed_meter.h"
 
 namespace cloth_sim {
 
@@ -93,15 +94,17 @@ class SimulationThread {
   /// Returns an observation of now with figures, or the latest if that takes longer than `timeout`.
   Observation observeWhole(std::chrono::milliseconds timeout);
   /// Waits until there is an observation newer than number `seen`, at most for `timeout`.
-  void waitForObservation(std::uint64_t seen, std::chrono::duration<double> timeout) const;
+  void waitForObservation(std::uint64_t seen, std::chrono::duration<double> timeout) const {
+    board_.waitFor(seen, timeout);
+  }
 
   /// Returns the failures of springs since the last call or reset. For one caller only.
-  FailureBatch takeEvents();
+  FailureBatch takeEvents() { return board_.takeFailures(); }
   /// Returns the events of grips since the last call. For one caller only.
-  std::vector<GripEvent> takeGripEvents();
+  std::vector<GripEvent> takeGripEvents() { return board_.takeGripEvents(); }
 
   /// Returns the commands that were carried out since the last call. For one caller only.
-  std::vector<CommandRecord> takeCommands();
+  std::vector<CommandRecord> takeCommands() { return board_.takeCommands(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -144,8 +147,6 @@ class SimulationThread {
   void waitForWork();
   void keepPace(Clock::time_point now);
   void waitForPace();
-  void measure(Clock::duration busy);
-  void startMeasuring();
   void show();
   void publish(Detail detail = Detail::kFigures);
   bool hasRequests() const;
@@ -159,13 +160,7 @@ class SimulationThread {
   Clock::time_point nextStep_;
   Pace observationPace_;
   Pace figurePace_;
-  Clock::time_point windowStart_;
-  Clock::duration windowBusy_{};
-  double windowTime_ = 0.0;  ///< simulated time of the start of the window [s]
-  int windowSteps_ = 0;
-  double realTimeFactor_ = 0.0;
-  double stepTime_ = 0.0;
-  double stepCpuTime_ = 0.0;
+  SpeedMeter meter_;
   std::uint64_t resets_ = 0;
   bool failureShown_ = false;
   bool unseen_ = false;  ///< whether a step has been made since the last observation
@@ -186,13 +181,7 @@ class SimulationThread {
   bool paceChanged_ = false;
   std::uint64_t dropped_ = 0;
 
-  mutable std::mutex outputMutex_;
-  mutable std::condition_variable observed_;
-  Observation observation_;
-  FailureBatch failures_;
-  std::vector<CommandRecord> commands_;
-  std::uint64_t commandCount_ = 0;
-  std::vector<GripEvent> gripEvents_;
+  ObservationBoard board_;
 
   std::thread thread_;  // last: starts when everything above is there
 };
