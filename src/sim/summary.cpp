@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/cloth/strain.h"
 #include "mesh/quality.h"
 #include "support/hash.h"
 
@@ -96,21 +97,36 @@ std::string statusOf(const Simulation& simulation, bool interrupted) {
   return interrupted ? "interrupted" : "done";
 }
 
-}  // namespace
+Json droppedJson(const DroppedScraps& dropped) {
+  return {{"count", dropped.count},
+          {"mass_kg", number(dropped.mass)},
+          {"rest_area_m2", number(dropped.restArea)}};
+}
 
-std::string summaryJson(const Simulation& simulation, const RunRecord& record, double wallTime,
-                        bool interrupted) {
-  const Scene& scene = simulation.scene();
-  const Model& model = simulation.model();
-  const State& state = simulation.state();
-  const Energies energy = energies(model, state, scene.gravity);
-  Json json;
+Json guardJson(const Simulation& simulation) {
+  const GuardRecord& guard = simulation.guard();
+  return {{"substeps", simulation.lastReport().substeps},
+          {"configured_substeps", guard.configuredSubsteps},
+          {"chosen_substeps", guard.chosenSubsteps},
+          {"redone_steps", guard.redone},
+          {"finest_redo", guard.finest}};
+}
+
+Json energyJson(const Energies& energy) {
+  return {{"kinetic", number(energy.kinetic)},
+          {"elastic", number(energy.elastic)},
+          {"gravity", number(energy.gravity)}};
+}
+
+void addScene(const Scene& scene, Json& json) {
   json["scene"] = scene.name;
   json["solver"] = scene.solver.method;
   json["method_params"] = scene.solver.parameters;
   json["method_params"]["dt"] = number(scene.solver.dt);
-  json["status"] = statusOf(simulation, interrupted);
-  json["failure"] = simulation.failure();
+}
+
+void addCloth(const Simulation& simulation, Json& json) {
+  const Model& model = simulation.model();
   json["particles"] = model.particleCount();
   json["faces"] = model.mesh.faceCount();
   json["cloths"] = clothsJson(model);
@@ -118,35 +134,48 @@ std::string summaryJson(const Simulation& simulation, const RunRecord& record, d
   json["broken"] = brokenJson(simulation.broken());
   json["pieces"] = simulation.pieces();
   json["piece_list"] = piecesJson(simulation);
-  json["dropped"] = {{"count", simulation.dropped().count},
-                     {"mass_kg", number(simulation.dropped().mass)},
-                     {"rest_area_m2", number(simulation.dropped().restArea)}};
+  json["dropped"] = droppedJson(simulation.dropped());
   json["shortest_edge_m"] = number(shortestEdge(model.mesh));
   json["stable_step_s"] = number(stableStep(model));
-  json["guard"] = {{"substeps", simulation.lastReport().substeps},
-                   {"configured_substeps", simulation.guard().configuredSubsteps},
-                   {"chosen_substeps", simulation.guard().chosenSubsteps},
-                   {"redone_steps", simulation.guard().redone},
-                   {"finest_redo", simulation.guard().finest}};
+  json["guard"] = guardJson(simulation);
   json["mass_kg"] = number(totalMass(model));
   json["rest_area_m2"] = number(model.mesh.totalRestArea());
+}
+
+void addRecord(const RunRecord& record, Json& json) {
   json["initial_mass_kg"] = number(record.initialMass);
   json["initial_rest_area_m2"] = number(record.initialRestArea);
   json["separation"] = separationJson(record.separation);
   json["peak_force_n"] = number(peakForce(record));
   json["clamps"] = clampsJson(record);
-  json["phases"] = phasesJson(simulation.script());
+}
+
+void addTimes(const Simulation& simulation, double wallTime, Json& json) {
   json["sim_time_s"] = number(simulation.time());
   json["asleep_s"] = number(simulation.timeAsleep());
   json["wall_time_s"] = number(wallTime);
   json["real_time_factor"] = number(simulation.time() / wallTime);
-  json["max_strain"] = number(simulation.maxStretchSeen() - 1.0);
-  json["energy_j"] = {{"kinetic", number(energy.kinetic)},
-                      {"elastic", number(energy.elastic)},
-                      {"gravity", number(energy.gravity)}};
+}
+
+}  // namespace
+
+std::string summaryJson(const Simulation& simulation, const RunRecord& record, double wallTime,
+                        bool interrupted) {
+  const Model& model = simulation.model();
+  const State& state = simulation.state();
+  Json json;
+  addScene(simulation.scene(), json);
+  json["status"] = statusOf(simulation, interrupted);
+  json["failure"] = simulation.failure();
+  addCloth(simulation, json);
+  addRecord(record, json);
+  json["phases"] = phasesJson(simulation.script());
+  addTimes(simulation, wallTime, json);
+  json["max_strain"] = number(strainOfStretch(simulation.maxStretchSeen()));
+  json["energy_j"] = energyJson(energies(model, state, simulation.scene().gravity));
   json["state_hash"] = hashText(stateHash(model, state));
   json["finite"] = isFinite(state);
-  json["seed"] = scene.seed;
+  json["seed"] = simulation.scene().seed;
   return json.dump(2);
 }
 
