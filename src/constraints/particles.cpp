@@ -112,6 +112,12 @@ void Particles::loadMasses(const Model& model, const std::vector<KinematicTarget
 }
 
 ParticleView Particles::view() {
+  ParticleView view = particleView(x, start, mass.data());
+  view.slotOf = slotOf.data();
+  return view;
+}
+
+ParticleView particleView(VectorArray& x, const VectorArray& start, const double* mass) {
   ParticleView view;
   view.x = x.x.data();
   view.y = x.y.data();
@@ -119,8 +125,7 @@ ParticleView Particles::view() {
   view.startX = start.x.data();
   view.startY = start.y.data();
   view.startZ = start.z.data();
-  view.mass = mass.data();
-  view.slotOf = slotOf.data();
+  view.mass = mass;
   return view;
 }
 

@@ -50,4 +50,8 @@ struct Particles {
   void resize();
 };
 
+/// Positions, positions at the start and masses, as contacts see them; slots are in order.
+/// \param mass  by slot [kg].
+ParticleView particleView(VectorArray& x, const VectorArray& start, const double* mass);
+
 }  // namespace cloth_sim

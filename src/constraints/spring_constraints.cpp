@@ -9,6 +9,11 @@ void SpringConstraints::addForces(const VectorArray& x, const VectorArray& v,
   addSpringForces(schedule_, x, v, force);
 }
 
+void SpringConstraints::addForce(const Element& spring, const VectorArray& x, const VectorArray& v,
+                                 VectorArray& force) {
+  addSpringForce(spring, x, v, force);
+}
+
 double SpringConstraints::potential(const VectorArray& x, const VectorArray& v, double tau) const {
   return springPotential(schedule_, x, v, tau);
 }

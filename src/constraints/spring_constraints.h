@@ -41,6 +41,9 @@ class SpringConstraints {
 
   /// force += -(k (l - l0) + c dl/dt) along each spring [N].
   void addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const;
+  /// Adds the force of one spring.
+  static void addForce(const Element& spring, const VectorArray& x, const VectorArray& v,
+                       VectorArray& force);
   /// Elastic energy, and tau times half of the power that dashpots take [J].
   double potential(const VectorArray& x, const VectorArray& v, double tau) const;
 

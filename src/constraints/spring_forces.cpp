@@ -34,45 +34,32 @@ template <bool kDamped>
                                            const SpringParameterTable& parameters,
                                            const VectorArray& x, const VectorArray& v,
                                            VectorArray& force) {
-  const std::int32_t a = span.ends.a;
-  const std::int32_t b = span.ends.b;
-  const double* const ax = x.x.data() + a;
-  const double* const ay = x.y.data() + a;
-  const double* const az = x.z.data() + a;
-  const double* const bx = x.x.data() + b;
-  const double* const by = x.y.data() + b;
-  const double* const bz = x.z.data() + b;
-  const double* const au = v.x.data() + a;
-  const double* const av = v.y.data() + a;
-  const double* const aw = v.z.data() + a;
-  const double* const bu = v.x.data() + b;
-  const double* const bv = v.y.data() + b;
-  const double* const bw = v.z.data() + b;
+  const ConstAxes xa = axesAt(x, span.ends.a);
+  const ConstAxes xb = axesAt(x, span.ends.b);
+  const ConstAxes va = axesAt(v, span.ends.a);
+  const ConstAxes vb = axesAt(v, span.ends.b);
+  const Axes fa = axesAt(force, span.ends.a);
+  const Axes fb = axesAt(force, span.ends.b);
   const double* const rest = parameters.restLength().data() + span.firstParameters;
   const double* const stiffness = parameters.stiffness().data() + span.firstParameters;
   const double* const damping =
       kDamped ? parameters.damping().data() + span.firstParameters : nullptr;
-  double* const fax = force.x.data() + a;
-  double* const fay = force.y.data() + a;
-  double* const faz = force.z.data() + a;
-  double* const fbx = force.x.data() + b;
-  double* const fby = force.y.data() + b;
-  double* const fbz = force.z.data() + b;
   const std::int32_t count = span.count;
   CLOTH_SIM_NO_ALIAS_LOOP
   for (std::int32_t k = 0; k < count; ++k) {
-    const double dx = bx[k] - ax[k];
-    const double dy = by[k] - ay[k];
-    const double dz = bz[k] - az[k];
-    const SpringForce on = kDamped ? dampedForce(dx, dy, dz, bu[k] - au[k], bv[k] - av[k],
-                                                 bw[k] - aw[k], rest[k], stiffness[k], damping[k])
-                                   : elasticForce(dx, dy, dz, rest[k], stiffness[k]);
-    fax[k] += on.x;
-    fay[k] += on.y;
-    faz[k] += on.z;
-    fbx[k] -= on.x;
-    fby[k] -= on.y;
-    fbz[k] -= on.z;
+    const double dx = xb.x[k] - xa.x[k];
+    const double dy = xb.y[k] - xa.y[k];
+    const double dz = xb.z[k] - xa.z[k];
+    const SpringForce on = kDamped
+                               ? dampedForce(dx, dy, dz, vb.x[k] - va.x[k], vb.y[k] - va.y[k],
+                                             vb.z[k] - va.z[k], rest[k], stiffness[k], damping[k])
+                               : elasticForce(dx, dy, dz, rest[k], stiffness[k]);
+    fa.x[k] += on.x;
+    fa.y[k] += on.y;
+    fa.z[k] += on.z;
+    fb.x[k] -= on.x;
+    fb.y[k] -= on.y;
+    fb.z[k] -= on.z;
   }
 }
 

@@ -8,24 +8,11 @@
 namespace cloth_sim {
 namespace {
 
-struct Axes {
-  const double *x, *y, *z;
-};
-struct OutAxes {
-  double *x, *y, *z;
-};
-
-Axes axesAt(const VectorArray& v, std::int32_t k) {
-  return {v.x.data() + k, v.y.data() + k, v.z.data() + k};
-}
-OutAxes axesAt(VectorArray& v, std::int32_t k) {
-  return {v.x.data() + k, v.y.data() + k, v.z.data() + k};
-}
-
 /// Products of springs whose ends are consecutive; arrays begin at the first spring.
 CLOTH_SIM_VECTOR_CLONES
-void addSpanProduct(std::int32_t count, const Axes& n, const double* along, const double* across,
-                    const Axes& pa, const Axes& pb, const OutAxes& qa, const OutAxes& qb) {
+void addSpanProduct(std::int32_t count, const ConstAxes& n, const double* along,
+                    const double* across, const ConstAxes& pa, const ConstAxes& pb, const Axes& qa,
+                    const Axes& qb) {
   CLOTH_SIM_NO_ALIAS_LOOP
   for (std::int32_t k = 0; k < count; ++k) {
     const double dx = pa.x[k] - pb.x[k];

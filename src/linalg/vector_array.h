@@ -27,4 +27,20 @@ struct VectorArray {
   }
 };
 
+/// Coordinates of consecutive slots, for kernels.
+struct Axes {
+  double *x, *y, *z;
+};
+struct ConstAxes {
+  const double *x, *y, *z;
+};
+
+/// The coordinates from slot k on.
+inline Axes axesAt(VectorArray& v, std::int32_t k) {
+  return {v.x.data() + k, v.y.data() + k, v.z.data() + k};
+}
+inline ConstAxes axesAt(const VectorArray& v, std::int32_t k) {
+  return {v.x.data() + k, v.y.data() + k, v.z.data() + k};
+}
+
 }  // namespace cloth_sim

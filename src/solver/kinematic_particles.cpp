@@ -34,14 +34,7 @@ void KinematicParticles::indexSlots(std::int32_t slots) {
 void KinematicParticles::keepOutOf(const Contacts& contacts, const Controls& controls, double end,
                                    double dt) {
   noMass_.assign(slots_.size(), 0.0);
-  ParticleView view;
-  view.x = to_.x.data();
-  view.y = to_.y.data();
-  view.z = to_.z.data();
-  view.startX = from_.x.data();
-  view.startY = from_.y.data();
-  view.startZ = from_.z.data();
-  view.mass = noMass_.data();
+  const ParticleView view = particleView(to_, from_, noMass_.data());
   for (const ContactCandidates& candidates : contacts.candidates) {
     near_.clear();
     for (std::size_t k = 0; k < slots_.size(); ++k) {

@@ -4,7 +4,6 @@
 #include <limits>
 #include <numeric>
 
-#include "constraints/spring_forces.h"
 #include "contact_warm_start.h"
 #include "linalg/bend_matrix.h"
 #include "linalg/updatable_factor.h"
@@ -308,7 +307,7 @@ void Projective::addReactions(Substep& now) {
     now.force.set(slot, now.controls.hasLoads() ? loads_.at(slot) : Vec3::Zero());
   }
   for (const SpringConstraints::Element& spring : heldSprings_) {
-    addSpringForce(spring, p.x, p.v, now.force);
+    SpringConstraints::addForce(spring, p.x, p.v, now.force);
   }
   for (const std::int32_t k : now.kinematic.slots()) {
     bending_.addForce(static_cast<std::size_t>(k), p.x, p.v, now.force);
