@@ -1,0 +1,67 @@
+/// \file One thread or two give the same bits for cloths of every size.
+///
+/// Loops are divided among threads in blocks, and a loop that is shorter than a block stays on one
+/// thread. The sizes here are near and on both sides of every power of two from 256 to 16384
+/// particles. There are about six springs to a particle and four faces to a spring, so the numbers
+/// of springs, faces, and springs that a cut has moved pass the same powers at other sizes. No
+/// constant of the code is named here: the test holds for any block size in that range.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cloth_sim/threads/thread_limit.h"
+#include "determinism/busy_scene.h"
+#include "unit/core_support.h"
+
+namespace cloth_sim {
+namespace {
+
+using testing_support::busyScene;
+using testing_support::hashOf;
+
+/// Particles along a side of the cloth: for every power of two, the side whose square is the last
+/// below it, and the first that is not.
+std::vector<int> sides() {
+  std::vector<int> result;
+  for (int power = 256; power <= 16384; power *= 2) {
+    int side = 1;
+    while (side * side < power) ++side;
+    result.push_back(side - 1);
+    result.push_back(side);
+  }
+  return result;
+}
+
+/// The state after some steps, a cut across the cloth, a refinement, and a step of the edited
+/// cloth.
+std::uint64_t hashOfARun(const Scene& scene, int threads) {
+  const ThreadLimit limit(threads);
+  Simulation simulation(scene);
+  for (int k = 0; k < 2; ++k) simulation.step();
+  const Vec3 down(0.0, 0.0, -1.0);
+  EXPECT_TRUE(
+      simulation.apply(CutAlong{strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, down, 1.0)}).success);
+  EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 1, 0.0}}).success);
+  simulation.step();
+  EXPECT_FALSE(simulation.failed()) << simulation.failure();
+  EXPECT_GT(simulation.broken().cut, 0);
+  return hashOf(simulation);
+}
+
+class Sizes : public testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Registry, Sizes, testing::ValuesIn(testing_support::boundedSolverNames()),
+                         [](const auto& test) { return test.param; });
+
+TEST_P(Sizes, OneThreadOrTwo) {
+  for (const int side : sides()) {
+    const Scene scene = busyScene(GetParam(), side);
+    EXPECT_EQ(hashOfARun(scene, 1), hashOfARun(scene, 2)) << side << " x " << side << " particles";
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim
