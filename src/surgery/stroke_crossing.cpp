@@ -77,8 +77,8 @@ class Crossing {
       const double high = box.high[k];
       const double low = box.low[k];
       // Written such that a coordinate that is no number meets nothing.
-      if (!((a[k] <= high) | (b[k] <= high) | (c[k] <= high))) return false;
-      if (!((a[k] >= low) | (b[k] >= low) | (c[k] >= low))) return false;
+      if (!(a[k] <= high || b[k] <= high || c[k] <= high)) return false;
+      if (!(a[k] >= low || b[k] >= low || c[k] >= low)) return false;
     }
     return true;
   }

@@ -25,6 +25,8 @@ constexpr int kSpins = 500;
 constexpr std::size_t kCacheLine = 64;
 
 thread_local ThreadPool* poolOfThisThread = nullptr;
+/// Tasks that this thread has run, in any pool.
+thread_local std::int64_t tasksOfThisThread = 0;
 
 /// Tells the processor that this is a spin wait.
 void pauseProcessor() {
@@ -122,7 +124,8 @@ struct ThreadPool::Impl {
   void endRegion();
   void run(const Loop& next, std::int32_t tasks);
 
-  std::int32_t threads = 1;  ///< of the region
+  std::int32_t threads = 1;                  ///< of the region
+  std::atomic<std::int64_t> workerTasks{0};  ///< run by worker threads since the pool was made
 
  private:
   void wakeWorkers();
@@ -233,7 +236,9 @@ void ThreadPool::Impl::runLoopsOfRegion(std::int32_t thread) {
       backoff.wait();
       continue;
     }
+    const std::int64_t before = tasksOfThisThread;
     runLoop(thread, epoch);
+    workerTasks.fetch_add(tasksOfThisThread - before, std::memory_order_relaxed);
     gate.leave();
     last = epoch;
     backoff.reset();
@@ -288,6 +293,7 @@ void ThreadPool::Impl::runTask(std::int32_t task, Epoch epoch) {
   if (loop.graph != nullptr) runPredecessors(task, epoch);
   if (!state.claim(epoch)) return;
   loop.body(loop.context, task);
+  ++tasksOfThisThread;
   state.setComplete(epoch);
 }
 
@@ -315,6 +321,10 @@ ThreadPool* ThreadPool::ofThisThread() {
 }
 
 std::int32_t ThreadPool::size() const { return impl_->threads; }
+
+std::int64_t ThreadPool::workerTasks() const {
+  return impl_->workerTasks.load(std::memory_order_relaxed);
+}
 
 void ThreadPool::run(std::int32_t tasks, Body body, const void* context) {
   poolOfThisThread = nullptr;

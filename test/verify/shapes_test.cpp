@@ -53,8 +53,8 @@ struct Catenary {
   static Catenary between(double weight, double tensile, double length, double span) {
     Catenary result{weight, tensile, 0.0};
     result.pull = root(
-        [&](double pull) {
-          return Catenary{weight, tensile, pull}.x(0.5 * length) - 0.5 * span;
+        [&](double tension) {
+          return Catenary{weight, tensile, tension}.x(0.5 * length) - 0.5 * span;
         },
         1e-3 * weight * length, 10.0 * weight * length);
     return result;

@@ -51,6 +51,8 @@ class ThreadPool {
 
   /// Threads of the region, the calling one included.
   std::int32_t size() const;
+  /// Tasks that worker threads have run since the pool was made, for tests and profiles.
+  std::int64_t workerTasks() const;
 
   /// Runs the task with index `task`.
   using Body = void (*)(const void* context, std::int32_t task);
