@@ -5,9 +5,10 @@ usage() {
   cat <<USAGE
 usage: scripts/bench.sh [--core N] [arguments of Google Benchmark, such as --benchmark_filter=REGEX]
 
-Builds the benchmarks in the catkin workspace .ws and runs them on one core. Installs what is missing.
+Builds the benchmarks in the catkin workspace .ws and runs them on one core. Installs missing packages
+first.
 
-  --core N     the core to run on (default: 0)
+  --core N     run on core N (default: 0)
   -h, --help   this text
 USAGE
 }

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Fails when the core includes ROS, or anything of the folders that may include ROS.
+# Fails if the core includes a header of ROS, or of the folders that may include ROS.
 #
-# The include path cannot say so on Debian 12, whose ROS headers are in /usr/include with everything
-# else; the linker says so for symbols (cloth_core is linked with --no-undefined), this says so for
-# headers. Run by every build; by hand: scripts/check_layering.sh [package folder]
+# On Debian 12 the compiler cannot check this, because ROS's headers are in /usr/include. The linker
+# checks it for symbols (cloth_core is linked with --no-undefined); this script checks it for headers.
+# Every build runs it; by hand: scripts/check_layering.sh [package folder]
 set -euo pipefail
 
 cd "${1:-"$(dirname "${BASH_SOURCE[0]}")/.."}"
 
 core_folders=(support threads mesh cloth linalg constraints solver contact clamp surgery scene sim study)
-# ros/..., any *_msgs/... and the ROS libraries; our own generated messages (cloth_sim/Frame.h) and
-# our own ROS-side folders.
+# Forbidden are ros/..., *_msgs/..., the ROS libraries, this package's generated messages
+# (cloth_sim/Frame.h), and its folders that use ROS.
 libraries='rosbag|rviz|roslib|tf2?|tf2_[a-z_]+|diagnostic_updater|dynamic_reconfigure'
 libraries+='|interactive_markers|actionlib|message_filters|pluginlib'
 forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'

@@ -6,22 +6,22 @@ usage() {
 usage: scripts/demo.sh [--scene FILE] [--out DIR] [--headless]
 
 Runs the tearing run: a cloth falls on a sphere on a table, two clamps grasp it, lift it, lower it
-and pull it apart. Installs what is missing of ROS and the libraries first (as root or with sudo),
-and builds.
+and pull it apart. First installs the missing packages of ROS and the libraries (as root or with
+sudo), and builds.
 
-Leaves in DIR (default: the repository's root)
-  demo.bag    what the node would have published, for rosbag and rviz
-  demo.json   the figures of the run
+Writes to DIR (default: the repository's root)
+  demo.bag    the messages that the node would have published, for rosbag and rviz
+  demo.json   the summary of the run
   demo.png    a picture of each phase
-and, where there is a display, then shows the run live in rviz, until Ctrl-C.
+Where there is a display, it then shows the run live in rviz until Ctrl-C.
 
   --scene FILE   a scene file, or the name of one in config/scenes (default: tear_seam.yaml)
-  --out DIR      where to leave the files
+  --out DIR      folder of the files
   --headless     no rviz, even where there is a display
   -h, --help     this text
 
-The exit status is that of the run: 0 done, 2 bad input, 3 the simulation failed; 1 if it did not get
-that far.
+The exit status is that of the run: 0 done, 2 bad input, 3 the simulation failed; 1 if the run did
+not start.
 USAGE
 }
 
@@ -55,12 +55,13 @@ find_scene() {
   exit 2
 }
 
-# Whether DISPLAY names a screen that answers. A local one has a socket: without it there is no need
-# to install rviz first just to ask.
+# display_named: whether DISPLAY may name a screen. A local screen has a socket, and without one there
+# is no need to install rviz.
 display_named() {
   [[ -n ${DISPLAY:-} ]] || return 1
   [[ ! $DISPLAY =~ ^:([0-9]+) || -S /tmp/.X11-unix/X${BASH_REMATCH[1]} ]]
 }
+# display_answers: whether the screen can be opened.
 display_answers() {
   /usr/bin/python3 -c 'import ctypes, sys
 x11 = ctypes.CDLL("libX11.so.6")
@@ -101,7 +102,7 @@ if [[ -f $out/demo.json ]]; then
   /usr/bin/python3 "$repo_root/scripts/lib/print_summary.py" "$out/demo.json"
 fi
 for file in "$out"/demo.{bag,json,png}; do
-  if [[ -f $file ]]; then say "left $file ($(du -h "$file" | cut -f1))"; fi
+  if [[ -f $file ]]; then say "wrote $file ($(du -h "$file" | cut -f1))"; fi
 done
 if [[ $status -ne 0 ]]; then
   echo "error: cloth_run ended with status $status" >&2

@@ -5,15 +5,15 @@ usage() {
   cat <<USAGE
 usage: scripts/rviz_photo.sh [--scene FILE] [--at PHASE[+SECONDS]]... [--out DIR] [--size WxH]
 
-Photographs the package's own rviz view without a display: rviz runs in a virtual one (Xvfb) and is
-shown the scene live; the screen is saved when the phase has begun (and SECONDS of simulated time
-later). Installs what is missing first. rviz draws in software here, so the run is slow.
+Takes pictures of the package's rviz view without a display: rviz shows the live scene on a virtual
+screen (Xvfb), which is saved when PHASE begins, or SECONDS of simulated time later. Installs missing
+packages first. rviz draws in software here, so the run is slow.
 
   --scene FILE   scene file, or the name of one in config/scenes (default: tear_seam)
   --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2)
-  --out DIR      where to leave rviz_<phase>.png (default: the current folder)
-  --size WxH     of the screen (default: 1600x1000)
-  --speed F      simulated over wall time (default: 0.5)
+  --out DIR      folder of the pictures rviz_<phase>.png (default: the current folder)
+  --size WxH     size of the screen in pixels (default: 1600x1000)
+  --speed F      simulated time over wall time (default: 0.5)
   -h, --help     this text
 USAGE
 }
@@ -69,7 +69,7 @@ done
 [[ -s $display_file ]] || die "Xvfb did not start"
 DISPLAY=:$(<"$display_file")
 export DISPLAY LIBGL_ALWAYS_SOFTWARE=1 QT_X11_NO_MITSHM=1 ROS_HOME=$workspace/ros_home
-# A port of its own: another master may be at work on the usual one.
+# A master of its own, because another one may be running on the usual port.
 export ROS_MASTER_URI=http://localhost:11399
 
 say "run: $scene in rviz on $DISPLAY, photographs at ${moments[*]}"

@@ -6,7 +6,7 @@ usage() {
 usage: scripts/test.sh [--quick] [--compiler=NAME] [--sanitize=LIST]
 
 Builds everything in the catkin workspace .ws at the repository's root, and runs every test.
-Installs what is missing of ROS and the libraries first (as root or with sudo).
+First installs the missing packages of ROS and the libraries (as root or with sudo).
 
   --quick           only the tests that need no ROS master
   --compiler=NAME   gcc (the default) or clang, which builds in a workspace of its own, .ws-clang
@@ -88,7 +88,7 @@ if [[ $failed -eq 0 && $failed_groups -gt 0 ]]; then
   failed=$failed_groups
 fi
 
-# check_suites: prints what of scripts/lib/suites.txt was not built or not run, one line each.
+# check_suites: prints a line for everything in scripts/lib/suites.txt that was not built or not run.
 check_suites() {
   local options=(--left-out "$workspace/build/cloth_sim/left_out.txt")
   if [[ $quick == yes ]]; then options+=(--quick --without rviz); fi
@@ -97,11 +97,11 @@ check_suites() {
   /usr/bin/python3 "$repo_root/scripts/lib/check_suites.py" "${options[@]}" "$results"
 }
 if ! absent=$(check_suites); then
-  say "not everything that should be tested was:"
+  say "these were not built or not run:"
   printf '%s\n' "$absent"
   failed=$((failed + $(wc -l <<<"$absent")))
 fi
-say "all of it: $SECONDS s"
+say "in all: $SECONDS s"
 
 closing="$passed passed, $failed failed"
 if [[ $skipped -gt 0 ]]; then closing+=", $skipped skipped"; fi

@@ -5,9 +5,9 @@ usage: junit_total.py FOLDER
 
 Prints every failed test case, then three numbers for the caller: passed failed skipped.
 
-A rostest leaves two files: rosunit-NAME.xml with the cases of the program it started, and
-rostest-*.xml with one case that says how that program fared. The second counts only when it failed
-(the program crashed, or ran out of time), so that no case is counted twice.
+A rostest writes two files: rosunit-NAME.xml with the test cases of the program that it started, and
+rostest-*.xml with one case for the program as a whole. The second counts only if it failed (the
+program crashed, or ran out of time), so that no case is counted twice.
 """
 import pathlib
 import sys

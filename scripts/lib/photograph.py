@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Waits for moments of a running cloth_node and saves the screen at each; see rviz_photo.sh.
+"""Saves the screen at given moments of a running cloth_node; see rviz_photo.sh.
 
 usage: photograph.py --size WxH --out DIR PHASE[+SECONDS]...
 """
@@ -42,7 +42,7 @@ def wait(until, deadline, what):
 
 
 def window_shown():
-    """Whether rviz has subscribed to markers: only then is there something to see."""
+    """Whether rviz has subscribed to markers, and so draws the scene."""
     import rosgraph
     subscribers = rosgraph.Master('/photograph').getSystemState()[1]
     return any(topic in ('/cloth/markers', '/cloth/scene_markers') and names
@@ -72,11 +72,11 @@ def main():
         phase, _, later = moment.partition('+')
         wait(lambda: watcher.reached(phase, float(later or 0)), deadline, moment)
         pause(True)
-        time.sleep(1.5)  # until what is drawn has caught up
+        time.sleep(1.5)  # until rviz has drawn the newest frame
         path = f'{args.out}/rviz_{phase}.png'
         subprocess.run(['import', '-silent', '-window', 'root', '-trim', '+repage', path],
                        check=True)
-        print(f'== left {path} (t = {watcher.state.time:.2f} s)', flush=True)
+        print(f'== wrote {path} (t = {watcher.state.time:.2f} s)', flush=True)
         pause(False)
 
 

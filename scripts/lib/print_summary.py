@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints what a run came to in a few plain lines.
+"""Prints the results of a run in a few plain lines.
 
 usage: print_summary.py SUMMARY.json     (as written by cloth_run --summary)
 """

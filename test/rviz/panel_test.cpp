@@ -1,4 +1,4 @@
-/// \file The panel with a real node, clicked without rviz and without a screen.
+/// \file The panel with a real node, without rviz and without a screen.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

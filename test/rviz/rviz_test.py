@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The display and the tools in the real rviz, on a virtual screen: what is drawn where, and what
-the mouse does to the cloth."""
+"""The display and the tools in the real rviz, on a virtual screen: where the cloth is drawn, in which
+colours, and how the mouse cuts and drags it."""
 import functools
 import math
 import os
@@ -17,12 +17,12 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
 from services import call, connections, state  # noqa: E402
-from screen import Screen, is_near, record_skipped, view_of, what_is_missing  # noqa: E402
+from screen import Screen, is_near, missing_requirement, view_of  # noqa: E402
 
 wait_until = functools.partial(wait_until, deadline=120.0)  # software GL on a busy machine
 
 LAUNCHER = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'cloth_rviz')
-BACKGROUND = (255, 0, 255)  # nothing else is magenta
+BACKGROUND = (255, 0, 255)  # magenta, a colour of nothing else
 CRIMSON = (230, 13, 64)     # of strokes and torn edges
 LAST_STRAIN = (253, 231, 37)
 DISTANCE = 2.6              # of the camera from the cloth [m]
@@ -63,7 +63,7 @@ def config(tool, display='Torn Width: 0.02', behind=False):
 
 
 class View:
-    """From the world to pixels, and back to what is drawn there."""
+    """Maps points of the world to pixels, and cuts the region between two points out of a picture."""
 
     def __init__(self, screen):
         self.box = view_of(screen, BACKGROUND)
@@ -72,12 +72,12 @@ class View:
         self.scale = 0.5 * (bottom - top) / math.tan(0.5 * FIELD) / DISTANCE  # [px/m] at y = 0
 
     def pixel(self, x, z):
-        """Of a point in the plane of the hanging cloth."""
+        """The pixel of a point (x, 0, z) [m] in the plane of the hanging cloth."""
         return (round(self.centre[0] + self.scale * x),
                 round(self.centre[1] - self.scale * (z - MIDDLE)))
 
     def part(self, picture, low, high, grow=0):
-        """What is drawn between two points, (x, z) each."""
+        """The region of a picture between two points, each (x, z) [m], larger by `grow` pixels."""
         left, bottom = self.pixel(*low)
         right, top = self.pixel(*high)
         return picture[top - grow:bottom + 1 + grow, left - grow:right + 1 + grow]
@@ -86,6 +86,9 @@ class View:
 class RvizTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        missing = missing_requirement()
+        if missing:
+            raise AssertionError(missing)
         cls.screen = Screen()
 
     @classmethod
@@ -100,9 +103,9 @@ class RvizTest(unittest.TestCase):
         self.screen.save(self.id().split('.')[-1] + '.png')
 
     def open(self, *arguments, **options):
-        """The view, as soon as the whole cloth is drawn as it hangs at the start. Starting rviz
-        takes its time: tests, which run in the order of their names, go on with that of the one
-        before if it has the same settings."""
+        """The view, once the whole cloth is drawn as it hangs at the start. Starting rviz is slow, so a
+        test uses the rviz of the test before it, in the order of their names, if the settings are the
+        same."""
         self.screen.open_rviz(config(*arguments, **options))
         view = View(self.screen)
         wait_until(lambda: self.is_whole(view), 'the cloth')
@@ -121,7 +124,7 @@ class RvizTest(unittest.TestCase):
         # At rest and from the front, the first colour of the map, darkened by the shading: blue.
         red, green, blue = (inside[..., part] for part in range(3))
         self.assertGreater(((blue > green) & (green > red)).mean(), 0.98)
-        # Nothing is drawn beside it, but for the legend at the lower left.
+        # Nothing else is drawn except the legend at the lower left.
         left, top, right, bottom = view.box
         outside = picture[top:bottom, left:right].copy()
         view_part = view.part(picture, (-0.5, 0.5), (0.5, 1.5), grow=2)
@@ -129,7 +132,7 @@ class RvizTest(unittest.TestCase):
         self.assertGreater(drawn, inside.shape[0] * inside.shape[1])
         legend = ~is_near(outside[-240:, :130], BACKGROUND, 2)
         self.assertLess(drawn - legend.sum(), 1.01 * view_part.shape[0] * view_part.shape[1])
-        # The legend has the whole map, from its first to its last colour.
+        # The legend shows the whole colour map.
         self.assertGreater(is_near(outside[-240:, :130], LAST_STRAIN).sum(), 40)
         self.assertGreater(is_near(outside[-240:, :130], (59, 82, 139)).sum(), 40)
 
@@ -156,15 +159,16 @@ class RvizTest(unittest.TestCase):
                                    BACKGROUND, 2).mean() > 0.9, 'the fall')
         self.assertGreater((self.screen.picture() != before).sum(), 1000)
 
-    # ---- what cloth.launch starts ----------------------------------------------------------------
+    # ---- the launcher of cloth.launch ------------------------------------------------------------
 
     def subscribers(self, topic):
-        """Names of nodes; a killed one stays in the master's list."""
+        """The names of nodes that subscribe to a topic; the master also lists nodes that were killed."""
         return {node for name, nodes in rosgraph.Master('/rviz_test').getSystemState()[1]
                 if name == topic for node in nodes}
 
     def launch(self, *topics, **variables):
-        """Starts what the launch file does, until it has subscribed to these; its name."""
+        """Starts rviz like the launch file and waits until it has subscribed to these topics. Returns
+        the names of its nodes."""
         before = self.subscribers('/tf')
         self.screen.open([LAUNCHER], **variables)
         new = wait_until(lambda: self.subscribers('/tf') - before, 'rviz')
@@ -173,7 +177,7 @@ class RvizTest(unittest.TestCase):
         return new
 
     def test_launcher_takes_the_plugin(self):
-        # By the display, by the panel, and by its sliders.
+        # The display subscribes to the first two, the panel to the third, its sliders to the fourth.
         rviz = self.launch('/cloth/frame', '/cloth/scene_markers', '/cloth/state',
                            '/cloth/parameter_updates')
         self.assertFalse(self.subscribers('/cloth/markers') & rviz)
@@ -193,7 +197,7 @@ class RvizTest(unittest.TestCase):
         wait_until(lambda: state().step > start + 60, 'the run to go on')
         self.assertFalse(state().failed)
         self.setUp()
-        view = self.open('Cut')  # gets the topology, which was sent before it came
+        view = self.open('Cut')  # gets the latched topology
         call('cut', srv.Cut, stroke(0.8))
         call('step', srv.Step, 40)
         wait_until(lambda: is_near(view.part(self.screen.picture(), (-0.4, 0.62), (0.4, 0.72)),
@@ -240,7 +244,7 @@ class RvizTest(unittest.TestCase):
                 """x of the particle at the lower right corner."""
                 return numpy.array(frames.messages[-1].positions).reshape(-1, 3)[32, 0]
             self.assertAlmostEqual(lowest_right(), 0.5, delta=1e-3)
-            # rviz draws frames before the node has heard of what it publishes.
+            # rviz draws frames before the node has connected to the topic of the tool.
             wait_until(lambda: ('i', '/cloth/drag') in [c[:2] for c in connections()],
                        'the tool to be connected')
             call('pause', srv.Pause, False)
@@ -263,8 +267,5 @@ def stroke(height):
 
 
 if __name__ == '__main__':
-    if what_is_missing():
-        record_skipped('rviz', what_is_missing())
-        sys.exit(0)
     rospy.init_node('rviz_test')
     rostest.rosrun('cloth_sim', 'rviz', RvizTest)

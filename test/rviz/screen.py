@@ -1,8 +1,7 @@
-"""A virtual screen with rviz on it, for tests: what it shows, and a mouse that clicks on it."""
+"""A virtual screen with rviz, for tests: takes pictures of it and moves its mouse."""
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 
 import numpy
@@ -13,11 +12,11 @@ WIDTH, HEIGHT = 1000, 800
 NEEDED = {'Xvfb': 'xvfb', 'xdotool': 'xdotool', 'import': 'imagemagick', 'rviz': 'rviz'}
 
 
-def what_is_missing():
-    """What these tests stand on and is not there, and what to do about it; empty if all is."""
+def missing_requirement():
+    """Names a program or library that these tests need and do not find; empty if all are there."""
     for program, package in NEEDED.items():
         if shutil.which(program) is None:
-            return 'no %s: install %s' % (program, package)
+            return 'not installed: %s (Debian: %s)' % (program, package)
     libraries = [os.path.join(prefix, 'lib', 'libcloth_rviz.so')
                  for prefix in os.environ['CMAKE_PREFIX_PATH'].split(':')]
     if not any(os.path.exists(library) for library in libraries):
@@ -25,23 +24,9 @@ def what_is_missing():
     return ''
 
 
-def record_skipped(name, why):
-    """Says on the terminal and in the JUnit file that a test was skipped: rosunit would count it as
-    passed."""
-    print('%s: skipped: %s' % (name, why), file=sys.stderr)
-    option = '--gtest_output=xml:'
-    for path in [word[len(option):] for word in sys.argv if word.startswith(option)]:
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path, 'w') as file:
-            file.write('<?xml version="1.0" encoding="utf-8"?>\n'
-                       '<testsuite name="%s" tests="1" errors="0" failures="0" skipped="1">'
-                       '<testcase classname="%s" name="all" time="0"><skipped message="%s"/>'
-                       '</testcase></testsuite>\n' % (name, name, why))
-
-
 class Screen:
-    """Xvfb on a free display number, drawn by software. It does not start anew when rviz, its last
-    client, closes: the next rviz would find no display for a moment."""
+    """Xvfb on a free display number, drawn by software. It keeps running when rviz, its last client,
+    closes, so that the next rviz finds a display at once."""
 
     def __init__(self):
         reader, writer = os.pipe()
@@ -50,13 +35,13 @@ class Screen:
              '-nolisten', 'tcp', '-noreset'], pass_fds=[writer], stderr=subprocess.DEVNULL)
         os.close(writer)
         with os.fdopen(reader) as pipe:
-            number = pipe.readline().strip()  # comes when the screen is there; '' if it never is
+            number = pipe.readline().strip()  # '' if the server ended before it was ready
         if not number:
             raise AssertionError('Xvfb did not start')
         self.environment = dict(os.environ, DISPLAY=':' + number, LIBGL_ALWAYS_SOFTWARE='1',
                                 QT_X11_NO_MITSHM='1')
         self.rviz = None
-        self.config = None  # of rviz, as far as it is known
+        self.config = None  # text of rviz's config file; None if another command started rviz
         self.folder = tempfile.mkdtemp()
 
     def close(self):
@@ -66,7 +51,7 @@ class Screen:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def open_rviz(self, config):
-        """Has rviz run with the text of a config file, afresh unless it does already."""
+        """Starts rviz with the text of a config file, unless it is running with this text already."""
         if self.rviz is not None and self.config == config:
             return
         path = os.path.join(self.folder, 'test.rviz')
@@ -95,13 +80,13 @@ class Screen:
         self.config = None
 
     def kill_rviz(self):
-        """As a crash would: it has no time to say goodbye."""
+        """Ends rviz like a crash: it cannot unregister from the master."""
         self.rviz.kill()
         self.rviz.wait()
         self.close_rviz()
 
     def picture(self):
-        """What is on the screen now: red, green and blue of every pixel."""
+        """The screen as an array of red, green and blue, shape (HEIGHT, WIDTH, 3)."""
         if self.rviz.poll() is not None:
             self.log.seek(0)
             raise AssertionError('rviz ended with status %s:\n%s' %
@@ -111,7 +96,8 @@ class Screen:
         return numpy.frombuffer(raw, numpy.uint8).reshape(HEIGHT, WIDTH, 3).astype(int)
 
     def save(self, path):
-        """The same as a file, for people: left where CLOTH_SIM_SHOTS says, if it says."""
+        """Saves the screen in the folder that the environment variable CLOTH_SIM_SHOTS names, if it is
+        set, for people to look at."""
         folder = os.environ.get('CLOTH_SIM_SHOTS')
         if folder:
             subprocess.run(['import', '-silent', '-window', 'root', os.path.join(folder, path)],
@@ -122,7 +108,7 @@ class Screen:
                        check=True)
 
     def drag(self, points):
-        """Presses the left button at the first point and takes it along; it stays down."""
+        """Presses the left button at the first point and moves along the others; it stays down."""
         self.mouse('mousemove', *points[0])
         self.mouse('mousedown', 1)
         for point in points[1:]:
@@ -133,12 +119,13 @@ class Screen:
 
 
 def is_near(picture, colour, tolerance=12):
-    """Which pixels have a colour, give or take some of each part."""
+    """A mask of the pixels whose red, green and blue differ from a colour by at most `tolerance`."""
     return (abs(picture - numpy.array(colour)) <= tolerance).all(axis=2)
 
 
 def view_of(screen, background):
-    """The 3D view as (left, top, right, bottom), by its background; waits until it is drawn."""
+    """The 3D view as (left, top, right, bottom) in pixels, found by its background colour. Waits until
+    it is drawn."""
     def found():
         ys, xs = numpy.nonzero(is_near(screen.picture(), background, 2))
         if len(xs) < 0.1 * WIDTH * HEIGHT:

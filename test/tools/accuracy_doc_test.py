@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/accuracy.md says what the committed tables say. Needs no master."""
+"""docs/accuracy.md agrees with the tables in docs/data/study. Needs no master."""
 import os
 import shutil
 import subprocess

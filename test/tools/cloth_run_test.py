@@ -28,7 +28,7 @@ phases:
   - {name: notch, notch: [[0.1, 0.0], [0.1, 0.1]], until: {elapsed: 0.2}}
 """
 
-# A clamp that is too weak for the cloth: closes, slips, loses it, and opens.
+# A clamp that is too weak for the cloth: it closes, slips, loses the cloth, and opens.
 SLIPS = """
 cloth:
   size: [0.2, 0.2]
@@ -70,7 +70,7 @@ class ClothRunTest(ScratchTest):
         self.assertEqual(summary['failure'], '')
         self.assertTrue(summary['finite'])
         self.assertGreater(summary['broken']['cut'], 0)
-        self.assertIn('notch', result.stderr)  # plain progress: no terminal
+        self.assertIn('notch', result.stderr)  # progress in plain lines, as stderr is no terminal
         self.assertNotIn('\r', result.stderr)
 
     def test_duration_ends_it(self):
@@ -183,7 +183,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertEqual(len(events), states[-1][0].broken.total)
         self.assertGreater(min(stamp for _, _, stamp in messages), 0.0)
 
-    def test_bag_has_what_becomes_of_grasps(self):
+    def test_bag_has_the_grasp_events(self):
         bag = self.path('grip.bag')
         result = self.run_cloth(self.path('grip.yaml', SLIPS), '--bag', bag)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -201,7 +201,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertEqual(last.clamps[0].held, 0)
 
     def test_a_full_disk_while_recording_is_one_line_and_no_bag(self):
-        """A limit on the size of files stands for the disk: it is full early, late, at the end."""
+        """A limit on the size of files stands for a full disk, which is met early, late, at the end."""
         bag = self.path('run.bag')
         self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)
         whole = os.path.getsize(bag)

@@ -41,7 +41,7 @@ def run_study(*arguments):
 
 
 def registered_methods():
-    """The registry as a user meets it: in the message about a method that it does not know."""
+    """The names of all methods, from the message about an unknown one."""
     with tempfile.TemporaryDirectory() as folder:
         scene = os.path.join(folder, 'scene.yaml')
         with open(scene, 'w') as file:
@@ -56,7 +56,7 @@ class ClothStudyTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
-        # All of it: two minutes on one quiet core.
+        # The whole quick study: two minutes on one core that does nothing else.
         cls.result = run_study('--quick', '--jobs', '2', '--out', cls.folder.name)
         cls.methods = registered_methods()
 
@@ -93,7 +93,7 @@ class ClothStudyTest(unittest.TestCase):
             substeps = {row['substeps'] for row in rows if row['solver'] == method}
             self.assertGreaterEqual(len(substeps), 5, method)
 
-    def test_rows_say_what_they_mean(self):
+    def test_rows_are_consistent(self):
         skipped = 0
         for row in self.rows('work_precision.csv'):
             self.assertIn(row['status'], STATUSES)
@@ -110,7 +110,8 @@ class ClothStudyTest(unittest.TestCase):
         self.assertEqual(len(reasons), skipped)
 
     def error(self, scene, solver, substeps):
-        """Of the run with the scene's own step, and the most iterations where there are any."""
+        """The error of the run with the scene's own step, and with the most iterations of methods that
+        iterate."""
         rows = [row for row in self.rows('work_precision.csv')
                 if row['scene'] == scene and row['solver'] == solver
                 and row['substeps'] == str(substeps) and float(row['dt']) > 0.01]
@@ -119,7 +120,7 @@ class ClothStudyTest(unittest.TestCase):
         return float(row['error'])
 
     def order(self, scene, solver, substeps):
-        """Observed, from a run and one with half the substeps."""
+        """The observed order, from a run and one with half the substeps."""
         return math.log2(self.error(scene, solver, substeps // 2)
                          / self.error(scene, solver, substeps))
 
@@ -131,9 +132,9 @@ class ClothStudyTest(unittest.TestCase):
         # omega h is about 1.3 there, in modes that hardly move; the swing itself is resolved well.
         self.assertLess(self.error(SCENE, 'verlet', 160), 1e-4)
 
-    # ---- findings that must not regress; docs/accuracy.md tells them
+    # ---- findings of docs/accuracy.md that must not regress
 
-    def test_nothing_is_too_dear_for_the_quick_study(self):
+    def test_nothing_is_too_expensive_for_the_quick_study(self):
         skipped = [row for row in self.rows('work_precision.csv') if row['status'] == 'skipped']
         self.assertFalse(skipped)
 
@@ -244,7 +245,7 @@ drag: 0.01
         error, cost = re.search(r'Cheapest [^:]*: error (\S+), (\S+) s', text).groups()
         self.assertLessEqual(float(error), 0.02)
         self.assertLess(float(cost), float(own))
-        self.assertRegex(text, r'\+ . x . particles +saves \d+ %')  # what it left out
+        self.assertRegex(text, r'\+ . x . particles +saves \d+ %')  # the simplification it rejected
         # The cloth is cheaper by what the answer says, and both ways of saying it agree.
         block = text.split('---\n')[1]
         self.assertRegex(block, r'particles: \[\d, \d\]')

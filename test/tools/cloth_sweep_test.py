@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""scripts/cloth_sweep: the list of jobs, what is skipped and done again, the table and the plot."""
+"""scripts/cloth_sweep: the list of jobs, resuming, the table and the plot."""
 import csv
 import io
 import json
@@ -74,7 +74,7 @@ class ClothSweepTest(SweepTest):
 
     # ---- done, killed, failed --------------------------------------------------------------------
 
-    def test_what_is_done_is_skipped(self):
+    def test_finished_runs_are_skipped(self):
         jobs = self.jobs(*GRID)
         for job in jobs[:3]:
             run(job)
@@ -82,12 +82,12 @@ class ClothSweepTest(SweepTest):
         more = self.jobs(GRID[0], GRID[1], 'seed=1..3')  # a wider grid keeps what there is
         self.assertEqual(len(more), 12 - 3)
 
-    def test_what_was_killed_is_done_again(self):
+    def test_killed_runs_are_repeated(self):
         grid = ('phases.hold.timeout=1000',)  # some 20 s
         [job] = self.jobs(*grid)
         for sent in (signal.SIGKILL, signal.SIGINT):
             process = subprocess.Popen(shlex.split(job), stderr=subprocess.PIPE)
-            self.assertTrue(process.stderr.readline())  # it is at work
+            self.assertTrue(process.stderr.readline())  # it is running
             process.send_signal(sent)
             process.communicate(timeout=30)
             self.assertNotEqual(process.returncode, 0)
@@ -155,7 +155,7 @@ class ClothSweepTest(SweepTest):
                    '--series', 'phases.hold.timeout')
 
     def test_lines_are_means_with_their_spread(self):
-        # The module itself: a picture cannot be compared with numbers.
+        # Calls the module, because a picture cannot be compared with numbers.
         from importlib.machinery import SourceFileLoader
         sweep = SourceFileLoader('cloth_sweep', SWEEP).load_module()
         rows = [{'ratio': ratio, 'fabric': fabric, 'seed': seed, 'y': value}

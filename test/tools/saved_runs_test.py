@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""cloth_run goes on from a saved state, and does again what a bag has. Needs no master."""
+"""cloth_run continues from a saved state, and replays the commands of a bag. Needs no master."""
 import json
 import os
 import resource
@@ -61,7 +61,7 @@ class SavedRunsTest(ScratchTest):
 
     # ---- saved states ----------------------------------------------------------------------------
 
-    def test_goes_on_from_a_saved_state(self):
+    def test_continues_from_a_saved_state(self):
         straight = self.summary(self.scene, '--duration', '0.6')
         state = self.path('half.state')
         half = self.summary(self.scene, '--duration', '0.35', '--save-state', state)
@@ -96,7 +96,7 @@ class SavedRunsTest(ScratchTest):
         self.assertEqual(self.summary(self.scene, '--load-state', state)['state_hash'],
                          self.summary(self.scene)['state_hash'])
 
-    def test_states_of_others_are_refused(self):
+    def test_states_of_other_scenes_are_refused(self):
         state = self.path('a.state')
         self.run_cloth(self.scene, '--duration', '0.1', '--save-state', state)
         self.refused(self.scene, '--set', 'seed=2', '--load-state', state, says='another scene')
@@ -105,7 +105,7 @@ class SavedRunsTest(ScratchTest):
         self.refused(self.scene, '--save-state', self.path('no/where'), says='cannot be written')
 
     def test_a_full_disk_leaves_nothing_behind(self):
-        """A limit on the size of files stands for the disk: write() fails in the middle."""
+        """A limit on the size of files stands for a full disk: write() fails in the middle."""
         state = self.path('a.state')
         result = subprocess.run(
             [CLOTH_RUN, self.scene, '--duration', '0.1', '--save-state', state],
@@ -169,7 +169,7 @@ class SavedRunsTest(ScratchTest):
         self.refused('--replay', self.path('none'), says='no bag')
         self.refused('--replay', bag, self.scene, says='SCENE')
 
-    def test_every_part_of_a_bag_has_what_it_takes(self):
+    def test_every_part_of_a_bag_is_complete(self):
         bag = self.path('long.bag')
         self.run_cloth(self.scene, '--duration', '11', '--bag', bag, '--bag-rate', '5')
         with rosbag.Bag(bag) as opened:

@@ -1,4 +1,4 @@
-"""What tests of programs share: where the programs are, and a folder of their own."""
+"""Helpers of the tests of programs: the paths of the programs, and a temporary folder."""
 import os
 import subprocess
 import tempfile
@@ -6,18 +6,20 @@ import unittest
 
 
 def find_program(name):
-    """Path of a program of this package."""
+    """The path of a program of this package."""
     return subprocess.check_output(
         ['catkin_find', '--first-only', '--libexec', 'cloth_sim', name], text=True).strip()
 
 
 class ScratchTest(unittest.TestCase):
+    """A test with a temporary folder, which is removed after it."""
+
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
     def path(self, name, text=None):
-        """Of a file in the folder; with a text, one that has it."""
+        """The path of a file in the temporary folder; with a text, the file is written."""
         path = os.path.join(self.folder.name, name)
         if text is not None:
             with open(path, 'w') as file:

@@ -1,4 +1,4 @@
-"""What the tests of cloth_sweep share: a scene that is quick and comes apart, and its command."""
+"""Helpers of the tests of cloth_sweep: a quick scene whose cloth is cut in two, and its command."""
 import os
 import subprocess
 import sys
@@ -8,7 +8,7 @@ from scratch import ScratchTest
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 SWEEP = os.path.join(ROOT, 'scripts', 'cloth_sweep')
 
-# Hangs from a clamp, and is cut through after phases.hold.timeout. Runs in a tenth of a second.
+# A cloth that hangs from a clamp and is cut in two after phases.hold.timeout. Runs in 0.1 s.
 SCENE = """
 cloth:
   size: [0.2, 0.2]
@@ -38,11 +38,11 @@ class SweepTest(ScratchTest):
         return result
 
     def jobs(self, *grid):
-        """The commands that are left to run."""
+        """The commands of the runs that are not finished."""
         return self.sweep('jobs', self.scene, *grid, '--out', self.out).stdout.splitlines()
 
     def job_list(self, *grid):
-        """The same in a file."""
+        """The path of a file with these commands."""
         return self.path('jobs.txt', ''.join(job + '\n' for job in self.jobs(*grid)))
 
     def summaries(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The tearing runs, whole: what README and docs promise of them, at their full size."""
+"""The tearing runs at their full size: the results that the README and the docs promise."""
 import json
 import os
 import subprocess
@@ -25,7 +25,8 @@ class TearingRunTest(ScratchTest):
         return json.loads(result.stdout)
 
     def expect_torn_in_two(self, summary):
-        """Two pieces, every phase passed, nothing lost, each failure counted once."""
+        """Checks that the run ends with two pieces, has passed every phase, has lost no mass or area,
+        and has counted each failure once."""
         self.assertEqual(summary['status'], 'done')
         self.assertEqual(summary['pieces'], 2)
         self.assertTrue(summary['finite'])
