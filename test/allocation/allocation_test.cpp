@@ -1,4 +1,5 @@
-// A step allocates nothing once warm: every method, with pins, a clamp, contact and armed tearing.
+/// \file After the first steps, a step allocates no memory: with every method, with pins, a clamp,
+/// contact and tearing enabled.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +47,7 @@ namespace {
 
 class Allocation : public testing::TestWithParam<std::string> {};
 
-/// A step that all methods bear; it falls on a ball, held by a pin and a clamp.
+/// A cloth that falls on a ball, held by a pin and a clamp. All methods are stable at its step.
 const char* const kScene = R"(
 cloth:
   particles: [24, 24]
@@ -63,7 +64,7 @@ tearing: {enabled: true, ratio: 100.0}
 phases: [{name: all, timeout: 100.0, clamps: {hand: {grasp: true}}}]
 )";
 
-/// The same, and a smaller cloth beside it on the same ball.
+/// A cloth like this one, held by a pin only, and a smaller cloth on the same ball.
 const char* const kTwoCloths = R"(
 cloth:
   - {name: sheet, particles: [24, 24], size: [0.5, 0.5], pose: {position: [0, 0, 0.2505]},
@@ -76,7 +77,7 @@ obstacles:
 phases: [{name: all, timeout: 100.0}]
 )";
 
-/// Allocations of some steps after others.
+/// The number of allocations in `steps` steps, after `warmUp` steps.
 long allocationsOf(Simulation& simulation, int warmUp, int steps) {
   for (int k = 0; k < warmUp; ++k) simulation.step();
   const long before = allocations;
@@ -97,7 +98,7 @@ TEST_P(Allocation, AStepAllocatesNothingOnceWarm) {
   EXPECT_FALSE(simulation.clamps().front().held().empty());
 }
 
-TEST_P(Allocation, NorWithTwoClothsOnOneBall) {
+TEST_P(Allocation, AStepOfTwoClothsOnOneBallAllocatesNothing) {
   const ThreadLimit oneThread(1);
   Simulation simulation = simulationOf(kTwoCloths, GetParam());
   EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);
@@ -105,7 +106,7 @@ TEST_P(Allocation, NorWithTwoClothsOnOneBall) {
   EXPECT_EQ(simulation.contacts().candidates.size(), 2U);
 }
 
-TEST(AllocationAsleep, NorAsleep) {
+TEST(AllocationAsleep, AStepAsleepAllocatesNothing) {
   const ThreadLimit oneThread(1);
   Simulation simulation(parseScene(kScene, "scene", {"drag=50", "solver.sleep.speed=0.01"}));
   for (int k = 0; k < 1000 && !simulation.isAsleep(); ++k) simulation.step();
@@ -123,7 +124,7 @@ std::vector<std::string> methods() {
 INSTANTIATE_TEST_SUITE_P(Registry, Allocation, testing::ValuesIn(methods()),
                          [](const auto& of) { return of.param; });
 
-/// The counter counts.
+/// Checks that the counter counts.
 TEST(Counter, SeesAnAllocation) {
   const long before = allocations;
   delete new int(1);

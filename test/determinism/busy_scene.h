@@ -1,5 +1,5 @@
 #pragma once
-/// \file A scene in which everything happens at once. Header-only; test/ is on the include path.
+/// \file A scene with contact, wind, clamps, cuts and tears at the same time.
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,12 @@
 
 namespace cloth_sim::testing_support {
 
-/// A cloth that falls on a sphere over a table, is notched, grasped and torn, refined where it
-/// tears.
+/// A cloth of n x n particles that falls on a sphere over a table, is notched, grasped and torn,
+/// and is refined where it tears.
 inline Scene busyScene(const std::string& method, int n = 64) {
   const bool limited = std::isfinite(findSolver(method).stabilityLimit);
-  // A finer cloth has shorter springs and lighter particles: the largest stable step shrinks with n.
+  // A finer cloth has shorter springs and lighter particles: the largest stable step shrinks with
+  // n.
   const std::string substeps = limited ? std::to_string(std::max(50, n)) : "2";
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);

@@ -1,5 +1,5 @@
-/// \file Several cloths in one scene, by every method: each moves as it does alone; the same bits
-/// at any number of threads, and after a saved state.
+/// \file Several cloths in one scene, by every method: each moves as it does alone, with the same
+/// bits at any number of threads and from a saved state.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 
 using testing_support::hashOf;
 
-// A sheet that hangs by one corner, and a heavier strip that swings down onto a ball.
+/// A sheet that hangs by one corner, and a heavier strip that swings down onto a ball.
 const char* const kSheet = R"(
   - {name: sheet, size: [0.4, 0.3], particles: [25, 19], fabric: silk, pins: [corner_00],
      pose: {position: [0, 0, 0.9], rpy: [0.3, 0, 0]}}
@@ -29,7 +29,7 @@ obstacles: {ball: {type: sphere, radius: 0.1, position: [2.0, -0.1, 0.75]}}
 drag: 1
 )";
 
-/// Methods with a limit get substeps of 0.1 ms, which is below it.
+/// Methods with a stability limit get substeps of 0.1 ms, which is below their limits.
 Scene sceneOf(const std::string& cloths, const std::string& method, const std::string& more = "") {
   const bool limited = std::isfinite(findSolver(method).stabilityLimit);
   const std::string substeps = limited ? "50" : "5";
@@ -52,8 +52,8 @@ TEST_P(Cloths, MoveAsTheyDoAlone) {
   Simulation sheet(sceneOf(kSheet, GetParam()));
   Simulation strip(sceneOf(kStrip, GetParam()));
   for (Simulation* simulation : {&both, &sheet, &strip}) run(*simulation, 30);
-  // Methods that iterate look at the residual of all, and so end earlier or later than for one; the
-  // others differ by rounding alone.
+  // Methods that iterate end by the residual of all cloths, and so earlier or later than for one.
+  // The others differ by rounding only.
   const bool iterates = both.lastReport().iterations > 0;
   double far = 0.0;
   double moved = 0.0;

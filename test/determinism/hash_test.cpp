@@ -1,5 +1,5 @@
-/// \file The same scene and commands give the same bits: twice, at any number of threads, watched
-/// or not, after a reset.
+/// \file The same scene and commands give the same bits in every run, at any number of threads,
+/// with and without observers, and after a reset.
 
 #include <gtest/gtest.h>
 
@@ -82,7 +82,7 @@ TEST_P(Determinism, AfterAReset) {
   Simulation simulation(busyScene(GetParam(), 32));
   run(simulation, kSteps);
   const std::uint64_t first = hashOf(simulation);
-  for (const int steps : {0, 7}) {  // right away, and again in the middle of things
+  for (const int steps : {0, 7}) {  // at the end of a run, and some steps later
     run(simulation, steps);
     ASSERT_TRUE(simulation.apply(SetGravity{Vec3(1.0, 0.0, 0.0)}).success);
     ASSERT_TRUE(simulation.apply(Reset{}).success);

@@ -1,5 +1,5 @@
-/// \file A run that was saved and loaded goes on as the one that was not interrupted: to the bit,
-/// by every method, with clamps, contact, tears and cuts. What is not a state of this scene is
+/// \file A run that is saved and loaded continues with the same bits as an uninterrupted one, by
+/// every method, with clamps, contact, tears and cuts. Files that are no state of the scene are
 /// refused.
 
 #include "cloth_sim/sim/saved_state.h"
@@ -33,7 +33,7 @@ void run(Simulation& simulation, int steps) {
   for (int k = 0; k < steps; ++k) simulation.step();
 }
 
-/// Commands that change whatever commands can change.
+/// Applies commands of every kind.
 void disturb(Simulation& simulation) {
   EXPECT_TRUE(simulation.apply(SetGravity{Vec3(0.1, 0.0, -9.0)}).success);
   EXPECT_TRUE(simulation.apply(SetTearing{true, {1.15, 1.3, 1.4}}).success);
@@ -44,7 +44,7 @@ void disturb(Simulation& simulation) {
   EXPECT_TRUE(simulation.apply(CutAlong{across}).success);
   const MovingPose away{Pose{Vec3(-0.7, 0.0, 0.4)}, Vec3(-0.5, 0.0, 0.0), Vec3::UnitZ(), 0.1};
   EXPECT_TRUE(simulation.apply(GuideClamp{"left", away}).success);
-  EXPECT_TRUE(simulation.apply(SetGripForce{"right", 0.05}).success);  // it slips
+  EXPECT_TRUE(simulation.apply(SetGripForce{"right", 0.05}).success);  // too weak: the cloth slips
   const MovingPose hand{Pose{Vec3(0.0, 0.3, 0.1)}, Vec3(0.0, 0.4, 0.0), Vec3::Zero(), 0.2};
   EXPECT_TRUE(simulation.apply(GuideObstacle{"table", hand}).success);
   EXPECT_TRUE(simulation.apply(SetStiffness{1.1}).success);
@@ -54,7 +54,8 @@ void disturb(Simulation& simulation) {
   EXPECT_TRUE(simulation.apply(CreateClamp{more}).success);
 }
 
-/// Both do the same from here on, step for step; at the end everything about them is the same.
+/// Steps both simulations and compares their states after each step, and everything else at the
+/// end.
 void expectSameFuture(Simulation& straight, Simulation& loaded, int steps) {
   for (int k = 0; k < steps; ++k) {
     ASSERT_EQ(hashOf(straight), hashOf(loaded)) << "after " << k << " steps";
@@ -72,12 +73,12 @@ INSTANTIATE_TEST_SUITE_P(Registry, SavedState, testing::ValuesIn(methodNames()),
 
 TEST_P(SavedState, GoesOnAsIfNothingHadHappened) {
   Simulation straight(busyScene(GetParam(), kParticles));
-  // At the start; in contact, before anything is held; held and cut; while it tears.
+  // At the start; in contact and not held; held and cut; while it tears.
   for (const int steps : {0, 4, 8, 12}) {
     run(straight, steps);
     if (steps == 8) disturb(straight);
     Simulation loaded(busyScene(GetParam(), kParticles));
-    run(loaded, 3);  // what it did before does not matter
+    run(loaded, 3);  // load() must replace every trace of these steps
     loaded.load(straight.save());
     expectSameFuture(straight, loaded, 8);
   }
@@ -115,7 +116,7 @@ TEST_P(SavedState, ManySavesInARow) {
   EXPECT_EQ(straight.save(), relay.save());
 }
 
-/// What a simulation shows besides its state.
+/// All observable quantities of a simulation except its state.
 TEST(SavedStateFigures, AreTheSame) {
   Simulation straight(busyScene("xpbd", kParticles));
   run(straight, 14);
@@ -138,7 +139,7 @@ TEST(SavedStateFigures, AreTheSame) {
   EXPECT_EQ(validationError(loaded.model().mesh), "");
 }
 
-/// \return what a simulation says to bytes that it must refuse without a change.
+/// Loads bytes that the simulation must refuse without a change. \return the text of the error.
 std::string refusal(const std::string& bytes) {
   Simulation simulation(busyScene("xpbd", kParticles));
   run(simulation, 2);
@@ -186,14 +187,14 @@ TEST(SavedStateRefused, IfOfAnotherVersion) {
 TEST(SavedStateRefused, IfOfAnotherScene) {
   Scene other = busyScene("xpbd", kParticles);
   EXPECT_EQ(refusal(Simulation(other).save()), "");
-  other.seed = 4;  // another start, though the text is the same
+  other.seed = 4;  // another start with the same text
   EXPECT_THAT(refusal(Simulation(other).save()), HasSubstr("another scene"));
   EXPECT_THAT(refusal(Simulation(busyScene("verlet", kParticles)).save()),
               HasSubstr("another scene"));
   EXPECT_THAT(refusal(Simulation(busyScene("xpbd", 16)).save()), HasSubstr("another scene"));
 }
 
-/// An empty folder of its own.
+/// A test with an empty folder of its own.
 class SavedStateFile : public testing::Test {
  protected:
   void SetUp() override {
@@ -243,8 +244,8 @@ TEST_F(SavedStateFile, ThatCannotBeWrittenLeavesNothingBehind) {
   EXPECT_THROW(readRegularFile(path("nothing")), StateError);
 }
 
-/// A disk that takes only a part: RLIMIT_FSIZE would end the process, a small file system needs
-/// root; a file in /proc refuses every write.
+/// A file in /proc, which refuses every write, stands for a full disk: RLIMIT_FSIZE would end the
+/// process, and a small file system needs root.
 TEST_F(SavedStateFile, OnAReadOnlyFileSystemIsRefused) {
   try {
     writeFileWhole("/proc/cloth_sim", "x");

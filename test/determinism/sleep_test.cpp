@@ -1,5 +1,5 @@
-/// \file A cloth at rest sleeps, wakes when something touches it, and goes on from there as one
-/// that was awake: to the bit, at any number of threads, after a saved state.
+/// \file A cloth at rest falls asleep, and wakes when something touches it. It then continues with
+/// the same bits as a cloth that stayed awake, at any number of threads and from a saved state.
 
 #include "cloth_sim/sim/sleep.h"
 
@@ -18,7 +18,8 @@
 namespace cloth_sim {
 namespace {
 
-/// A towel that hangs from two pins and a clamp onto a ball, in thick air: it comes to rest in 3 s.
+/// A towel that hangs from two pins and a clamp onto a ball. The drag is large, so that it comes to
+/// rest in 3 s.
 const char* const kTowel = R"(
 cloth:
   size: [0.2, 0.2]
@@ -61,7 +62,7 @@ void run(Simulation& simulation, int steps) {
 
 constexpr int kMost = 800;  ///< steps in which the towel comes to rest
 
-/// \return the steps until it fell asleep.
+/// Steps the simulation until it is asleep. \return the number of steps.
 int runToSleep(Simulation& simulation, int most = kMost) {
   for (int k = 0; k < most; ++k) {
     if (simulation.isAsleep()) return k;
@@ -71,7 +72,7 @@ int runToSleep(Simulation& simulation, int most = kMost) {
   return most;
 }
 
-/// The same cloth at the same time with the same past, which never sleeps.
+/// A cloth with the same state, time and history, which never sleeps.
 Simulation awakeTwin(const Simulation& sleeper) {
   Simulation twin(awake(sleeper.scene()));
   twin.load(sleeper.save());
@@ -90,8 +91,7 @@ void expectSameSteps(Simulation& a, Simulation& b, int steps) {
   }
 }
 
-// ---- asleep
-// --------------------------------------------------------------------------------------
+// ---- asleep ------------------------------------------------------------------------------------
 
 TEST(Sleep, OnlyLetsTimeGoOn) {
   Simulation simulation(towel());
@@ -121,7 +121,7 @@ TEST(Sleep, ComesAfterRestOfTheWholeTime) {
   int slow = 0;  // steps in a row
   while (!simulation.isAsleep() && simulation.stepCount() < kMost) {
     simulation.step();
-    if (simulation.isAsleep()) break;  // which set the velocities to zero
+    if (simulation.isAsleep()) break;  // falling asleep sets the velocities to zero
     double fastest = 0.0;
     for (const Vec3& v : simulation.state().v) fastest = std::max(fastest, v.norm());
     slow = fastest < 1e-3 ? slow + 1 : 0;
@@ -145,7 +145,7 @@ TEST(Sleep, LeavesTheForceOnAClampAsItWas) {
   const double force = watcher.clamps()[0].wrench().force.norm();
   EXPECT_GT(force, 1e-3);
   const Vec3 off = sleeper.clamps()[0].wrench().force - watcher.clamps()[0].wrench().force;
-  EXPECT_LT(off.norm(), 1e-5 * force);  // 1.4e-6 as measured
+  EXPECT_LT(off.norm(), 1e-5 * force);  // measured: 1.4e-6
 }
 
 TEST(Sleep, LargestStretchIsKnownAsleep) {
@@ -182,11 +182,10 @@ TEST(Sleep, EndsWithAReset) {
   EXPECT_EQ(runToSleep(simulation), steps);
 }
 
-// ---- what keeps it awake
-// -------------------------------------------------------------------------------
+// ---- staying awake -----------------------------------------------------------------------------
 
-/// A stiff sheet of 1 m on a hinge, let go 0.1 rad from where it hangs straight: where it turns it
-/// speeds up by 1 m/s^2.
+/// A stiff sheet of 1 m on a hinge, released 0.1 rad from the vertical. At its turning points its
+/// speed is zero, but its acceleration is 1 m/s^2.
 Simulation pendulum(const SleepSettings& sleep) {
   Scene scene = parseScene(R"(
 cloth:
@@ -225,7 +224,7 @@ TEST(Sleep, DoesNotComeWhileAClampMovesHoweverSlowly) {
     simulation.step();
     ASSERT_FALSE(simulation.isAsleep()) << "step " << k;
   }
-  // From the last step in which the clamp moved.
+  // Counted from the last step in which the clamp moved.
   EXPECT_LE(runToSleep(simulation), 52);
 }
 
@@ -264,11 +263,11 @@ TEST(Sleep, DoesNotComeWhileAParticleIsDragged) {
     simulation.step();
     ASSERT_FALSE(simulation.isAsleep());
   }
-  run(simulation, 101);  // after a second the drag lets go by itself
+  run(simulation, 101);  // the drag ends by itself after a second
   runToSleep(simulation);
 }
 
-/// A notched sheet that is held stretched beyond its limit; the tear takes more than a second from
+/// A notched sheet that is held stretched beyond its limit. The tear takes more than a second from
 /// one edge to the next, and the cloth is at rest in between.
 Scene slowTear() {
   return parseScene(R"(
@@ -313,8 +312,7 @@ TEST(Sleep, DoesNotComeWhileATearWaits) {
   EXPECT_EQ(twin.pieces(), 2) << "it was to come apart";
 }
 
-// ---- waking
-// --------------------------------------------------------------------------------------
+// ---- waking ------------------------------------------------------------------------------------
 
 struct Touch {
   const char* name;
@@ -331,7 +329,7 @@ Ray rayAt(const Simulation& simulation, VertexId v) {
 
 class Waking : public testing::TestWithParam<Touch> {};
 
-/// Everything that touches the cloth; the least that does, where there is a least.
+/// All commands and motions that wake the cloth, each with the smallest amount that does.
 INSTANTIATE_TEST_SUITE_P(
     By, Waking,
     testing::Values(
@@ -471,17 +469,16 @@ TEST(Sleep, IsNotDisturbedByWhatChangesNothing) {
   EXPECT_TRUE(simulation.isAsleep());
 }
 
-// ---- determinism
-// ---------------------------------------------------------------------------------
+// ---- determinism -------------------------------------------------------------------------------
 
-/// The towel, soon counted as at rest: all methods need not take long.
+/// The towel with a coarse criterion of rest, so that a run is short with every method.
 Scene hasty(const std::string& method) {
   Scene scene = towel(method);
   scene.solver.sleep = SleepSettings{0.01, 0.1};
   return scene;
 }
 
-/// Falls asleep, is woken by the wind, and falls asleep again.
+/// The hash of a run that falls asleep, is woken by the wind, and falls asleep again.
 std::uint64_t hashOfARun(const std::string& method) {
   Simulation simulation(hasty(method));
   const int first = runToSleep(simulation);
@@ -516,7 +513,7 @@ TEST_P(SleepMethods, AnyNumberOfThreadsGivesTheSameBits) {
 
 TEST_P(SleepMethods, GoesOnFromASavedState) {
   Simulation straight(hasty(GetParam()));
-  // On the way to sleep, asleep, and just woken.
+  // Saves and loads every 17 steps until the cloth is asleep.
   while (!straight.isAsleep() && straight.stepCount() < kMost) {
     straight.step();
     if (straight.stepCount() % 17 != 0) continue;
