@@ -61,7 +61,7 @@ def skip_reason(case):
 
 
 def recorded(case, name):
-    """The value of a property that a test recorded: an element, or in older versions an attribute."""
+    """The value of a property that a test recorded: an element; in older versions an attribute."""
     for entry in case.iter('property'):
         if entry.get('name') == name:
             return int(entry.get('value'))

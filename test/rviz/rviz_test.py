@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""The display and the tools in the real rviz, on a virtual screen: where the cloth is drawn, in which
-colours, and how the mouse cuts and drags it."""
+"""The display and the tools in the real rviz, on a virtual screen: where the cloth is drawn, in
+which colours, and how the mouse cuts and drags it."""
 import functools
 import math
 import os
@@ -63,7 +63,7 @@ def config(tool, display='Torn Width: 0.02', behind=False):
 
 
 class View:
-    """Maps points of the world to pixels, and cuts the region between two points out of a picture."""
+    """Maps points of the world to pixels, and cuts regions out of a picture."""
 
     def __init__(self, screen):
         self.box = view_of(screen, BACKGROUND)
@@ -103,9 +103,9 @@ class RvizTest(unittest.TestCase):
         self.screen.save(self.id().split('.')[-1] + '.png')
 
     def open(self, *arguments, **options):
-        """The view, once the whole cloth is drawn as it hangs at the start. Starting rviz is slow, so a
-        test uses the rviz of the test before it, in the order of their names, if the settings are the
-        same."""
+        """The view, once the whole cloth is drawn as it hangs at the start. Starting rviz is slow, so
+        a test uses the rviz of the test before it, in the order of their names, if the settings are
+        the same."""
         self.screen.open_rviz(config(*arguments, **options))
         view = View(self.screen)
         wait_until(lambda: self.is_whole(view), 'the cloth')
@@ -162,13 +162,13 @@ class RvizTest(unittest.TestCase):
     # ---- the launcher of cloth.launch ------------------------------------------------------------
 
     def subscribers(self, topic):
-        """The names of nodes that subscribe to a topic; the master also lists nodes that were killed."""
+        """The nodes that subscribe to a topic. The master also lists nodes that were killed."""
         return {node for name, nodes in rosgraph.Master('/rviz_test').getSystemState()[1]
                 if name == topic for node in nodes}
 
     def launch(self, *topics, **variables):
-        """Starts rviz like the launch file and waits until it has subscribed to these topics. Returns
-        the names of its nodes."""
+        """Starts rviz like the launch file and waits until it has subscribed to these topics.
+        Returns the names of its nodes."""
         before = self.subscribers('/tf')
         self.screen.open([LAUNCHER], **variables)
         new = wait_until(lambda: self.subscribers('/tf') - before, 'rviz')
@@ -177,7 +177,7 @@ class RvizTest(unittest.TestCase):
         return new
 
     def test_launcher_takes_the_plugin(self):
-        # The display subscribes to the first two, the panel to the third, its sliders to the fourth.
+        # The display subscribes to the first two, the panel to the third, its sliders to the last.
         rviz = self.launch('/cloth/frame', '/cloth/scene_markers', '/cloth/state',
                            '/cloth/parameter_updates')
         self.assertFalse(self.subscribers('/cloth/markers') & rviz)

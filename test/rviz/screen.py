@@ -96,8 +96,8 @@ class Screen:
         return numpy.frombuffer(raw, numpy.uint8).reshape(HEIGHT, WIDTH, 3).astype(int)
 
     def save(self, path):
-        """Saves the screen in the folder that the environment variable CLOTH_SIM_SHOTS names, if it is
-        set, for people to look at."""
+        """Saves the screen in the folder that the environment variable CLOTH_SIM_SHOTS names, if it
+        is set, for people to look at."""
         folder = os.environ.get('CLOTH_SIM_SHOTS')
         if folder:
             subprocess.run(['import', '-silent', '-window', 'root', os.path.join(folder, path)],
@@ -108,7 +108,7 @@ class Screen:
                        check=True)
 
     def drag(self, points):
-        """Presses the left button at the first point and moves along the others; it stays down."""
+        """Presses the left button at the first point and moves along the others."""
         self.mouse('mousemove', *points[0])
         self.mouse('mousedown', 1)
         for point in points[1:]:
@@ -119,13 +119,13 @@ class Screen:
 
 
 def is_near(picture, colour, tolerance=12):
-    """A mask of the pixels whose red, green and blue differ from a colour by at most `tolerance`."""
+    """A mask of the pixels whose parts differ from those of a colour by at most `tolerance`."""
     return (abs(picture - numpy.array(colour)) <= tolerance).all(axis=2)
 
 
 def view_of(screen, background):
-    """The 3D view as (left, top, right, bottom) in pixels, found by its background colour. Waits until
-    it is drawn."""
+    """The 3D view as (left, top, right, bottom) in pixels, found by its background colour. Waits
+    until it is drawn."""
     def found():
         ys, xs = numpy.nonzero(is_near(screen.picture(), background, 2))
         if len(xs) < 0.1 * WIDTH * HEIGHT:

@@ -201,7 +201,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertEqual(last.clamps[0].held, 0)
 
     def test_a_full_disk_while_recording_is_one_line_and_no_bag(self):
-        """A limit on the size of files stands for a full disk, which is met early, late, at the end."""
+        """A limit on the size of files stands for a full disk, met early, late and at the end."""
         bag = self.path('run.bag')
         self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)
         whole = os.path.getsize(bag)

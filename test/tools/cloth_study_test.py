@@ -110,8 +110,8 @@ class ClothStudyTest(unittest.TestCase):
         self.assertEqual(len(reasons), skipped)
 
     def error(self, scene, solver, substeps):
-        """The error of the run with the scene's own step, and with the most iterations of methods that
-        iterate."""
+        """The error of the run with the scene's own step, and with the most iterations of methods
+        that iterate."""
         rows = [row for row in self.rows('work_precision.csv')
                 if row['scene'] == scene and row['solver'] == solver
                 and row['substeps'] == str(substeps) and float(row['dt']) > 0.01]

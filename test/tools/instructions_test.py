@@ -34,9 +34,9 @@ solver: {method: %(method)s, substeps: %(substeps)d, dt: %(dt)g}
 %(more)s
 '''
 
-# Features that a scene may name, and functions that do their work. All of these functions must be in
-# the library: one that was renamed is an error. Most are called from files of other folders, so that
-# the compiler cannot inline them, in unity builds either.
+# Features that a scene may name, and functions that do their work. All of these functions must be
+# in the library: one that was renamed is an error. Most are called from files of other folders, so
+# that the compiler cannot inline them, in unity builds either.
 FEATURES = {
     'obstacle': ({'more': 'obstacles:\n  ball: {type: sphere, radius: 0.1, position: [0, 0.04, 1]}'},
                  ['ColliderSet::detect', 'Contacts::project']),

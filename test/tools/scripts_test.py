@@ -17,8 +17,8 @@ import check_suites  # noqa: E402
 
 
 class ConfigurationTest(ScratchTest):
-    """drop_stale_configuration, in a workspace without a build, on a machine whose packages are in a
-    file."""
+    """drop_stale_configuration, in a workspace without a build, on a machine whose packages are in
+    a file."""
 
     def setUp(self):
         super().setUp()
@@ -34,8 +34,8 @@ class ConfigurationTest(ScratchTest):
     def prepare(self, *arguments, **environment):
         """What a script does before it builds, and then what CMake and the compiler do."""
         subprocess.run(
-            ['bash', '-c', 'source "$1"; shift; detect_system; drop_stale_configuration "$@"', 'bash',
-             ROOT / 'scripts' / 'lib' / 'common.sh', self.workspace, *arguments],
+            ['bash', '-c', 'source "$1"; shift; detect_system; drop_stale_configuration "$@"',
+             'bash', ROOT / 'scripts' / 'lib' / 'common.sh', self.workspace, *arguments],
             check=True, capture_output=True,
             env={**os.environ, 'PATH': self.folder.name + ':' + os.environ['PATH'], **environment})
         self.was_dropped = not self.cache.exists()

@@ -25,8 +25,8 @@ class TearingRunTest(ScratchTest):
         return json.loads(result.stdout)
 
     def expect_torn_in_two(self, summary):
-        """Checks that the run ends with two pieces, has passed every phase, has lost no mass or area,
-        and has counted each failure once."""
+        """Checks that the run ends with two pieces, has passed every phase, has lost no mass or
+        area, and has counted each failure once."""
         self.assertEqual(summary['status'], 'done')
         self.assertEqual(summary['pieces'], 2)
         self.assertTrue(summary['finite'])
