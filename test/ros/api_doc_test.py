@@ -24,7 +24,7 @@ NODE = '/cloth'
 # Names of roscpp and dynamic_reconfigure, which every such node has.
 COMMON_SERVICES = {'get_loggers', 'set_logger_level', 'set_parameters'}
 COMMON_TOPICS = {'parameter_descriptions', 'parameter_updates'}
-ACTION = re.compile(r'(\w+)/(goal|cancel|status|feedback|result)$')
+ACTION = re.compile(r'(?!handles/)(\w+)/(goal|cancel|status|feedback|result)$')
 
 
 def read(*path):
