@@ -138,90 +138,90 @@ struct ThreadPool::Impl {
   template <typename Condition>
   void spinWhileAllRun(const Condition& isOver) const;
 
-  Loop loop;
-  std::vector<TaskState> states;  ///< by task
-  LoopGate gate;
+  Loop loop_;
+  std::vector<TaskState> states_;  ///< by task
+  LoopGate gate_;
   /// Threads that have run or tried to run all tasks of their own range.
-  alignas(kCacheLine) std::atomic<std::int32_t> threadsDone{0};
-  alignas(kCacheLine) std::atomic<bool> isRegionOver{false};
-  std::atomic<std::int32_t> workersAwake{0};
-  bool hasWokenWorkers = false;  ///< in this region
+  alignas(kCacheLine) std::atomic<std::int32_t> threadsDone_{0};
+  alignas(kCacheLine) std::atomic<bool> isRegionOver_{false};
+  std::atomic<std::int32_t> workersAwake_{0};
+  bool hasWokenWorkers_ = false;  ///< in this region
 
-  std::mutex mutex;
-  std::condition_variable wake;
-  std::int64_t regions = 0;  ///< that have woken workers; guarded by mutex
-  bool mayJoin = false;      ///< workers may join the region; guarded by mutex
-  bool isDestroyed = false;  ///< workers return; guarded by mutex
-  std::vector<std::thread> workers;
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::int64_t regions_ = 0;  ///< that have woken workers; guarded by mutex_
+  bool mayJoin_ = false;      ///< workers may join the region; guarded by mutex_
+  bool isDestroyed_ = false;  ///< workers return; guarded by mutex_
+  std::vector<std::thread> workers_;
 };
 
 ThreadPool::Impl::~Impl() {
   {
-    const std::lock_guard<std::mutex> lock(mutex);
-    isDestroyed = true;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    isDestroyed_ = true;
   }
-  wake.notify_all();
-  for (std::thread& worker : workers) worker.join();
+  wake_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
 }
 
 void ThreadPool::Impl::beginRegion() {
   threads = std::min(ThreadLimit::ofThisThread(), kMaxThreads);
-  isRegionOver.store(false, std::memory_order_relaxed);
+  isRegionOver_.store(false, std::memory_order_relaxed);
 }
 
 /// Waits for the workers that have joined, but not for those that are still waking up.
 void ThreadPool::Impl::endRegion() {
-  if (!hasWokenWorkers) return;
-  hasWokenWorkers = false;
-  isRegionOver.store(true, std::memory_order_release);
+  if (!hasWokenWorkers_) return;
+  hasWokenWorkers_ = false;
+  isRegionOver_.store(true, std::memory_order_release);
   {
-    const std::lock_guard<std::mutex> lock(mutex);
-    mayJoin = false;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    mayJoin_ = false;
   }
   Backoff backoff;
-  while (workersAwake.load(std::memory_order_acquire) > 0) backoff.wait();
+  while (workersAwake_.load(std::memory_order_acquire) > 0) backoff.wait();
 }
 
 /// Runs a loop in the calling thread and in the workers that are awake.
 void ThreadPool::Impl::run(const Loop& next, std::int32_t tasks) {
-  if (!hasWokenWorkers) wakeWorkers();
-  if (states.size() < static_cast<std::size_t>(tasks)) {
-    states = std::vector<TaskState>(static_cast<std::size_t>(tasks));
+  if (!hasWokenWorkers_) wakeWorkers();
+  if (states_.size() < static_cast<std::size_t>(tasks)) {
+    states_ = std::vector<TaskState>(static_cast<std::size_t>(tasks));
   }
-  loop = next;
-  threadsDone.store(0, std::memory_order_relaxed);
-  gate.open();
-  runLoop(0, gate.epoch());
-  gate.close();
+  loop_ = next;
+  threadsDone_.store(0, std::memory_order_relaxed);
+  gate_.open();
+  runLoop(0, gate_.epoch());
+  gate_.close();
 }
 
 void ThreadPool::Impl::wakeWorkers() {
-  hasWokenWorkers = true;
-  for (auto thread = static_cast<std::int32_t>(workers.size()) + 1; thread < threads; ++thread) {
-    workers.emplace_back([this, thread] { workerMain(thread); });
+  hasWokenWorkers_ = true;
+  for (auto thread = static_cast<std::int32_t>(workers_.size()) + 1; thread < threads; ++thread) {
+    workers_.emplace_back([this, thread] { workerMain(thread); });
   }
   {
-    const std::lock_guard<std::mutex> lock(mutex);
-    mayJoin = true;
-    ++regions;
+    const std::lock_guard<std::mutex> lock(mutex_);
+    mayJoin_ = true;
+    ++regions_;
   }
-  wake.notify_all();
+  wake_.notify_all();
 }
 
 /// Sleeps between regions. Joins each region at most once, if its limit admits this thread.
 void ThreadPool::Impl::workerMain(std::int32_t thread) {
   std::int64_t lastRegion = 0;
-  std::unique_lock<std::mutex> lock(mutex);
+  std::unique_lock<std::mutex> lock(mutex_);
   while (true) {
-    wake.wait(lock, [&] {
-      return isDestroyed || (mayJoin && regions != lastRegion && thread < threads);
+    wake_.wait(lock, [&] {
+      return isDestroyed_ || (mayJoin_ && regions_ != lastRegion && thread < threads);
     });
-    if (isDestroyed) return;
-    lastRegion = regions;
-    workersAwake.fetch_add(1, std::memory_order_relaxed);
+    if (isDestroyed_) return;
+    lastRegion = regions_;
+    workersAwake_.fetch_add(1, std::memory_order_relaxed);
     lock.unlock();
     runLoopsOfRegion(thread);
-    workersAwake.fetch_sub(1, std::memory_order_release);
+    workersAwake_.fetch_sub(1, std::memory_order_release);
     lock.lock();
   }
 }
@@ -230,8 +230,8 @@ void ThreadPool::Impl::workerMain(std::int32_t thread) {
 void ThreadPool::Impl::runLoopsOfRegion(std::int32_t thread) {
   Backoff backoff;
   Epoch last = 0;
-  while (!isRegionOver.load(std::memory_order_acquire)) {
-    const Epoch epoch = gate.tryEnter(last);
+  while (!isRegionOver_.load(std::memory_order_acquire)) {
+    const Epoch epoch = gate_.tryEnter(last);
     if (epoch == 0) {
       backoff.wait();
       continue;
@@ -239,7 +239,7 @@ void ThreadPool::Impl::runLoopsOfRegion(std::int32_t thread) {
     const std::int64_t before = tasksOfThisThread;
     runLoop(thread, epoch);
     workerTasks.fetch_add(tasksOfThisThread - before, std::memory_order_relaxed);
-    gate.leave();
+    gate_.leave();
     last = epoch;
     backoff.reset();
   }
@@ -250,9 +250,9 @@ void ThreadPool::Impl::runLoopsOfRegion(std::int32_t thread) {
 /// their data from its cache takes longer than to wait.
 void ThreadPool::Impl::runLoop(std::int32_t thread, Epoch epoch) {
   runTasksOf(thread, false, epoch);
-  threadsDone.fetch_add(1, std::memory_order_relaxed);
-  const auto isDone = [&] { return threadsDone.load(std::memory_order_relaxed) == threads; };
-  if (loop.graph != nullptr) spinWhileAllRun(isDone);
+  threadsDone_.fetch_add(1, std::memory_order_relaxed);
+  const auto isDone = [&] { return threadsDone_.load(std::memory_order_relaxed) == threads; };
+  if (loop_.graph != nullptr) spinWhileAllRun(isDone);
   if (isDone()) return;
   for (std::int32_t k = 1; k < threads; ++k) runTasksOf((thread + k) % threads, true, epoch);
 }
@@ -260,7 +260,8 @@ void ThreadPool::Impl::runLoop(std::int32_t thread, Epoch epoch) {
 /// Spins for at most kSpins polls until `isOver()`, as long as all threads are running the loop.
 template <typename Condition>
 void ThreadPool::Impl::spinWhileAllRun(const Condition& isOver) const {
-  for (int polls = 0; polls < kSpins && !isOver() && gate.workersInside() == threads - 1; ++polls) {
+  for (int polls = 0; polls < kSpins && !isOver() && gate_.workersInside() == threads - 1;
+       ++polls) {
     pauseProcessor();
   }
 }
@@ -270,8 +271,8 @@ void ThreadPool::Impl::spinWhileAllRun(const Condition& isOver) const {
 /// the owner late.
 void ThreadPool::Impl::runTasksOf(std::int32_t owner, bool isStealing, Epoch epoch) {
   std::int32_t first = 0;
-  for (std::int32_t group = 0; group < loop.groups; ++group) {
-    const std::int32_t tasks = loop.groupEnds[group] - first;
+  for (std::int32_t group = 0; group < loop_.groups; ++group) {
+    const std::int32_t tasks = loop_.groupEnds[group] - first;
     const auto rangeBegin = [&](std::int32_t thread) {
       return first + (tasks * thread + threads - 1) / threads;
     };
@@ -282,28 +283,28 @@ void ThreadPool::Impl::runTasksOf(std::int32_t owner, bool isStealing, Epoch epo
       const std::int32_t offset = turn == 1 ? count - 1 : std::max(0, turn - 1);
       runTask(begin + offset, epoch);
     }
-    first = loop.groupEnds[group];
+    first = loop_.groupEnds[group];
   }
 }
 
 /// Runs a task after its predecessors, unless another thread has claimed it.
 void ThreadPool::Impl::runTask(std::int32_t task, Epoch epoch) {
-  TaskState& state = states[static_cast<std::size_t>(task)];
+  TaskState& state = states_[static_cast<std::size_t>(task)];
   if (state.isClaimed(epoch)) return;
-  if (loop.graph != nullptr) runPredecessors(task, epoch);
+  if (loop_.graph != nullptr) runPredecessors(task, epoch);
   if (!state.claim(epoch)) return;
-  loop.body(loop.context, task);
+  loop_.body(loop_.context, task);
   ++tasksOfThisThread;
   state.setComplete(epoch);
 }
 
 /// Returns when all predecessors are complete; runs those that no thread has claimed.
 void ThreadPool::Impl::runPredecessors(std::int32_t task, Epoch epoch) {
-  const TaskGraph& graph = *loop.graph;
+  const TaskGraph& graph = *loop_.graph;
   const std::int32_t begin = task == 0 ? 0 : graph.waitEnds[task - 1];
   for (std::int32_t k = begin; k < graph.waitEnds[task]; ++k) {
     const std::int32_t predecessor = graph.waits[k];
-    const TaskState& state = states[static_cast<std::size_t>(predecessor)];
+    const TaskState& state = states_[static_cast<std::size_t>(predecessor)];
     spinWhileAllRun([&] { return state.isClaimed(epoch); });
     runTask(predecessor, epoch);
     Backoff backoff;

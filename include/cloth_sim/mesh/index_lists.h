@@ -21,6 +21,7 @@ class IndexSpan {
   bool empty() const { return begin_ == end_; }
   std::int32_t front() const { return *begin_; }
   std::int32_t operator[](std::size_t k) const { return begin_[k]; }
+  // NOLINTNEXTLINE(google-explicit-constructor): a copy reads like that of a vector
   operator std::vector<std::int32_t>() const { return {begin_, end_}; }
 
  private:
