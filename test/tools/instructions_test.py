@@ -42,7 +42,7 @@ FEATURES = {
                  ['ColliderSet::detect', 'Contacts::project']),
     'wind': ({'more': 'wind: {velocity: [0, 1, 0]}'}, ['addLoads', 'addWind']),
     'bending': ({'bending': 'hinge'},
-                ['BendMatrix::addForces', 'BendMatrix::addProduct', 'BendSweep::projectFree']),
+                ['BendMatrix::addForces', 'BendMatrix::addProduct', 'BendProjection::projectFree']),
     'tearing': ({'more': 'tearing: {ratio: 5}'}, ['Tearing::plan', 'Tearing::findOverloads']),
 }
 
