@@ -51,7 +51,7 @@ Outcome outcomeOf(const Scene& scene, int threads) {
   const Vec3 down(0.0, 0.0, -1.0);
   EXPECT_TRUE(
       simulation.apply(CutAlong{strokeAlong({{-1, 0.13, 0}, {1, 0.27, 0}}, down, 1.0)}).success);
-  EXPECT_TRUE(simulation.apply(RefineNear{{Vec3(0.2, 0.2, 0.2)}, {0.1, 1, 0.0}}).success);
+  EXPECT_TRUE(simulation.apply(RefineMesh{{{Vec3(0.2, 0.2, 0.2)}, {0.1, 1, 0.0}}}).success);
   simulation.step();
   EXPECT_FALSE(simulation.failed()) << simulation.failure();
   EXPECT_GT(simulation.broken().cut, 0);
