@@ -7,7 +7,7 @@
 namespace cloth_sim {
 
 void Contacts::clear() {
-  // Last first: `add` then hands the buffers out in the order in which they were used.
+  // From the last entry on, so that `add` reuses the buffers in the same order.
   while (!candidates.empty()) dropLast();
 }
 
@@ -22,29 +22,30 @@ ContactCandidates& Contacts::add(const Collider* collider, std::size_t cloth) {
   return entry;
 }
 
-void Contacts::keepMemoryOf(std::vector<VertexId>& vertices) {
+void Contacts::keepBuffer(std::vector<VertexId>& vertices) {
   vertices.clear();
   spare_.push_back(std::move(vertices));
 }
 
 void Contacts::dropLast() {
-  keepMemoryOf(candidates.back().vertices);
+  keepBuffer(candidates.back().vertices);
   candidates.pop_back();
 }
 
-void Contacts::divide(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf) {
-  whole_.swap(candidates);
-  for (ContactCandidates& whole : whole_) {
+void Contacts::splitByCloth(std::size_t cloths,
+                            const std::function<std::size_t(VertexId)>& clothOf) {
+  unsplit_.swap(candidates);
+  for (ContactCandidates& unsplit : unsplit_) {
     for (std::size_t cloth = 0; cloth < cloths; ++cloth) {
-      ContactCandidates& part = add(whole.collider, cloth);
-      for (const VertexId v : whole.vertices) {
+      ContactCandidates& part = add(unsplit.collider, cloth);
+      for (const VertexId v : unsplit.vertices) {
         if (clothOf(v) == cloth) part.vertices.push_back(v);
       }
       if (part.vertices.empty()) dropLast();
     }
   }
-  for (ContactCandidates& whole : whole_) keepMemoryOf(whole.vertices);
-  whole_.clear();
+  for (ContactCandidates& unsplit : unsplit_) keepBuffer(unsplit.vertices);
+  unsplit_.clear();
 }
 
 void Contacts::project(const ParticleView& particles, double time, double h) {

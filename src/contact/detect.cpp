@@ -1,9 +1,9 @@
-/// \file Which particles can touch which collider during a step.
+/// \file Broad phase: the particles that can touch a collider during a step.
 
 #include <algorithm>
 #include <cmath>
 
-#include "geometry.h"
+#include "cloth_sim/contact/collider.h"
 
 namespace cloth_sim {
 
@@ -27,12 +27,12 @@ void Collider::collectWithin(const MotionBounds& bounds, const State& state, dou
   const Vec3 position = poseAt(state.t).position;
   const Vec3 velocity = obstacle_.velocity;
   const double farthest = reach + dt * (bounds.speed + velocity.norm());
-  geometry::visit(*this, [&](const auto& solid) {
+  visitGeometry(obstacle_.shape, obstacle_.pose.orientation, margin(), [&](const auto& solid) {
     if (solid.leastGap(bounds.centre - position, bounds.half) > farthest) return;
     const VertexId count = static_cast<VertexId>(state.x.size());
     for (VertexId v = 0; v < count; ++v) {
       const Vec3 relative = state.x[v] - position;
-      if (solid.beyond(relative, farthest)) continue;
+      if (solid.isBeyond(relative, farthest)) continue;
       const double speed = (state.v[v] - velocity).norm();
       if (solid.gap(relative) <= reach + dt * speed) out.push_back(v);
     }

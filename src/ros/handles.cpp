@@ -85,18 +85,12 @@ InteractiveMarker clampHandle(const ClampSnapshot& clamp, const std::string& wor
 
 InteractiveMarker obstacleHandle(const Obstacle& obstacle, const std::string& world) {
   InteractiveMarker marker = handle(kObstaclePrefix + obstacle.name, obstacle.pose, world);
-  const auto* sphere = std::get_if<SphereShape>(&obstacle.shape);
-  const auto* box = std::get_if<BoxShape>(&obstacle.shape);
-  const double half = sphere != nullptr ? sphere->radius : 0.5 * box->size.minCoeff();
-  marker.scale = static_cast<float>(half + kMargin);
+  marker.scale = static_cast<float>(handleRadius(obstacle.shape).value_or(0.0) + kMargin);
   addAxes(InteractiveMarkerControl::MOVE_AXIS, "move", marker);
   return marker;
 }
 
-bool hasHandle(const Obstacle& obstacle) {
-  return std::holds_alternative<SphereShape>(obstacle.shape) ||
-         std::holds_alternative<BoxShape>(obstacle.shape);
-}
+bool hasHandle(const Obstacle& obstacle) { return handleRadius(obstacle.shape).has_value(); }
 
 Handles::Handles(const ros::NodeHandle& privateNode, const std::string& world,
                  const RequestChecker& checker, SimulationThread& simulation)

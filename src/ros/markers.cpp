@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
@@ -15,8 +16,6 @@ using visualization_msgs::Marker;
 using Colour = std_msgs::ColorRGBA;
 
 constexpr double kPlateThickness = 0.006;  ///< as drawn [m]
-constexpr double kPlaneExtent = 4.0;       ///< of an infinite plane, as drawn [m]
-constexpr double kSheetThickness = 0.01;   ///< of the same [m]
 constexpr double kTornWidth = 0.005;       ///< of a torn edge [m]
 constexpr double kBoundsWidth = 0.004;     ///< of the lines of bounds [m]
 constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
@@ -51,6 +50,39 @@ void paintFaces(const FaceLooks::Block& faces, const StrainColours& colours, flo
   for (std::size_t k = 0; k < faces.count; ++k) {
     const auto lane = static_cast<Eigen::Index>(k);
     out[faces.first + k] = shaded(colours(faces.strain[lane]), light[lane]);
+  }
+}
+
+int markerType(DrawnPart::Kind kind) {
+  switch (kind) {
+    case DrawnPart::Kind::kBox:
+      return Marker::CUBE;
+    case DrawnPart::Kind::kSphere:
+      return Marker::SPHERE;
+    case DrawnPart::Kind::kCylinder:
+      return Marker::CYLINDER;
+    case DrawnPart::Kind::kBoxEdges:
+      return Marker::LINE_LIST;
+  }
+  throw std::invalid_argument("unknown kind of drawn part");
+}
+
+Colour toColour(const Rgba& colour) {
+  return makeColour(colour.red, colour.green, colour.blue, colour.alpha);
+}
+
+/// Replaces `points` by the ends of the twelve edges of a box around the origin.
+void addBoxEdges(const Vec3& size, std::vector<geometry_msgs::Point>& points) {
+  points.clear();
+  for (int from = 0; from < 8; ++from) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int to = from | (1 << axis);
+      if (to == from) continue;
+      for (const int corner : {from, to}) {
+        const Vec3 sign(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+        points.push_back(toPoint(sign.cwiseProduct(size)));
+      }
+    }
   }
 }
 
@@ -184,59 +216,20 @@ void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {
   deleteIfEmpty(marker);
 }
 
+/// One marker for each primitive of the shape's drawing.
 void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
-  if (const auto* bounds = std::get_if<BoundsShape>(&obstacle.shape)) {
-    addBounds(obstacle, bounds->size);
-  } else if (const auto* sphere = std::get_if<SphereShape>(&obstacle.shape)) {
-    Marker& marker = next("obstacles", Marker::SPHERE);
-    marker.pose = toPoseMessage(obstacle.pose);
-    setScale(marker, 2.0 * sphere->radius, 2.0 * sphere->radius, 2.0 * sphere->radius);
-    marker.color = makeColour(0.98f, 0.62f, 0.42f);
-  } else if (const auto* capsule = std::get_if<CapsuleShape>(&obstacle.shape)) {
-    addCapsule(obstacle.pose, *capsule);
-  } else if (const auto* box = std::get_if<BoxShape>(&obstacle.shape)) {
-    Marker& marker = next("obstacles", Marker::CUBE);
-    marker.pose = toPoseMessage(obstacle.pose);
-    setScale(marker, box->size.x(), box->size.y(), box->size.z());
-    marker.color = makeColour(1.0f, 0.93f, 0.84f);  // rviz lights flat tops weakly
-  } else {
-    Marker& marker = next("obstacles", Marker::CUBE);
-    Pose sheet = obstacle.pose;
-    sheet.position = obstacle.pose.toWorld(Vec3(0.0, 0.0, -0.5 * kSheetThickness));
-    marker.pose = toPoseMessage(sheet);
-    setScale(marker, kPlaneExtent, kPlaneExtent, kSheetThickness);
-    marker.color = makeColour(0.95f, 0.96f, 0.97f);
-  }
-}
-
-/// A cylinder with a ball at each end.
-void MarkerBuilder::addCapsule(const Pose& pose, const CapsuleShape& capsule) {
-  const double width = 2.0 * capsule.radius;
-  for (const double end : {0.0, -0.5, 0.5}) {
-    Marker& marker = next("obstacles", end == 0.0 ? Marker::CYLINDER : Marker::SPHERE);
-    Pose part = pose;
-    part.position = pose.toWorld(Vec3(0.0, 0.0, end * capsule.length));
-    marker.pose = toPoseMessage(part);
-    setScale(marker, width, width, end == 0.0 ? capsule.length : width);
-    marker.color = makeColour(0.98f, 0.62f, 0.42f);
-  }
-}
-
-/// The twelve edges of the box that particles stay in.
-void MarkerBuilder::addBounds(const Obstacle& obstacle, const Vec3& size) {
-  Marker& marker = next("bounds", Marker::LINE_LIST);
-  marker.pose = toPoseMessage(obstacle.pose);
-  marker.scale.x = kBoundsWidth;
-  marker.color = makeColour(0.35f, 0.40f, 0.50f, 0.6f);
-  marker.points.clear();
-  for (int from = 0; from < 8; ++from) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int to = from | (1 << axis);
-      if (to == from) continue;
-      for (const int corner : {from, to}) {
-        const Vec3 sign(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
-        marker.points.push_back(toPoint(sign.cwiseProduct(size)));
-      }
+  for (const DrawnPart& part : drawing(obstacle.shape)) {
+    const bool lines = part.kind == DrawnPart::Kind::kBoxEdges;
+    Marker& marker = next(lines ? "bounds" : "obstacles", markerType(part.kind));
+    Pose pose = obstacle.pose;
+    pose.position = obstacle.pose.toWorld(part.centre);
+    marker.pose = toPoseMessage(pose);
+    marker.color = toColour(part.colour);
+    if (lines) {
+      marker.scale.x = kBoundsWidth;
+      addBoxEdges(part.size, marker.points);
+    } else {
+      setScale(marker, part.size.x(), part.size.y(), part.size.z());
     }
   }
 }

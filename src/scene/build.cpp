@@ -185,12 +185,12 @@ std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, co
 }
 
 ColliderSet buildColliders(const Scene& scene) {
-  std::vector<ContactSkin> skins;
+  std::vector<ContactProperties> properties;
   for (const ClothSpec& cloth : scene.cloths) {
-    skins.push_back({0.5 * cloth.fabric.thickness, cloth.fabric.friction});
+    properties.push_back({0.5 * cloth.fabric.thickness, cloth.fabric.friction});
   }
   ColliderSet colliders;
-  for (const Obstacle& obstacle : scene.obstacles) colliders.add(obstacle, skins);
+  for (const Obstacle& obstacle : scene.obstacles) colliders.add(obstacle, properties);
   return colliders;
 }
 

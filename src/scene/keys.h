@@ -30,14 +30,9 @@ inline const Keys kSolver{"method", "dt", "step_guard", "error", "sleep"};
 inline const Keys kSleep{"speed", "after"};
 inline const Keys kWind{"velocity", "density", "drag_coefficient"};
 
-inline const Keys kPlane{"type",     "position",        "rpy", "orientation", "velocity",
-                         "friction", "tangential_decay"};
-inline const Keys kSphere{"type",        "radius",   "position", "rpy",
-                          "orientation", "velocity", "friction", "tangential_decay"};
-inline const Keys kCapsule{"type",        "radius",   "length",   "position",        "rpy",
-                           "orientation", "velocity", "friction", "tangential_decay"};
-inline const Keys kBox{"type",        "size",     "position", "rpy",
-                       "orientation", "velocity", "friction", "tangential_decay"};
+/// Besides `type` and the dimensions of the shape.
+inline const Keys kObstacle{"position", "rpy",      "orientation",
+                            "velocity", "friction", "tangential_decay"};
 
 inline const Keys kClamp{
     "pose",          "patch",     "plate_size",        "gap_open",         "gap_closed",

@@ -57,48 +57,6 @@ std::optional<SleepSettings> readSleep(const SceneNode& node) {
   return sleep;
 }
 
-Shape readShape(const SceneNode& node) {
-  enum class Type { kPlane, kSphere, kCapsule, kBoard, kBounds };
-  const std::string what = "one of plane, sphere, capsule, board, box, bounds";
-  if (!node.isMap()) node.expected("a map with a type");
-  switch (node.need("type", what)
-              .choice<Type>({{"plane", Type::kPlane},
-                             {"sphere", Type::kSphere},
-                             {"capsule", Type::kCapsule},
-                             {"board", Type::kBoard},
-                             {"box", Type::kBoard},
-                             {"bounds", Type::kBounds}})) {
-    case Type::kPlane:
-      node.expectKeys(keys::kPlane);
-      return PlaneShape{};
-    case Type::kSphere:
-      node.expectKeys(keys::kSphere);
-      return SphereShape{node.need("radius", kPositive.text()).number(kPositive)};
-    case Type::kCapsule:
-      node.expectKeys(keys::kCapsule);
-      return CapsuleShape{node.need("radius", kPositive.text()).number(kPositive),
-                          node.need("length", kPositive.text()).number(kPositive)};
-    case Type::kBoard:
-      node.expectKeys(keys::kBox);
-      return BoxShape{node.need("size", "[x, y, z]").vector<3>(kPositive)};
-    case Type::kBounds:
-      break;
-  }
-  node.expectKeys(keys::kBox);
-  return BoundsShape{node.need("size", "[x, y, z]").vector<3>(kPositive)};
-}
-
-Obstacle readObstacle(const SceneNode& node) {
-  Obstacle obstacle;
-  obstacle.name = node.key();
-  obstacle.shape = readShape(node);
-  readPose(node, obstacle.pose);
-  node.read("velocity", obstacle.velocity);
-  node.read("friction", obstacle.friction, kNotNegative);
-  node.read("tangential_decay", obstacle.tangentialDecay, kNotNegative);
-  return obstacle;
-}
-
 ClampPatch readPatch(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
   node.expectKeys(keys::kPatch);
   ClampPatch patch;
@@ -201,10 +159,6 @@ Wind readWind(const SceneNode& node) {
   node.read("density", wind.density, kNotNegative);
   node.read("drag_coefficient", wind.dragCoefficient, kNotNegative);
   return wind;
-}
-
-void readObstacles(const SceneNode& node, std::vector<Obstacle>& obstacles) {
-  for (const SceneNode& entry : node.entries()) obstacles.push_back(readObstacle(entry));
 }
 
 void readClamps(const SceneNode& node, const std::vector<ClothSpec>& cloths,

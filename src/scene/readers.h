@@ -34,6 +34,8 @@ void readSolver(const SceneNode& node, SolverSpec& solver);
 void readSurgery(const SceneNode& node, int particles, SurgerySettings& surgery);
 Wind readWind(const SceneNode& node);
 void readObstacles(const SceneNode& node, std::vector<Obstacle>& obstacles);
+/// The keys of an obstacle of this shape.
+std::vector<std::string> obstacleKeys(const Shape& shape);
 void readClamps(const SceneNode& node, const std::vector<ClothSpec>& cloths,
                 std::vector<ClampSpec>& clamps);
 void readTearing(const SceneNode& node, const std::vector<ClothSpec>& cloths,

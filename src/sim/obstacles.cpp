@@ -42,7 +42,7 @@ void Obstacles::detect(const Model& model, const State& state, double dt) {
   // A particle that rests may be pulled along by the fastest one.
   colliders_.detect(state, bounds, dt, std::max(kContactReach, bounds.speed * dt), contacts_);
   if (model.cloths.size() == 1) return;
-  contacts_.divide(model.cloths.size(), [&model](VertexId v) { return model.clothOf(v); });
+  contacts_.splitByCloth(model.cloths.size(), [&model](VertexId v) { return model.clothOf(v); });
 }
 
 bool Obstacles::areTouched() const {

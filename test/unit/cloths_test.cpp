@@ -304,11 +304,11 @@ obstacles: {floor: {type: plane}, named: {type: plane, position: [0, 0, -1], fri
 TEST(Contacts, AreDividedByCloth) {
   Obstacle ground;
   ground.shape = PlaneShape{};
-  const Collider collider(ground, std::vector<ContactSkin>{{0.0, 0.1}, {0.0, 0.2}});
+  const Collider collider(ground, std::vector<ContactProperties>{{0.0, 0.1}, {0.0, 0.2}});
   Contacts contacts;
   contacts.add(&collider).vertices = {0, 2, 5, 7};
   contacts.add(&collider).vertices = {6};
-  contacts.divide(2, [](VertexId v) { return v < 5 ? std::size_t{0} : std::size_t{1}; });
+  contacts.splitByCloth(2, [](VertexId v) { return v < 5 ? std::size_t{0} : std::size_t{1}; });
   ASSERT_EQ(contacts.candidates.size(), 3U);
   EXPECT_THAT(contacts.candidates[0].vertices, ElementsAre(0, 2));
   EXPECT_EQ(contacts.candidates[0].cloth, 0U);

@@ -30,11 +30,14 @@ Obstacle obstacle(Shape shape) {
 const Vec3 kSize(0.8, 0.5, 0.1);
 const double kMargin = 0.004;
 
+/// A collider of each shape with its default dimensions, and some with others.
 std::vector<Collider> oneOfEach(double margin = kMargin) {
-  return {Collider(obstacle(PlaneShape{}), margin), Collider(obstacle(SphereShape{0.3}), margin),
-          Collider(obstacle(CapsuleShape{0.1, 0.4}), margin),
-          Collider(obstacle(BoxShape{kSize}), margin),
-          Collider(obstacle(BoundsShape{Vec3(1.0, 0.8, 0.9)}), margin)};
+  std::vector<Shape> shapes{SphereShape{0.3}, CapsuleShape{0.1, 0.4}, BoxShape{kSize},
+                            BoundsShape{Vec3(1.0, 0.8, 0.9)}};
+  shapes.insert(shapes.end(), allShapes().begin(), allShapes().end());
+  std::vector<Collider> colliders;
+  for (const Shape& shape : shapes) colliders.emplace_back(obstacle(shape), margin);
+  return colliders;
 }
 
 /// Distance to the surface of a box, by looking at a fine grid of points on its six faces.
@@ -152,6 +155,61 @@ TEST(Collider, MovesWithItsVelocityFromWhereItWasPlaced) {
   EXPECT_EQ(sphere.poseAt(5.0).position, Vec3(1.0, 0.0, 0.0));
   EXPECT_EQ(sphere.poseAt(5.5).position, Vec3(1.0, 1.0, 0.0));
   EXPECT_NEAR(sphere.gap(Vec3(1.0, 1.0, 1.0), 5.5), 0.7, 1e-15);
+}
+
+/// Points on the surface of a primitive, in the axes of the shape [m].
+std::vector<Vec3> surfaceOf(const DrawnPart& part) {
+  std::vector<Vec3> points;
+  for (const double u : {-0.5, 0.0, 0.5}) {
+    for (const double angle : {0.3, 1.2, 2.9, 4.0, 5.5}) {
+      const Vec3 around(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.0);
+      switch (part.kind) {
+        case DrawnPart::Kind::kBox:
+          points.push_back(Vec3(u, 0.5, -0.3));
+          points.push_back(Vec3(-0.2, u, 0.5));
+          points.push_back(Vec3(-0.5, 0.1, u));
+          break;
+        case DrawnPart::Kind::kSphere:
+          points.push_back(std::sqrt(1.0 - 4.0 * u * u) * around + u * Vec3::UnitZ());
+          break;
+        case DrawnPart::Kind::kCylinder:
+          points.push_back(around + u * Vec3::UnitZ());
+          break;
+        case DrawnPart::Kind::kBoxEdges:
+          points.push_back(Vec3(u, 0.5, -0.5));
+          break;
+      }
+    }
+  }
+  for (Vec3& point : points) point = part.centre + point.cwiseProduct(part.size);
+  return points;
+}
+
+TEST(Collider, DrawingsAreInTheSolidAndReachItsSurface) {
+  for (const Collider& collider : oneOfEach(0.0)) {
+    SCOPED_TRACE(typeNames(collider.obstacle().shape).front());
+    double farthest = -std::numeric_limits<double>::infinity();
+    for (const DrawnPart& part : drawing(collider.obstacle().shape)) {
+      for (const Vec3& point : surfaceOf(part)) {
+        farthest = std::max(farthest, collider.gap(collider.poseAt(0.0).toWorld(point), 0.0));
+      }
+    }
+    EXPECT_NEAR(farthest, 0.0, 1e-12);
+  }
+}
+
+TEST(Collider, HandlesFitIntoTheSolid) {
+  for (const Collider& collider : oneOfEach(0.0)) {
+    const std::optional<double> radius = handleRadius(collider.obstacle().shape);
+    if (!radius) continue;
+    EXPECT_LE(collider.gap(collider.poseAt(0.0).position, 0.0), -*radius + 1e-12)
+        << typeNames(collider.obstacle().shape).front();
+  }
+}
+
+TEST(Collider, BadDimensionsAreNamed) {
+  EXPECT_EQ(validationError(CapsuleShape{0.1, 0.4}), "");
+  EXPECT_EQ(validationError(CapsuleShape{0.1, -0.4}), "length: expected a length > 0");
 }
 
 TEST(Collider, RefusesNonsense) {

@@ -16,7 +16,7 @@ constexpr double kH = 0.01;  // [s]
 class WarmContactsTest : public testing::Test {
  protected:
   WarmContactsTest()
-      : model_(buildModel(clothOf(2, 2, 0.1))), plane_(makePlane(), {ContactSkin{}}) {
+      : model_(buildModel(clothOf(2, 2, 0.1))), plane_(makePlane(), {ContactProperties{}}) {
     particles_.layOut(model_);
     particles_.loadMasses(model_, {});
     touch({0, 1, 2, 3});

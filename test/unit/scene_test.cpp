@@ -9,6 +9,7 @@
 
 #include "cloth_sim/scene/load.h"
 #include "scene/keys.h"
+#include "scene/readers.h"
 
 #ifndef CLOTH_SIM_SOURCE_DIR
 #define CLOTH_SIM_SOURCE_DIR "."
@@ -749,8 +750,11 @@ std::map<std::string, std::set<std::string>> documentedKeys() {
 }
 
 TEST(SceneDocumentation, ListsEveryKeyAndNoOther) {
-  keys::Keys obstacle = keys::kCapsule;
-  obstacle.push_back("size");
+  keys::Keys obstacle;
+  for (const Shape& shape : allShapes()) {
+    const keys::Keys known = obstacleKeys(shape);
+    obstacle.insert(obstacle.end(), known.begin(), known.end());
+  }
   const std::map<std::string, keys::Keys> known{
       {"Top level", keys::kScene},
       {"`cloth`", keys::kCloth},
@@ -783,6 +787,18 @@ TEST(SceneDocumentation, ListsEveryKeyAndNoOther) {
     SCOPED_TRACE(heading);
     ASSERT_EQ(documented.count(heading), 1u);
     EXPECT_EQ(documented.at(heading), std::set<std::string>(list.begin(), list.end()));
+  }
+}
+
+TEST(SceneDocumentation, NamesEveryTypeOfObstacle) {
+  std::ifstream file(std::string(CLOTH_SIM_SOURCE_DIR) + "/docs/scene.md");
+  std::string row;
+  while (std::getline(file, row) && row.rfind("| `type` |", 0) != 0) {
+  }
+  for (const Shape& shape : allShapes()) {
+    for (const std::string& name : typeNames(shape)) {
+      EXPECT_THAT(row, testing::HasSubstr("`" + name + "`"));
+    }
   }
 }
 

@@ -134,6 +134,31 @@ TEST_P(ContactTunnelling, NotThroughAPlane) {
   expectNothingPasses(incline(0.3, 0.0), {Vec3(0.0, 0.0, -0.01)}, GetParam());
 }
 
+/// Random points of the solid at most `depth` below its surface [m].
+std::vector<Vec3> pointsBelowSurface(const Collider& collider, double depth) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-0.7, 0.7);
+  std::vector<Vec3> points;
+  while (points.size() < 100) {
+    const double x = coordinate(random), y = coordinate(random), z = coordinate(random);
+    const double gap = collider.gap(Vec3(x, y, z), 0.0);
+    if (gap < 0.0 && gap > -depth) points.emplace_back(x, y, z);
+  }
+  return points;
+}
+
+TEST_P(ContactTunnelling, NotThroughAnyShape) {
+  for (const Shape& shape : allShapes()) {
+    SCOPED_TRACE(typeNames(shape).front());
+    Obstacle obstacle;
+    obstacle.shape = shape;
+    obstacle.pose.orientation = Quat(Eigen::AngleAxisd(0.8, Vec3(1.0, -1.0, 0.5).normalized()));
+    obstacle.friction = 0.0;
+    const Collider collider(obstacle, 0.001);
+    expectNothingPasses(collider, pointsBelowSurface(collider, 0.02), GetParam());
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Speeds, ContactTunnelling, testing::Values(20.0, 200.0));
 
 TEST(ContactBounds, KeepAFastParticleInside) {

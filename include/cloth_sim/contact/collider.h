@@ -1,85 +1,20 @@
 #pragma once
-/// \file Obstacles: shapes that may move, and the detection of particles near them.
+/// \file Colliders: obstacles in motion, and the detection of particles near them.
 
-#include <optional>
 #include <string>
 #include <utility>
-#include <variant>
+#include <vector>
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
+#include "cloth_sim/contact/obstacle.h"
 
 namespace cloth_sim {
 
-/// Everything below a plane through the collider's position; its z axis is the outward normal.
-struct PlaneShape {
-  template <class Archive>
-  void serialize(Archive& /*archive*/) {}
-};
-/// A solid ball around the collider's position.
-struct SphereShape {
-  double radius = 0.1;  ///< [m], > 0
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(radius);
-  }
-};
-/// All points nearer than the radius to a segment of the collider's z axis around its position: a
-/// rod, a finger, a hanger.
-struct CapsuleShape {
-  double radius = 0.05;  ///< [m], > 0
-  double length = 0.2;   ///< of the segment, between the middles of the round ends [m], > 0
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(radius, length);
-  }
-};
-/// A solid board (table top): a box around the collider's position.
-struct BoxShape {
-  Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(size);
-  }
-};
-/// The outside of a box around the collider's position is solid: particles stay within. Meant to be
-/// much larger than the margin.
-struct BoundsShape {
-  Vec3 size = Vec3::Ones();  ///< full edge lengths [m], > 0
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(size);
-  }
-};
-using Shape = std::variant<PlaneShape, SphereShape, CapsuleShape, BoxShape, BoundsShape>;
-
-/// What a scene or a command says of an obstacle.
-struct Obstacle {
-  std::string name;
-  Shape shape;
-  Pose pose;
-  Vec3 velocity =
-      Vec3::Zero();  ///< of the pose's origin [m/s]; obstacles do not turn by themselves
-  /// Coulomb coefficient [-], >= 0; absent: that of the cloth's fabric.
-  std::optional<double> friction;
-  /// Rate at which touching particles lose their tangential speed relative to the obstacle, besides
-  /// friction [1/s], >= 0.
-  double tangentialDecay = 0.0;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(name, shape, pose, velocity, friction, tangentialDecay);
-  }
-};
-
-/// What of a cloth decides how it meets obstacles.
-struct ContactSkin {
-  /// Distance that particles keep from a surface [m], >= 0: half the cloth's thickness. Edges of
-  /// boards are rounded by it.
+/// Properties of a cloth that decide its contact with obstacles.
+struct ContactProperties {
+  /// Distance that particles keep from a surface [m], >= 0: half the thickness of the cloth. It
+  /// rounds the edges of boxes.
   double margin = 0.0;
   double friction = 0.3;  ///< Coulomb coefficient where the obstacle names none [-], >= 0
 
@@ -89,50 +24,52 @@ struct ContactSkin {
   }
 };
 
-/// Where a cloth is, as an axis-aligned box, and how fast its fastest particle moves.
+/// Axis-aligned bounding box of all particles, and the speed of the fastest one.
 struct MotionBounds {
   Vec3 centre = Vec3::Zero();  ///< [m]
   Vec3 half = Vec3::Zero();    ///< half edge lengths [m]
   double speed = 0.0;          ///< [m/s]
 };
-/// Of all particles, in one pass; zero if there are none.
+/// Computes the bounds in one pass; zero without particles.
 MotionBounds motionBounds(const State& state);
 
-/// An obstacle at work: knows where it is at any time of the current step.
+/// An obstacle in a simulation: it has a pose at each time of the current step.
 class Collider {
  public:
-  /// \param skins  by cloth, at least one.
-  /// \throws std::invalid_argument if a length is not positive, or a margin, a friction or the
-  ///         decay is negative or not finite.
-  Collider(Obstacle obstacle, std::vector<ContactSkin> skins);
-  /// For one cloth.
+  /// \param properties  by cloth, at least one.
+  /// \throws std::invalid_argument if a dimension is not positive, or if a margin, a friction
+  ///         coefficient or the decay is negative or not finite.
+  Collider(Obstacle obstacle, std::vector<ContactProperties> properties);
+  /// A collider for one cloth with the default friction. \param margin  [m], >= 0.
   Collider(Obstacle obstacle, double margin)
-      : Collider(std::move(obstacle), std::vector<ContactSkin>{{margin}}) {}
+      : Collider(std::move(obstacle), std::vector<ContactProperties>{{margin}}) {}
 
   const Obstacle& obstacle() const { return obstacle_; }
-  /// The largest of any cloth [m].
+  /// The largest margin of all cloths [m].
   double margin() const;
-  const std::vector<ContactSkin>& skins() const { return skins_; }
-  /// Where it is at `time`, given where it was at `referenceTime` and its velocity.
+  /// Contact properties by cloth.
+  const std::vector<ContactProperties>& properties() const { return properties_; }
+  /// The pose at `time` [s], extrapolated with the velocity from the last `place`.
   Pose poseAt(double time) const;
-  /// Moves it: the pose holds at `time`, from where `velocity` goes on.
+  /// Sets the pose that holds at `time` [s], and the velocity with which it changes from there.
   void place(const Pose& pose, const Vec3& velocity, double time);
-  /// It is where it would have been `by` earlier [s].
+  /// Moves the time at which the stored pose holds `by` [s] later.
   void shiftTime(double by) { referenceTime_ += by; }
 
-  /// Signed distance from `point` to the surface less the largest margin (negative inside) [m] at
-  /// `time`.
+  /// Signed distance from `point` to the surface less the largest margin [m] at `time` [s];
+  /// negative inside.
   double gap(const Vec3& point, double time) const;
-  /// The unit vector in which the gap at `point` grows fastest: away from the closest face, edge or
+  /// Unit vector in which the gap at `point` grows fastest: away from the nearest face, edge or
   /// corner.
   Vec3 normal(const Vec3& point, double time) const;
 
-  /// Appends, ascending, the vertices that can touch it before `state.t + dt`, moving at most
-  /// `reach` plus their speed relative to the collider times dt.
+  /// Appends, in ascending order, the vertices that can touch the collider before `state.t + dt`.
+  /// \param reach  distance that a vertex may move beyond its relative speed times dt [m].
   void collect(const State& state, double dt, double reach, std::vector<VertexId>& out) const;
 
-  /// See Contacts::project. Adds to `impulse` what the particles gave the collider [N s].
-  /// \param cloth  that the vertices are of.
+  /// Moves particles out of the collider; see Contacts::project. Adds the impulse that the
+  /// particles give the collider to `impulse` [N s].
+  /// \param cloth  the cloth that all of the vertices belong to.
   void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
                double h, Vec3& impulse, std::size_t cloth = 0) const;
 
@@ -141,34 +78,37 @@ class Collider {
   friend class cereal::access;
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(obstacle_, skins_, referenceTime_);
+    archive(obstacle_, properties_, referenceTime_);
   }
 
   void collectWithin(const MotionBounds& bounds, const State& state, double dt, double reach,
                      std::vector<VertexId>& out) const;
 
   Obstacle obstacle_;
-  std::vector<ContactSkin> skins_;  ///< by cloth
-  double referenceTime_ = 0.0;
+  std::vector<ContactProperties> properties_;  ///< by cloth
+  double referenceTime_ = 0.0;                 ///< time at which the pose of the obstacle holds [s]
 };
 
 /// All obstacles of a scene.
 class ColliderSet {
  public:
-  void add(Obstacle obstacle, std::vector<ContactSkin> skins);
+  /// \param properties  by cloth, at least one. \throws std::invalid_argument as Collider does.
+  void add(Obstacle obstacle, std::vector<ContactProperties> properties);
+  /// Adds a collider for one cloth. \param margin  [m], >= 0.
   void add(Obstacle obstacle, double margin) {
-    add(std::move(obstacle), std::vector<ContactSkin>{{margin}});
+    add(std::move(obstacle), std::vector<ContactProperties>{{margin}});
   }
   std::vector<Collider>& all() { return colliders_; }
   const std::vector<Collider>& all() const { return colliders_; }
-  /// nullptr if there is none of that name.
+  /// The collider of that name, or nullptr.
   Collider* find(const std::string& name);
   const Collider* find(const std::string& name) const;
 
-  /// Candidates, of any cloth, of the step from state.t to state.t + dt. Colliders that nothing can
-  /// reach cost a bounding-box test and appear in no loop. Allocates nothing once `out` is warm.
-  /// \param reach  how far a particle may be pulled beyond its own speed times dt [m].
+  /// Finds the vertices of all cloths that can touch a collider between state.t and state.t + dt. A
+  /// collider out of reach costs a test of bounding boxes and gets no entry. Allocates nothing once
+  /// the buffers of `out` are large enough.
   /// \param bounds  of the state.
+  /// \param reach   distance that a vertex may move beyond its speed times dt [m].
   void detect(const State& state, const MotionBounds& bounds, double dt, double reach,
               Contacts& out) const;
   void detect(const State& state, double dt, double reach, Contacts& out) const {

@@ -1,5 +1,6 @@
 #pragma once
-/// \file What a solver knows of obstacles: which particles are near them, and how to be pushed out.
+/// \file The contacts of one step, as a solver uses them: candidate particles by collider, and
+/// their projection out of the colliders.
 
 #include <functional>
 #include <vector>
@@ -10,22 +11,21 @@ namespace cloth_sim {
 
 class Collider;
 
-/// A solver's particles as structure of arrays: where they are, where they were at the start of
-/// the substep, and their masses. `slotOf` maps a vertex to its place in the arrays.
+/// Particles of a solver as structure of arrays. Each array is indexed by slot.
 struct ParticleView {
-  double* x = nullptr;
+  double* x = nullptr;  ///< positions [m]
   double* y = nullptr;
   double* z = nullptr;
-  const double* startX = nullptr;
+  const double* startX = nullptr;  ///< positions at the start of the substep [m]
   const double* startY = nullptr;
   const double* startZ = nullptr;
-  /// [kg]; 0 marks a particle whose motion is prescribed: it is pushed out of obstacles, but feels
-  /// no friction and gives no impulse.
+  /// [kg]; 0 marks a particle with prescribed motion: colliders push it out, but it feels no
+  /// friction and gives no impulse.
   const double* mass = nullptr;
-  const std::int32_t* slotOf = nullptr;  ///< by vertex; nullptr: the identity
+  const std::int32_t* slotOf = nullptr;  ///< slot by vertex; nullptr: slot and vertex are the same
 };
 
-/// The particles of one cloth that may touch one collider during one step.
+/// The particles of one cloth that can touch one collider during one step.
 struct ContactCandidates {
   const Collider* collider = nullptr;
   std::size_t cloth = 0;
@@ -34,46 +34,48 @@ struct ContactCandidates {
   Vec3 impulse = Vec3::Zero();
 };
 
-/// How fast a particle that began a substep inside a collider is pushed out [m/s]. It bounds the
-/// speed that a particle can gain where a collider appears inside the cloth or a clamp presses
-/// cloth into one, and so keeps such a scene from exploding; deep overlaps take 1 s per metre to
-/// resolve.
+/// Speed limit for pushing out a particle that starts a substep inside a collider [m/s]. It bounds
+/// the energy that a scene gains where a collider appears inside the cloth, or where a clamp
+/// presses cloth into one, and so keeps such a scene from exploding. The price: a deep overlap
+/// takes 1 s per metre to resolve.
 constexpr double kDepenetrationSpeed = 1.0;
 
-/// Contacts of one step: detected once, enforced at every substep (as in Jolt's soft bodies).
+/// Contacts of one step. Detection fills them once; each substep enforces them (as Jolt does for
+/// soft bodies).
 class Contacts {
  public:
-  /// Only colliders with a vertex to test are listed.
+  /// One entry for each pair of a cloth and a collider near it.
   std::vector<ContactCandidates> candidates;
 
   bool empty() const { return candidates.empty(); }
 
-  /// Empties the list but keeps the memory, so that a step allocates nothing once warm.
+  /// Empties the list but keeps its buffers, so that later steps allocate nothing.
   void clear();
-  /// Appends an entry with no vertices and no impulse.
+  /// Appends an entry without vertices and without an impulse.
   ContactCandidates& add(const Collider* collider, std::size_t cloth = 0);
-  /// Takes back the last entry.
+  /// Removes the last entry and keeps its buffer.
   void dropLast();
 
-  /// Divides every entry by cloth: what detection found of any goes to where it belongs. Allocates
-  /// nothing once warm.
-  void divide(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf);
+  /// Splits each entry of detection, which holds vertices of all cloths, into one entry per cloth.
+  /// Allocates nothing once the buffers are large enough.
+  /// \param clothOf  returns the cloth of a vertex, less than `cloths`.
+  void splitByCloth(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf);
 
-  /// Moves particles out of the colliders and applies friction, as displacements within one
-  /// substep that ends at `time` [s] and lasted `h` [s], > 0. Non-penetration is inelastic; sliding
-  /// is Coulomb's cone on displacements: it stops the slip up to mu times the normal push, so what
-  /// should stick sticks exactly (Mueller et al. 2007; Macklin et al. 2014, eq. 24). The path from
-  /// the start of the substep is swept in the frame of the moving collider, so a particle cannot
-  /// pass through a collider thinner than it is fast. A particle that began inside leaves by the
-  /// shortest way at `kDepenetrationSpeed` at most. Velocities follow from the displacements:
-  /// v = (x - start) / h.
+  /// Moves particles out of the colliders and applies friction, as displacements at the end of a
+  /// substep of `h` [s], > 0, that ends at `time` [s]. The velocity follows as v = (x - start) / h.
+  ///
+  /// Non-penetration is inelastic. Friction is Coulomb's cone on displacements: it stops the slip
+  /// up to mu times the normal push, so a particle within the cone sticks exactly (Mueller et al.
+  /// 2007; Macklin et al. 2014, eq. 24). The path from the start of the substep is swept in the
+  /// frame of the moving collider, so no particle passes through a thin collider, however fast. A
+  /// particle that starts inside leaves by the shortest way, at most at `kDepenetrationSpeed`.
   void project(const ParticleView& particles, double time, double h);
 
  private:
-  void keepMemoryOf(std::vector<VertexId>& vertices);
+  void keepBuffer(std::vector<VertexId>& vertices);
 
-  std::vector<std::vector<VertexId>> spare_;  ///< memory of entries that are not listed now
-  std::vector<ContactCandidates> whole_;      ///< for divide; empty otherwise
+  std::vector<std::vector<VertexId>> spare_;  ///< empty buffers for entries to come
+  std::vector<ContactCandidates> unsplit_;    ///< scratch of splitByCloth; empty otherwise
 };
 
 }  // namespace cloth_sim

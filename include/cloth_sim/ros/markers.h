@@ -49,8 +49,6 @@ class MarkerBuilder {
   void addTornEdges(const Snapshot& snapshot);
   void addSurroundings(const Snapshot& snapshot, const Figures& figures);
   void addObstacle(const Obstacle& obstacle);
-  void addCapsule(const Pose& pose, const CapsuleShape& capsule);
-  void addBounds(const Obstacle& obstacle, const Vec3& size);
   void addClamp(const ClampSnapshot& clamp);
   void addText(const Snapshot& snapshot, const Figures& figures);
 

@@ -276,6 +276,19 @@ TEST(Markers, ObstaclesHaveTheirShapes) {
   EXPECT_EQ((cylinder + 1)->type, Marker::SPHERE);
 }
 
+TEST(Markers, EveryShapeIsDrawn) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(3);
+  for (const Shape& shape : allShapes()) {
+    snapshot.obstacles.resize(1);
+    snapshot.obstacles[0].shape = shape;
+    const auto array = sent(builder, snapshot, ros::Time(1.0));
+    EXPECT_EQ(count(array, "obstacles") + count(array, "bounds"),
+              static_cast<int>(drawing(shape).size()))
+        << typeNames(shape).front();
+  }
+}
+
 TEST(Markers, OfAClampThatWentAreDeleted) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(3);

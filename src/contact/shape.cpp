@@ -1,0 +1,49 @@
+#include "cloth_sim/contact/shape.h"
+
+#include <cmath>
+
+namespace cloth_sim {
+namespace {
+
+bool isLength(double value) { return std::isfinite(value) && value > 0.0; }
+bool isLength(const Vec3& size) { return size.allFinite() && size.minCoeff() > 0.0; }
+
+template <std::size_t... Row>
+std::vector<Shape> oneOfEach(std::index_sequence<Row...> /*rows*/) {
+  return {Shape(std::in_place_index<Row>)...};
+}
+
+}  // namespace
+
+const std::vector<Shape>& allShapes() {
+  static const std::vector<Shape> shapes =
+      oneOfEach(std::make_index_sequence<std::variant_size_v<Shape>>());
+  return shapes;
+}
+
+std::vector<std::string> typeNames(const Shape& shape) {
+  return std::visit(
+      [](const auto& known) {
+        return std::vector<std::string>(known.kTypes.begin(), known.kTypes.end());
+      },
+      shape);
+}
+
+std::vector<DrawnPart> drawing(const Shape& shape) {
+  return std::visit([](const auto& known) { return known.drawing(); }, shape);
+}
+
+std::optional<double> handleRadius(const Shape& shape) {
+  return std::visit([](const auto& known) { return known.handleRadius(); }, shape);
+}
+
+std::string validationError(const Shape& shape) {
+  std::string error;
+  const auto check = [&error](const char* name, const auto& value) {
+    if (error.empty() && !isLength(value)) error = std::string(name) + ": expected a length > 0";
+  };
+  std::visit([&check](const auto& known) { forEachKey(known, check); }, shape);
+  return error;
+}
+
+}  // namespace cloth_sim
