@@ -62,7 +62,7 @@ BENCHMARK(springProduct)->Name("kernel/spring_product")->RangeMultiplier(2)->Ran
 
 /// Bending elements of a cloth that resists bending, over its springs.
 void bendProjection(benchmark::State& run) {
-  Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "hinge");
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "plate");
   BendProjection projection;
   projection.build(packed.simulation.model().bending, packed.particles);
   projection.setStep(kSubstep, 0.0, packed.particles.inverseMass);
@@ -75,7 +75,7 @@ void bendProjection(benchmark::State& run) {
 BENCHMARK(bendProjection)->Name("kernel/bend_corrections")->Arg(64)->Arg(128)->Arg(256);
 
 void bendForces(benchmark::State& run) {
-  Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "hinge");
+  Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "plate");
   BendMatrix matrix;
   matrix.build(packed.simulation.model(), packed.particles);
   for (auto _ : run) {

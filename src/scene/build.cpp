@@ -87,7 +87,7 @@ PlateBending makeBending(const std::vector<ClothSpec>& cloths, const Model& mode
   std::vector<PlateBending::Plate> plates(cloths.size());
   bool any = false;
   for (std::size_t k = 0; k < cloths.size(); ++k) {
-    if (!cloths[k].hinge) continue;
+    if (!cloths[k].plate) continue;
     const Fabric& fabric = cloths[k].fabric;
     plates[k] = {fabric.bending, std::min(fabric.tensileWarp, fabric.tensileWeft)};
     any = true;

@@ -109,7 +109,7 @@ void checkFeatures(const SceneNode& root, const Scene& scene) {
   const SceneNode node = root.need("cloth", "a map");
   for (std::size_t k = 0; k < scene.cloths.size(); ++k) {
     try {
-      checkFeatures(findSolver(scene.solver.method), scene.cloths[k].hinge);
+      checkFeatures(findSolver(scene.solver.method), scene.cloths[k].plate);
     } catch (const std::invalid_argument& error) {
       const SceneNode cloth = node.isList() ? node.list("a list of maps")[k] : node;
       cloth.need("bending", "a word").refuse(error.what());

@@ -133,13 +133,12 @@ void selectSprings(const SceneNode& node, ClothSpec& cloth) {
   }
   node.read("shear", cloth.springs.shear);
   if (const auto bending = node.find("bending")) {
-    struct Bending {
-      bool springs, hinge;
-    };
+    enum class Bending { kNone, kSprings, kPlate };
     const auto chosen = bending->choice<Bending>(
-        {{"none", {false, false}}, {"springs", {true, false}}, {"hinge", {false, true}}});
-    cloth.springs.bend = chosen.springs;
-    cloth.hinge = chosen.hinge && cloth.fabric.bending > 0.0;
+        {{"none", Bending::kNone}, {"springs", Bending::kSprings}, {"plate", Bending::kPlate}},
+        {{"hinge", Bending::kPlate}});
+    cloth.springs.bend = chosen == Bending::kSprings;
+    cloth.plate = chosen == Bending::kPlate && cloth.fabric.bending > 0.0;
   }
 }
 
@@ -230,21 +229,21 @@ void checkNames(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec
 /// All cloths together must be one model.
 void checkTogether(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec>& cloths) {
   std::int64_t particles = 0;
-  bool hinge = false;
+  bool plate = false;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     particles += particlesOf(cloths[k]);
-    hinge = hinge || cloths[k].hinge;
+    plate = plate || cloths[k].plate;
     if (particles > kMaxParticlesInAll && nodes.size() > 1) {
       nodes[k].refuse("expected at most " + std::to_string(kMaxParticlesInAll) +
                       " particles in all cloths (got " + std::to_string(particles) +
                       " up to this one)");
     }
   }
-  for (std::size_t k = 1; hinge && k < nodes.size(); ++k) {
+  for (std::size_t k = 1; plate && k < nodes.size(); ++k) {
     const double first = cloths[0].fabric.damping;
     if (cloths[k].fabric.damping == first) continue;
     nodes[k].refuse("expected a fabric.damping of " + shortNumber(first) + ", as cloth '" +
-                    cloths[0].name + "' has: with bending: hinge all cloths have the same (got " +
+                    cloths[0].name + "' has: with bending: plate all cloths have the same (got " +
                     shortNumber(cloths[k].fabric.damping) + ")");
   }
 }

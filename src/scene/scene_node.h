@@ -78,13 +78,19 @@ class SceneNode {
   }
   /// Exactly `count` items of a list.
   std::vector<SceneNode> exactly(std::size_t count, const Range& range) const;
-  /// One of a few words.
+  /// The value of the word that stands here.
+  /// \param options  the words with their values; the error lists them.
+  /// \param aliases  older words with their values: accepted, but not suggested.
   template <typename T>
-  T choice(const std::vector<std::pair<std::string, T>>& options) const {
+  T choice(const std::vector<std::pair<std::string, T>>& options,
+           const std::vector<std::pair<std::string, T>>& aliases = {}) const {
     std::string known;
     for (const auto& [name, result] : options) {
       if (isScalar() && value_->text == name) return result;
       known += (known.empty() ? "" : ", ") + name;
+    }
+    for (const auto& [name, result] : aliases) {
+      if (isScalar() && value_->text == name) return result;
     }
     expected("one of " + known);
   }

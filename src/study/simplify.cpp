@@ -161,8 +161,9 @@ struct Omission {
   const char* override;
 };
 const Omission kOmissions[] = {
-    {"without hinges", [](const Scene& s) { return s.cloths[0].hinge; }, "cloth.bending=none"},
-    {"bend springs instead of hinges", [](const Scene& s) { return s.cloths[0].hinge; },
+    {"without the bending energy", [](const Scene& s) { return s.cloths[0].plate; },
+     "cloth.bending=none"},
+    {"bend springs instead of the bending energy", [](const Scene& s) { return s.cloths[0].plate; },
      "cloth.bending=springs"},
     {"without bend springs", [](const Scene& s) { return s.cloths[0].springs.bend; },
      "cloth.bending=none"},

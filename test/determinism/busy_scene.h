@@ -19,7 +19,7 @@ inline Scene busyScene(const std::string& method, int n = 64) {
   const std::string substeps = limited ? std::to_string(std::max(50, n)) : "2";
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);
-  const std::string bending = findSolver(method).followsFabric ? "hinge" : "springs";
+  const std::string bending = findSolver(method).followsFabric ? "plate" : "springs";
   return parseScene(R"(
 seed: 3
 cloth:

@@ -41,7 +41,7 @@ FEATURES = {
     'obstacle': ({'more': 'obstacles:\n  ball: {type: sphere, radius: 0.1, position: [0, 0.04, 1]}'},
                  ['ColliderSet::detect', 'Contacts::project']),
     'wind': ({'more': 'wind: {velocity: [0, 1, 0]}'}, ['addLoads', 'addWind']),
-    'bending': ({'bending': 'hinge'},
+    'bending': ({'bending': 'plate'},
                 ['BendMatrix::addForces', 'BendMatrix::addProduct', 'BendProjection::projectFree']),
     'tearing': ({'more': 'tearing: {ratio: 5}'}, ['Tearing::plan', 'Tearing::findOverloads']),
 }

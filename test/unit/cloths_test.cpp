@@ -111,9 +111,9 @@ TEST(Cloths, ThatDoNotGoTogetherAreRefused) {
   EXPECT_THAT(
       errorOf(a + ", surgery: {snap: 0.1}}, {name: b, surgery: {snap: 0.1}}]"),
       HasSubstr("cloth.b.surgery: expected it once for all cloths (cloth.a.surgery has it)"));
-  EXPECT_THAT(errorOf(a + ", bending: hinge}, {name: b, fabric: {damping: 0.01}}]"),
+  EXPECT_THAT(errorOf(a + ", bending: plate}, {name: b, fabric: {damping: 0.01}}]"),
               HasSubstr("cloth.b: expected a fabric.damping of 0"));
-  EXPECT_THAT(errorOf(a + "}, {name: b, bending: hinge}]\nsolver: {method: pbd}"),
+  EXPECT_THAT(errorOf(a + "}, {name: b, bending: plate}]\nsolver: {method: pbd}"),
               HasSubstr("cloth.b.bending: "));
   EXPECT_THAT(errorOf(a + ", particles: [1024, 1024]}, {name: b, particles: [1024, 1024]}]"),
               HasSubstr("cloth.b: expected at most 1100000 particles in all cloths (got 2097152"));
@@ -203,16 +203,16 @@ TEST(Cloths, HaveTheSpringsAndMassesThatTheyHaveAlone) {
 
 TEST(Cloths, MayDifferInWhatSpringsTheyHave) {
   const Model model = buildModel(
-      pair("", {"cloth.sheet.bending=hinge", "cloth.strip.raw_springs={structural: 7, shear: 3}",
+      pair("", {"cloth.sheet.bending=plate", "cloth.strip.raw_springs={structural: 7, shear: 3}",
                 "cloth.strip.particle_mass=0.001"})
           .cloths);
-  int hinges = 0;
+  int elements = 0;
   for (const PlateElement& element : model.bending.elements()) {
     if (element.count == 0) continue;
-    ++hinges;
+    ++elements;
     EXPECT_EQ(model.clothOf(element.vertex[0]), 0U);
   }
-  EXPECT_GT(hinges, 0);
+  EXPECT_GT(elements, 0);
   for (const Spring& spring : model.springs.slots()) {
     EXPECT_NE(spring.kind, SpringKind::kBend);
     if (model.clothOf(spring.a) == 0) continue;

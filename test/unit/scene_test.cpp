@@ -151,9 +151,10 @@ TEST(Scene, RawSpringsNameTheKindsThereAre) {
   EXPECT_FALSE(cloth.springs.bend);
   EXPECT_TRUE(cloth.raw->perStretch);
   EXPECT_FALSE(parse("cloth: {bending: none}").cloths[0].springs.bend);
-  EXPECT_FALSE(parse("cloth: {bending: hinge}").cloths[0].springs.bend);
-  EXPECT_TRUE(parse("cloth: {bending: hinge}").cloths[0].hinge);
-  EXPECT_FALSE(parse("cloth: {bending: hinge, fabric: {bending: 0}}").cloths[0].hinge);
+  EXPECT_FALSE(parse("cloth: {bending: plate}").cloths[0].springs.bend);
+  EXPECT_TRUE(parse("cloth: {bending: plate}").cloths[0].plate);
+  EXPECT_TRUE(parse("cloth: {bending: hinge}").cloths[0].plate) << "the name in older scenes";
+  EXPECT_FALSE(parse("cloth: {bending: plate, fabric: {bending: 0}}").cloths[0].plate);
   EXPECT_FALSE(parse("cloth: {fabric: {bending: 0}}").cloths[0].springs.bend);
 }
 
@@ -514,8 +515,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"cloth: {particle_mass: 0}",
                  "s.yaml:1: cloth.particle_mass: expected a number > 0 (got 0)"},
         BadScene{"cloth: {shear: 3}", "s.yaml:1: cloth.shear: expected true or false (got 3)"},
-        BadScene{"cloth: {bending: hinges}",
-                 "s.yaml:1: cloth.bending: expected one of none, springs, hinge (got 'hinges')"},
+        BadScene{"cloth: {bending: plates}",
+                 "s.yaml:1: cloth.bending: expected one of none, springs, plate (got 'plates')"},
         BadScene{"cloth: {raw_springs: {shear: 1}}",
                  "s.yaml:1: cloth.raw_springs.structural: missing, expected a number > 0"},
         BadScene{"cloth: {particles: [5, 5], pins: [[5, 0]]}",

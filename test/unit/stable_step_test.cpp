@@ -160,18 +160,18 @@ double largestEigenvalueAt(const Model& model, const State& state) {
 
 TEST(FastestModeEstimate, IsTheLargestEigenvalueWithinItsMargin) {
   // Against a dense eigenvalue solver; from a flat and a crumpled state, with either bending.
-  for (const bool hinge : {false, true}) {
+  for (const bool plate : {false, true}) {
     for (const double shake : {0.0, 0.02}) {
       ClothSpec spec = clothOf(7, 6, 0.05, fabricPreset("denim"));
-      spec.hinge = hinge;
-      spec.springs.bend = !hinge;
+      spec.plate = plate;
+      spec.springs.bend = !plate;
       spec.fabric.bending = 1e-3;
       const Model model = buildModel(spec);
       const State state = shakenState(model, shake, 0.0, 4);
       const double exact = largestEigenvalueAt(model, state);
       const FastestMode estimate = estimateFastestMode(model, state);
-      EXPECT_GE(estimate.squared, exact) << hinge << shake;
-      EXPECT_LE(estimate.squared, 1.1 * exact * (1.0 + 1e-9)) << hinge << shake;
+      EXPECT_GE(estimate.squared, exact) << plate << shake;
+      EXPECT_LE(estimate.squared, 1.1 * exact * (1.0 + 1e-9)) << plate << shake;
       EXPECT_GE(boundFastestMode(model).squared, exact);
     }
   }

@@ -39,9 +39,9 @@ TEST(Tuning, StiffnessIsThatOfAStifferFabric) {
 
 TEST(Tuning, StiffnessIsThatOfTheBendingEnergyToo) {
   Scene scene = hanging(1.0);
-  scene.cloths[0].hinge = true;
+  scene.cloths[0].plate = true;
   Scene stiff = hanging(3.0);
-  stiff.cloths[0].hinge = true;
+  stiff.cloths[0].plate = true;
   Simulation turned(scene);
   ASSERT_TRUE(turned.apply(SetStiffness{3.0}).success);
   Simulation wanted(stiff);

@@ -178,11 +178,11 @@ TEST(Elastica, KnowsSmallDeflectionsAndPeircesAngle) {
 struct Cantilever {
   static constexpr int kCells = 6;
   double overhang = 0.0;
-  bool hinge = false;  ///< an energy of curvature instead of bend springs
+  bool plate = false;  ///< the bending energy of a plate instead of bend springs
 
   /// Between the edge of the clamp and the last column that it holds [cells]: the energy of
   /// curvature at that column is that of half a cell to both sides.
-  double clampedPart() const { return hinge ? 0.5 : 0.0; }
+  double clampedPart() const { return plate ? 0.5 : 0.0; }
 
   /// Chord of the overhang against the horizontal [rad].
   double angle(const SolverInfo& info, double seconds) const {
@@ -191,13 +191,13 @@ struct Cantilever {
     fabric.bending = fabric.arealDensity * kGravity * std::pow(0.5 * overhang, 3);
     // Just so stiff that bend springs are not capped (docs/model.md).
     const double l = overhang / (kCells + clampedPart()), theta = std::min(1.5, 50.0 * l);
-    const double bends = 64.0 * fabric.bending / (l * l * (hinge ? 1.0 : theta * theta));
+    const double bends = 64.0 * fabric.bending / (l * l * (plate ? 1.0 : theta * theta));
     fabric.tensileWarp = fabric.tensileWeft = 2.1 * bends;
     fabric.shear = 0.0;
     fabric.damping = 0.0;
     ClothSpec spec = clothOf(kCells + 2, 2, l, fabric);
-    spec.springs = {false, !hinge};
-    spec.hinge = hinge;
+    spec.springs = {false, !plate};
+    spec.plate = plate;
     fabric.damping = 1.0 / frequencyBound(buildModel(spec));
     spec.fabric = fabric;
     Rig rig(info, buildModel(spec));

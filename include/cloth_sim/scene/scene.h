@@ -50,7 +50,7 @@ struct ClothSpec {
   std::optional<RawSprings> raw;       ///< springs by constants instead of by the fabric
   std::optional<double> particleMass;  ///< [kg] instead of the fabric's areal density
   SpringSelection springs;
-  bool hinge = false;  ///< bending is an energy of curvature (PlateBending), not springs
+  bool plate = false;  ///< the bending energy of a plate (PlateBending) instead of bend springs
   std::vector<PinSpec> pins;
 };
 
