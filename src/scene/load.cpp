@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "auto_method.h"
-#include "keys.h"
 #include "readers.h"
+#include "section.h"
 #include "support/hash.h"
 
 namespace cloth_sim {
@@ -43,29 +43,29 @@ std::string readFile(const std::string& path) {
   return text;
 }
 
-void readSurroundings(const SceneNode& root, Scene& scene) {
-  root.read("gravity", scene.gravity);
-  root.read("drag", scene.drag, kNotNegative);
-  if (const auto wind = root.find("wind")) scene.wind = readWind(*wind);
-  if (const auto seed = root.find("seed")) scene.seed = seed->seed();
-}
+/// In the order of reading: the clamps refer to the cloths, and the phases to all before them.
+const Section<Scene> kSceneSection{
+    "Top level",
+    {Key<Scene>::required("cloth", "a map", readCloths),
+     {"solver", [](const SceneNode& value, Scene& scene) { readSolver(value, scene.solver); }},
+     {"gravity", &Scene::gravity},
+     {"wind", [](const SceneNode& value, Scene& scene) { scene.wind = readWind(value); }},
+     {"drag", &Scene::drag, kNotNegative},
+     {"obstacles",
+      [](const SceneNode& value, Scene& scene) { readObstacles(value, scene.obstacles); }},
+     {"clamps",
+      [](const SceneNode& value, Scene& scene) { readClamps(value, scene.cloths, scene.clamps); }},
+     {"tearing", [](const SceneNode& value,
+                    Scene& scene) { readTearing(value, scene.cloths, scene.tearing); }},
+     {"phases",
+      [](const SceneNode& value, Scene& scene) { readPhases(value, scene, scene.phases); }},
+     {"seed", [](const SceneNode& value, Scene& scene) { scene.seed = value.seed(); }}}};
 
 Scene readScene(const SceneNode& root) {
-  root.expectKeys(keys::kScene);
-  Scene scene;
-  readCloths(root.need("cloth", "a map"), scene);
-  if (const auto solver = root.find("solver")) {
-    readSolver(*solver, scene.solver);
-  } else {
+  Scene scene = kSceneSection.read(root);
+  if (!root.has("solver")) {
     scene.solver.parameters = completeParameters(findSolver(scene.solver.method), {});
   }
-  readSurroundings(root, scene);
-  if (const auto obstacles = root.find("obstacles")) {
-    readObstacles(*obstacles, scene.obstacles);
-  }
-  if (const auto clamps = root.find("clamps")) readClamps(*clamps, scene.cloths, scene.clamps);
-  if (const auto tearing = root.find("tearing")) readTearing(*tearing, scene.cloths, scene.tearing);
-  if (const auto phases = root.find("phases")) readPhases(*phases, scene, scene.phases);
   return scene;
 }
 
@@ -104,7 +104,7 @@ void resolve(const SceneNode& root, Scene& scene) {
   }
 }
 
-/// What the method cannot follow is refused where the scene asks for it.
+/// Refuses a bending energy that the method cannot follow, at the key that asks for it.
 void checkFeatures(const SceneNode& root, const Scene& scene) {
   const SceneNode node = root.need("cloth", "a map");
   for (std::size_t k = 0; k < scene.cloths.size(); ++k) {
@@ -117,8 +117,8 @@ void checkFeatures(const SceneNode& root, const Scene& scene) {
   }
 }
 
-/// The scene as it runs here: a choice of the method is written down, as it may be another one
-/// elsewhere.
+/// Returns the scene as it runs here, as YAML. It names the method that `auto` chose, because
+/// another machine may choose another one.
 std::string textOf(const Scene& scene, YamlValue tree) {
   if (!scene.solver.choice) return emitYaml(tree);
   const auto set = [&](const std::string& key, const std::string& value) {
@@ -137,6 +137,15 @@ std::string textOf(const Scene& scene, YamlValue tree) {
 }
 
 }  // namespace
+
+std::vector<KeyTable> sceneKeys() {
+  std::vector<KeyTable> tables{kSceneSection};
+  for (const auto list : {listCommonKeys, listClothKeys, listSurgeryKeys, listSolverKeys,
+                          listObstacleKeys, listClampKeys, listTearingKeys, listPhaseKeys}) {
+    list(tables);
+  }
+  return tables;
+}
 
 Scene loadScene(const std::string& path, const std::vector<std::string>& overrides) {
   return parseScene(readFile(path), path, overrides);

@@ -2,9 +2,9 @@
 #include <set>
 #include <stdexcept>
 
-#include "keys.h"
 #include "obj_mesh.h"
 #include "readers.h"
+#include "section.h"
 
 namespace cloth_sim {
 
@@ -13,11 +13,11 @@ namespace {
 constexpr int kMinParticles = 2;
 constexpr int kMaxParticles = 2048;
 constexpr int kMaxParticlesInAll = 1100000;
-constexpr Range kLength{1e-3, 1e3, false, false};  // of a side of a cloth [m]
+constexpr Range kSideLength{1e-3, 1e3, false, false};  // [m]
 
 void readGrid(const SceneNode& node, ClothSpec& cloth) {
   if (const auto size = node.find("size")) {
-    const Vec2 lengths = size->vector<2>(kLength);
+    const Vec2 lengths = size->vector<2>(kSideLength);
     cloth.width = lengths.x();
     cloth.height = lengths.y();
   }
@@ -32,7 +32,7 @@ void readGrid(const SceneNode& node, ClothSpec& cloth) {
   }
 }
 
-/// Relative to the folder of the scene file.
+/// Returns the path of a file that the scene names relative to its own folder.
 std::string besideScene(const SceneNode& node, const std::string& file) {
   const std::size_t slash = node.file().find_last_of('/');
   if (file.front() == '/' || slash == std::string::npos) return file;
@@ -61,16 +61,15 @@ void readMesh(const SceneNode& node, ClothSpec& cloth) {
   cloth.height = extent.y();
 }
 
-void readStart(const SceneNode& node, ClothSpec& cloth) {
-  if (const auto pose = node.find("pose")) {
-    pose->expectKeys(keys::kPose);
-    readPose(*pose, cloth.pose);
-  }
-  if (const auto offset = node.find("random_offset")) {
-    cloth.randomOffset = offset->isList() ? offset->vector<3>(kNotNegative)
-                                          : Vec3::Constant(offset->number(kNotNegative));
-  }
-  node.read("velocity", cloth.velocity);
+void readName(const SceneNode& node, ClothSpec& cloth) {
+  cloth.name = node.word("a name");
+  const std::string error = plainNameDefect(cloth.name);
+  if (!error.empty()) node.refuse(error);
+}
+
+void readRandomOffset(const SceneNode& node, ClothSpec& cloth) {
+  cloth.randomOffset =
+      node.isList() ? node.vector<3>(kNotNegative) : Vec3::Constant(node.number(kNotNegative));
 }
 
 Fabric preset(const SceneNode& node) {
@@ -82,48 +81,49 @@ Fabric preset(const SceneNode& node) {
   }
 }
 
-bool readFabricValues(const SceneNode& node, Fabric& fabric) {
-  bool any = false;
-  const auto value = [&](const char* key, double& out, const Range& range) {
-    any = any || node.has(key);
-    node.read(key, out, range);
-  };
-  value("areal_density", fabric.arealDensity, kPositive);
-  value("tensile_warp", fabric.tensileWarp, kPositive);
-  value("tensile_weft", fabric.tensileWeft, kPositive);
-  value("shear", fabric.shear, kNotNegative);
-  value("bending", fabric.bending, kNotNegative);
-  value("damping", fabric.damping, kNotNegative);
-  value("friction", fabric.friction, kNotNegative);
-  value("thickness", fabric.thickness, kNotNegative);
-  return any;
-}
+const Section<Fabric> kFabricSection{"`cloth.fabric`",
+                                     {{"preset"},
+                                      {"areal_density", &Fabric::arealDensity, kPositive},
+                                      {"tensile_warp", &Fabric::tensileWarp, kPositive},
+                                      {"tensile_weft", &Fabric::tensileWeft, kPositive},
+                                      {"shear", &Fabric::shear, kNotNegative},
+                                      {"bending", &Fabric::bending, kNotNegative},
+                                      {"damping", &Fabric::damping, kNotNegative},
+                                      {"friction", &Fabric::friction, kNotNegative},
+                                      {"thickness", &Fabric::thickness, kNotNegative}}};
 
 Fabric readFabric(const SceneNode& node) {
   if (node.isScalar()) return preset(node);
-  node.expectKeys(keys::kFabric);
+  node.expectKeys(kFabricSection.names);
   const auto name = node.find("preset");
   Fabric fabric = name ? preset(*name) : fabricPreset("cotton");
-  const std::string base = fabric.name;
-  if (readFabricValues(node, fabric)) {
+  kFabricSection.readKnown(node, fabric);
+  const bool replacesValues = node.entries().size() > (name ? 1U : 0U);
+  if (replacesValues) {
+    fabric.source = "the scene, over the preset " + fabric.name + ": " + fabric.source;
     fabric.name = "custom";
-    fabric.source = "the scene, over the preset " + base + ": " + fabric.source;
   }
   return fabric;
 }
 
-RawSprings readRawSprings(const SceneNode& node) {
-  node.expectKeys(keys::kRawSprings);
-  RawSprings raw;
-  raw.constant[0] = node.need("structural", kPositive.text()).number(kPositive);
-  node.read("shear", raw.constant[1], kNotNegative);
-  node.read("bend", raw.constant[2], kNotNegative);
-  node.read("per_stretch", raw.perStretch);
-  node.read("dashpot", raw.dashpot, kNotNegative);
-  return raw;
+/// Reads the constant of one kind of spring.
+Key<RawSprings>::ReadValue rawConstant(SpringKind kind, const Range& range) {
+  return [kind, range](const SceneNode& value, RawSprings& raw) {
+    raw.constant[static_cast<std::size_t>(kind)] = value.number(range);
+  };
 }
 
-/// Kinds of springs, or what bends instead of them: by default those that have a stiffness.
+const Section<RawSprings> kRawSpringsSection{
+    "`cloth.raw_springs`",
+    {Key<RawSprings>::required("structural", kPositive.text(),
+                               rawConstant(SpringKind::kStructural, kPositive)),
+     {"shear", rawConstant(SpringKind::kShear, kNotNegative)},
+     {"bend", rawConstant(SpringKind::kBend, kNotNegative)},
+     {"per_stretch", &RawSprings::perStretch},
+     {"dashpot", &RawSprings::dashpot, kNotNegative}}};
+
+/// Selects the kinds of springs, and the bending energy instead of bend springs. By default a cloth
+/// has the kinds that have a stiffness.
 void selectSprings(const SceneNode& node, ClothSpec& cloth) {
   if (cloth.raw) {
     cloth.springs.shear = cloth.raw->constant[1] > 0.0;
@@ -149,7 +149,8 @@ void addRange(int firstColumn, int lastColumn, int firstRow, int lastRow,
   }
 }
 
-/// Pins by a name: a side or a corner of a grid; or by a number: a vertex of an OBJ file.
+/// Adds the pins of a name, which is a side or a corner of a grid, or of a number, which is a
+/// vertex of an OBJ file.
 void addNamedPins(const SceneNode& node, const ClothSpec& cloth, std::vector<PinSpec>& pins) {
   if (cloth.mesh) {
     const auto count = static_cast<std::int64_t>(cloth.mesh->positions.size());
@@ -188,25 +189,38 @@ int particlesOf(const ClothSpec& cloth) {
   return cloth.mesh ? static_cast<int>(cloth.mesh->positions.size()) : cloth.columns * cloth.rows;
 }
 
+/// Keys that are read by hand depend on each other: what a mesh or a fabric gives.
+const Section<ClothSpec> kClothSection{
+    "`cloth`",
+    {{"name", readName},
+     {"obj"},
+     {"scale"},
+     {"uv_scale"},
+     {"size"},
+     {"particles"},
+     {"pose", [](const SceneNode& value, ClothSpec& cloth) { readPoseMap(value, cloth.pose); }},
+     {"random_offset", readRandomOffset},
+     {"velocity", &ClothSpec::velocity},
+     {"fabric", [](const SceneNode& value, ClothSpec& cloth) { cloth.fabric = readFabric(value); }},
+     {"raw_springs",
+      [](const SceneNode& value, ClothSpec& cloth) { cloth.raw = kRawSpringsSection.read(value); }},
+     {"particle_mass", &ClothSpec::particleMass, kPositive},
+     {"shear"},
+     {"bending"},
+     {"pins"},
+     {"surgery"}}};
+
 void readCloth(const SceneNode& node, ClothSpec& cloth) {
-  node.expectKeys(keys::kCloth);
-  if (const auto name = node.find("name")) {
-    cloth.name = name->word("a name");
-    const std::string defect = plainNameDefect(cloth.name);
-    if (!defect.empty()) name->refuse(defect);
-  }
+  node.expectKeys(kClothSection.names);
+  cloth.fabric = fabricPreset("cotton");
   readGrid(node, cloth);
   readMesh(node, cloth);
-  readStart(node, cloth);
-  const auto fabric = node.find("fabric");
-  cloth.fabric = fabric ? readFabric(*fabric) : fabricPreset("cotton");
-  if (const auto raw = node.find("raw_springs")) cloth.raw = readRawSprings(*raw);
-  node.read("particle_mass", cloth.particleMass, kPositive);
+  kClothSection.readKnown(node, cloth);
   selectSprings(node, cloth);
   if (const auto pins = node.find("pins")) readPins(*pins, cloth);
 }
 
-/// The maps of the cloths: one, or a list of them.
+/// Returns the maps of the cloths: one, or those of a list.
 std::vector<SceneNode> clothNodes(const SceneNode& node) {
   if (!node.isList()) return {node};
   const std::string what = "a map, or a list of maps with a name each";
@@ -226,7 +240,7 @@ void checkNames(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec
   }
 }
 
-/// All cloths together must be one model.
+/// Refuses cloths that cannot be one model together.
 void checkTogether(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec>& cloths) {
   std::int64_t particles = 0;
   bool plate = false;
@@ -248,7 +262,7 @@ void checkTogether(const std::vector<SceneNode>& nodes, const std::vector<ClothS
   }
 }
 
-/// Of all cloths: what one of them says.
+/// Reads the surgery settings of all cloths, which at most one of them gives.
 void readSurgeryOf(const std::vector<SceneNode>& nodes, Scene& scene) {
   int particles = 0;
   for (const ClothSpec& cloth : scene.cloths) particles += particlesOf(cloth);
@@ -272,6 +286,12 @@ void readCloths(const SceneNode& node, Scene& scene) {
   checkNames(nodes, scene.cloths);
   checkTogether(nodes, scene.cloths);
   readSurgeryOf(nodes, scene);
+}
+
+void listClothKeys(std::vector<KeyTable>& tables) {
+  tables.push_back(kClothSection);
+  tables.push_back(kFabricSection);
+  tables.push_back(kRawSpringsSection);
 }
 
 }  // namespace cloth_sim

@@ -1,10 +1,29 @@
 #include "cloth_sim/validation.h"
-#include "keys.h"
 #include "readers.h"
+#include "section.h"
 
 namespace cloth_sim {
 
 namespace {
+
+const Section<Pose> kPoseSection{"Poses",
+                                 {{"position", &Pose::position}, {"rpy"}, {"orientation"}}};
+
+const Section<Wind> kWindSection{"`wind`",
+                                 {{"velocity", &Wind::velocity},
+                                  {"density", &Wind::density, kNotNegative},
+                                  {"drag_coefficient", &Wind::dragCoefficient, kNotNegative}}};
+
+const KeyTable& ratioKeys() {
+  static const KeyTable table = [] {
+    KeyTable keys{"`tearing.ratio`", {}};
+    for (int kind = 0; kind < kSpringKinds; ++kind) {
+      keys.names.emplace_back(toString(static_cast<SpringKind>(kind)));
+    }
+    return keys;
+  }();
+  return table;
+}
 
 Quat quaternion(const SceneNode& node) {
   const Eigen::Vector4d xyzw = node.vector<4>();
@@ -16,7 +35,7 @@ Quat quaternion(const SceneNode& node) {
   return orientation.normalized();
 }
 
-/// Roll, pitch and yaw about the fixed axes x, y and z (REP 103).
+/// Rotation by roll, pitch and yaw [rad] about the fixed axes x, y and z (REP 103).
 Quat fromRollPitchYaw(const Vec3& rpy) {
   return Quat(Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) *
               Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) *
@@ -46,8 +65,13 @@ std::optional<Quat> readOrientation(const SceneNode& map) {
 }
 
 void readPose(const SceneNode& map, Pose& pose) {
-  map.read("position", pose.position);
+  kPoseSection.readKnown(map, pose);
   if (const std::optional<Quat> orientation = readOrientation(map)) pose.orientation = *orientation;
+}
+
+void readPoseMap(const SceneNode& map, Pose& pose) {
+  map.expectKeys(kPoseSection.names);
+  readPose(map, pose);
 }
 
 PinSpec readParticle(const SceneNode& node, const ClothSpec& cloth) {
@@ -86,15 +110,26 @@ MaterialPath readPath(const SceneNode& node, const std::vector<ClothSpec>& cloth
 TearRatios readRatios(const SceneNode& node) {
   const double never = std::numeric_limits<double>::infinity();
   const Range range{1.0, never, true, true};
-  TearRatios ratios{never, never, never};
+  TearRatios ratios;
+  ratios.fill(never);
   if (node.isMap()) {
-    node.expectKeys(keys::kRatio);
-    for (int kind = 0; kind < kSpringKinds; ++kind)
-      node.read(keys::kRatio[kind], ratios[kind], range);
+    const std::vector<std::string>& kinds = ratioKeys().names;
+    node.expectKeys(kinds);
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+      node.read(kinds[kind], ratios[kind], range);
+    }
   } else {
     ratios.fill(node.number(range));
   }
   return ratios;
+}
+
+Wind readWind(const SceneNode& node) { return kWindSection.read(node); }
+
+void listCommonKeys(std::vector<KeyTable>& tables) {
+  tables.push_back(kWindSection);
+  tables.push_back(kPoseSection);
+  tables.push_back(ratioKeys());
 }
 
 }  // namespace cloth_sim

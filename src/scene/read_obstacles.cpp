@@ -1,8 +1,18 @@
-#include "keys.h"
 #include "readers.h"
+#include "section.h"
 
 namespace cloth_sim {
 namespace {
+
+/// The keys besides `type` and the dimensions of the shape.
+const Section<Obstacle> kObstacleSection{
+    "`obstacles.<name>`",
+    {{"position"},
+     {"rpy"},
+     {"orientation"},
+     {"velocity", &Obstacle::velocity},
+     {"friction", &Obstacle::friction, kNotNegative},
+     {"tangential_decay", &Obstacle::tangentialDecay, kNotNegative}}};
 
 void readDimension(const SceneNode& map, const char* key, double& length) {
   length = map.need(key, kPositive.text()).number(kPositive);
@@ -12,7 +22,7 @@ void readDimension(const SceneNode& map, const char* key, Vec3& size) {
   size = map.need(key, "[x, y, z]").vector<3>(kPositive);
 }
 
-/// The default shape of the type that the map names.
+/// Returns the default shape of the type that the map names.
 Shape readType(const SceneNode& map) {
   std::vector<std::pair<std::string, Shape>> types;
   std::vector<std::string> names;
@@ -26,12 +36,19 @@ Shape readType(const SceneNode& map) {
   return map.need("type", "one of " + joinNames(names)).choice(types);
 }
 
+/// The keys of an obstacle of this shape.
+std::vector<std::string> keysOf(const Shape& shape) {
+  std::vector<std::string> names{"type"};
+  const auto add = [&names](const char* key, const auto& /*dimension*/) { names.push_back(key); };
+  std::visit([&add](const auto& known) { forEachKey(known, add); }, shape);
+  names.insert(names.end(), kObstacleSection.names.begin(), kObstacleSection.names.end());
+  return names;
+}
+
 Shape readShape(const SceneNode& map) {
   Shape shape = readType(map);
-  map.expectKeys(obstacleKeys(shape));
-  const auto read = [&map](const char* key, auto& dimension) {
-    readDimension(map, key, dimension);
-  };
+  map.expectKeys(keysOf(shape));
+  const auto read = [&map](const char* key, auto& length) { readDimension(map, key, length); };
   std::visit([&read](auto& known) { forEachKey(known, read); }, shape);
   return shape;
 }
@@ -41,24 +58,23 @@ Obstacle readObstacle(const SceneNode& map) {
   obstacle.name = map.key();
   obstacle.shape = readShape(map);
   readPose(map, obstacle.pose);
-  map.read("velocity", obstacle.velocity);
-  map.read("friction", obstacle.friction, kNotNegative);
-  map.read("tangential_decay", obstacle.tangentialDecay, kNotNegative);
+  kObstacleSection.readKnown(map, obstacle);
   return obstacle;
 }
 
 }  // namespace
 
-std::vector<std::string> obstacleKeys(const Shape& shape) {
-  std::vector<std::string> names{"type"};
-  const auto add = [&names](const char* key, const auto& /*dimension*/) { names.push_back(key); };
-  std::visit([&add](const auto& known) { forEachKey(known, add); }, shape);
-  names.insert(names.end(), keys::kObstacle.begin(), keys::kObstacle.end());
-  return names;
-}
-
 void readObstacles(const SceneNode& node, std::vector<Obstacle>& obstacles) {
   for (const SceneNode& entry : node.entries()) obstacles.push_back(readObstacle(entry));
+}
+
+void listObstacleKeys(std::vector<KeyTable>& tables) {
+  KeyTable table{kObstacleSection.heading, {}};
+  for (const Shape& shape : allShapes()) {
+    const std::vector<std::string> names = keysOf(shape);
+    table.names.insert(table.names.end(), names.begin(), names.end());
+  }
+  tables.push_back(table);
 }
 
 }  // namespace cloth_sim

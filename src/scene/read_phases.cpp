@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "keys.h"
 #include "readers.h"
+#include "section.h"
 
 namespace cloth_sim {
 
@@ -34,7 +34,7 @@ void checkAttach(const SceneNode& node, const ClampSpec& clamp) {
   node.refuse("expected no attach, as clamp '" + clamp.name + "' has no patch");
 }
 
-/// Where the clamp is told to go; replaces what `action` said about it.
+/// Reads the target of a clamp, which replaces the target that the action had.
 void readMove(const SceneNode& node, ClampAction& action) {
   const bool by = node.has("move_by");
   const bool to = node.has("move_to");
@@ -48,28 +48,35 @@ void readMove(const SceneNode& node, ClampAction& action) {
   if (action.attach && action.moveTo) node.refuse("expected either attach or move_to (got both)");
 }
 
+/// Keys that are read by hand exclude each other, or replace each other.
+const Section<ClampAction> kClampActionSection{"`phases.<name>.clamps.<name>`",
+                                               {{"hold", &ClampAction::hold},
+                                                {"attach", &ClampAction::attach},
+                                                {"grasp", &ClampAction::grasp},
+                                                {"move_by"},
+                                                {"move_to"},
+                                                {"rpy"},
+                                                {"orientation"},
+                                                {"speed", &ClampAction::speed, kPositive}}};
+
 void readClampAction(const SceneNode& node, const ClampSpec& clamp, ClampAction& action) {
-  node.expectKeys(keys::kClampAction);
-  node.read("hold", action.hold);
+  kClampActionSection.read(node, action);
   if (action.hold && (node.has("attach") || node.has("move_by") || node.has("move_to"))) {
     node.refuse("expected either hold or a move (got both)");
   }
-  node.read("attach", action.attach);
   if (action.attach) checkAttach(node, clamp);
-  node.read("grasp", action.grasp);
   readMove(node, action);
   if (const auto orientation = readOrientation(node)) action.orientation = orientation;
-  node.read("speed", action.speed, kPositive);
 }
 
-/// In the order of the scene's clamps; what is said of one replaces what is said of all.
+/// Reads actions in the order of the scene's clamps. The action of one clamp replaces that of all.
 void readClampActions(const SceneNode& node, const Scene& scene,
                       std::vector<ClampAction>& actions) {
   std::vector<std::string> names = clampNames(scene);
   names.push_back("all");
   for (const SceneNode& entry : node.entries()) checkKnown(entry, "clamp", names);
   const auto all = node.find("all");
-  if (all) all->expectKeys(keys::kClampAction);
+  if (all) all->expectKeys(kClampActionSection.names);
   for (const ClampSpec& clamp : scene.clamps) {
     const auto own = node.find(clamp.name);
     if (!all && !own) continue;
@@ -81,30 +88,39 @@ void readClampActions(const SceneNode& node, const Scene& scene,
   }
 }
 
+const Section<ObstacleAction> kObstacleActionSection{
+    "`phases.<name>.obstacles.<name>`",
+    {Key<ObstacleAction>::required("velocity", "[x, y, z]",
+                                   [](const SceneNode& value, ObstacleAction& action) {
+                                     action.velocity = value.vector<3>();
+                                   })}};
+
 void readObstacleActions(const SceneNode& node, const Scene& scene,
                          std::vector<ObstacleAction>& actions) {
   for (const SceneNode& entry : node.entries()) {
     checkKnown(entry, "obstacle", obstacleNames(scene));
-    entry.expectKeys(keys::kObstacleAction);
-    actions.push_back({entry.key(), entry.need("velocity", "[x, y, z]").vector<3>()});
+    actions.push_back(kObstacleActionSection.read(entry));
+    actions.back().obstacle = entry.key();
   }
 }
 
-void readPhaseTearing(const SceneNode& node, PhaseSpec& phase) {
-  node.expectKeys(keys::kPhaseTearing);
-  node.read("enabled", phase.tearing);
-  if (const auto ratio = node.find("ratio")) phase.ratio = readRatios(*ratio);
-}
+const Section<PhaseSpec> kPhaseTearingSection{
+    "`phases.<name>.tearing`",
+    {{"enabled", &PhaseSpec::tearing},
+     {"ratio", [](const SceneNode& value, PhaseSpec& phase) { phase.ratio = readRatios(value); }}}};
 
-/// Points of the first cloth, or a map that names another.
+const KeyTable kNotchKeys{"`phases.<name>.notch`", {"cloth", "path"}};
+
+/// Reads a path on the first cloth, or a map with a path and the name of its cloth.
 MaterialPath readNotch(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
   if (!node.isMap()) return readPath(node, cloths, 0);
-  node.expectKeys(keys::kNotch);
+  node.expectKeys(kNotchKeys.names);
   const std::size_t cloth = readClothName(node, cloths);
   return readPath(node.need("path", "a list of points [u, v]"), cloths, cloth);
 }
 
-/// One notch, or a list of them: there, the first item is a map, or its first point is a list too.
+/// Reads one notch or a list of notches. In a list of notches the first item is a map, or the first
+/// item of the first item is a list.
 void readNotches(const SceneNode& node, const std::vector<ClothSpec>& cloths,
                  std::vector<MaterialPath>& notches) {
   if (node.isMap()) return notches.push_back(readNotch(node, cloths));
@@ -120,11 +136,13 @@ void readNotches(const SceneNode& node, const std::vector<ClothSpec>& cloths,
   for (const SceneNode& item : items) notches.push_back(readNotch(item, cloths));
 }
 
-void readMeanSpeed(const SceneNode& node, PhaseConditions& until) {
-  node.expectKeys(keys::kMeanSpeed);
-  until.meanSpeedBelow = node.need("below", kPositive.text()).number(kPositive);
-  node.read("for", until.meanSpeedFor, kNotNegative);
-}
+const Section<PhaseConditions> kMeanSpeedSection{
+    "`phases.<name>.until.mean_speed`",
+    {Key<PhaseConditions>::required("below", kPositive.text(),
+                                    [](const SceneNode& value, PhaseConditions& until) {
+                                      until.meanSpeedBelow = value.number(kPositive);
+                                    }),
+     {"for", &PhaseConditions::meanSpeedFor, kNotNegative}}};
 
 void readClampCondition(const SceneNode& node, const Scene& scene, PhaseConditions& until) {
   if (scene.clamps.empty()) node.refuse("there are no clamps in the scene to wait for");
@@ -137,19 +155,24 @@ void readClampCondition(const SceneNode& node, const Scene& scene, PhaseConditio
   for (const SceneNode& item : node.list("a list of words")) add(item);
 }
 
+/// `clamps` is read by hand: it needs the clamps of the scene.
+const Section<PhaseConditions> kUntilSection{
+    "`phases.<name>.until`",
+    {{"elapsed", &PhaseConditions::elapsed, kNotNegative},
+     {"mean_speed",
+      [](const SceneNode& value, PhaseConditions& until) { kMeanSpeedSection.read(value, until); }},
+     {"contact", &PhaseConditions::contact},
+     {"clamps"},
+     {"pieces", &PhaseConditions::piecesAtLeast, 1, kMaxCount},
+     {"broken", &PhaseConditions::brokenAtLeast, 1, kMaxCount}}};
+
 void readConditions(const SceneNode& node, const Scene& scene, PhaseConditions& until) {
-  node.expectKeys(keys::kUntil);
-  node.read("elapsed", until.elapsed, kNotNegative);
-  if (const auto meanSpeed = node.find("mean_speed")) readMeanSpeed(*meanSpeed, until);
-  node.read("contact", until.contact);
+  kUntilSection.read(node, until);
   if (const auto clamps = node.find("clamps")) readClampCondition(*clamps, scene, until);
-  node.read("pieces", until.piecesAtLeast, 1, kMaxCount);
-  node.read("broken", until.brokenAtLeast, 1, kMaxCount);
 }
 
 void readEnd(const SceneNode& node, const Scene& scene, PhaseSpec& phase) {
   if (const auto until = node.find("until")) readConditions(*until, scene, phase.until);
-  node.read("timeout", phase.timeout, kPositive);
   const auto onTimeout = node.find("on_timeout");
   if (!onTimeout) return;
   if (!phase.timeout) onTimeout->refuse("expected a timeout beside it");
@@ -157,19 +180,32 @@ void readEnd(const SceneNode& node, const Scene& scene, PhaseSpec& phase) {
       {{"continue", OnTimeout::kContinue}, {"fail", OnTimeout::kFail}});
 }
 
+/// Keys that are read by hand need the rest of the scene, or each other.
+const Section<PhaseSpec> kPhaseSection{
+    "`phases.<name>`",
+    {Key<PhaseSpec>::required(
+         "name", "a name",
+         [](const SceneNode& value, PhaseSpec& phase) { phase.name = value.word("a name"); }),
+     {"clamps"},
+     {"obstacles"},
+     {"wind", [](const SceneNode& value, PhaseSpec& phase) { phase.wind = readWind(value); }},
+     {"tearing",
+      [](const SceneNode& value, PhaseSpec& phase) { kPhaseTearingSection.read(value, phase); }},
+     {"notch"},
+     {"cut", [](const SceneNode& value, PhaseSpec& phase) { readStrokes(value, phase.strokes); }},
+     {"refine",
+      [](const SceneNode& value, PhaseSpec& phase) { readRefinements(value, phase.refinements); }},
+     {"until"},
+     {"timeout", &PhaseSpec::timeout, kPositive},
+     {"on_timeout"}}};
+
 PhaseSpec readPhase(const SceneNode& node, const Scene& scene) {
-  node.expectKeys(keys::kPhase);
-  PhaseSpec phase;
-  phase.name = node.need("name", "a name").word("a name");
+  PhaseSpec phase = kPhaseSection.read(node);
   if (const auto clamps = node.find("clamps")) readClampActions(*clamps, scene, phase.clamps);
   if (const auto obstacles = node.find("obstacles")) {
     readObstacleActions(*obstacles, scene, phase.obstacles);
   }
-  if (const auto wind = node.find("wind")) phase.wind = readWind(*wind);
-  if (const auto tearing = node.find("tearing")) readPhaseTearing(*tearing, phase);
   if (const auto notch = node.find("notch")) readNotches(*notch, scene.cloths, phase.notches);
-  if (const auto cut = node.find("cut")) readStrokes(*cut, phase.strokes);
-  if (const auto refine = node.find("refine")) readRefinements(*refine, phase.refinements);
   readEnd(node, scene, phase);
   return phase;
 }
@@ -184,6 +220,14 @@ void readPhases(const SceneNode& node, const Scene& scene, std::vector<PhaseSpec
     });
     if (twice) item.refuse("expected a name that no other phase has");
     phases.push_back(std::move(phase));
+  }
+}
+
+void listPhaseKeys(std::vector<KeyTable>& tables) {
+  for (const KeyTable& table : std::initializer_list<KeyTable>{
+           kPhaseSection, kClampActionSection, kObstacleActionSection, kPhaseTearingSection,
+           kNotchKeys, kUntilSection, kMeanSpeedSection}) {
+    tables.push_back(table);
   }
 }
 

@@ -1,21 +1,29 @@
-#include "keys.h"
 #include "readers.h"
+#include "section.h"
 
 namespace cloth_sim {
 
 namespace {
 
-constexpr Range kSnap{0.05, 0.45, false, false};  // part of an edge
-constexpr int kMostParticles = 100000000;         // springs are numbered by 32 bits
+constexpr Range kSnap{0.05, 0.45, false, false};  // fraction of an edge
+constexpr int kMostParticles = 100000000;         // 32 bits number the springs
 
-/// The keys of a refinement in a map that may have others too.
-Refinement readRefinementKeys(const SceneNode& map) {
-  Refinement refinement;
-  refinement.radius = map.need("radius", kPositive.text()).number(kPositive);
-  map.read("generations", refinement.generations, 0, kMostGenerations);
-  map.read("min_edge", refinement.minEdge, kNotNegative);
-  return refinement;
-}
+const Section<Refinement> kRefinementSection{
+    "Refinements",
+    {Key<Refinement>::required("radius", &Refinement::radius, kPositive),
+     {"generations", &Refinement::generations, 0, kMostGenerations},
+     {"min_edge", &Refinement::minEdge, kNotNegative}}};
+
+const Section<SurgerySettings> kSurgerySection{
+    "`cloth.surgery`",
+    {{"snap", &SurgerySettings::snap, kSnap},
+     {"min_edge", &SurgerySettings::minEdge, kPositive},
+     {"max_particles"},
+     {"drop_below", &SurgerySettings::dropBelow, kNotNegative},
+     {"clear_strip", &SurgerySettings::clearStrip},
+     {"refine_cuts", [](const SceneNode& value, SurgerySettings& surgery) {
+        surgery.refineCuts = readRefinement(value);
+      }}}};
 
 std::vector<Vec3> readPoints(const SceneNode& node, std::size_t least) {
   const std::string what = "a list of at least " + std::to_string(least) + " point" +
@@ -59,7 +67,7 @@ Stroke readMovedBlade(const SceneNode& node) {
   return stroke;
 }
 
-/// Refuses a map that has not exactly one of two keys.
+/// Refuses a map unless it has exactly one of two keys.
 void expectEither(const SceneNode& node, const std::string& one, const std::string& other) {
   if (!node.has(one) && !node.has(other)) {
     node.refuse("expected either " + one + " or " + other + " (got none)");
@@ -69,28 +77,42 @@ void expectEither(const SceneNode& node, const std::string& one, const std::stri
   }
 }
 
+const Section<Stroke> kStrokeSection{"`phases.<name>.cut`",
+                                     {{"path"},
+                                      {"direction"},
+                                      {"reach"},
+                                      {"blades"},
+                                      {"first_layer", &Stroke::firstLayerOnly},
+                                      {"half_width", &Stroke::halfWidth, kNotNegative}}};
+
 Stroke readStroke(const SceneNode& node) {
-  node.expectKeys(keys::kStroke);
+  node.expectKeys(kStrokeSection.names);
   expectEither(node, "path", "blades");
   Stroke stroke = node.has("path") ? readDrawnBlade(node) : readMovedBlade(node);
-  node.read("first_layer", stroke.firstLayerOnly);
-  node.read("half_width", stroke.halfWidth, kNotNegative);
-  const std::string defect = validationError(stroke);
-  if (!defect.empty()) node.refuse(defect);
+  kStrokeSection.readKnown(node, stroke);
+  const std::string error = validationError(stroke);
+  if (!error.empty()) node.refuse(error);
   return stroke;
 }
 
+const Section<RefineNear> kRefineNearSection{
+    "`phases.<name>.refine`",
+    {{"path", [](const SceneNode& value, RefineNear& near) { near.path = readPoints(value, 1); }},
+     {"point", [](const SceneNode& value, RefineNear& near) { near.path = {value.vector<3>()}; }},
+     {"radius"},
+     {"generations"},
+     {"min_edge"}}};
+
 RefineNear readRefineNear(const SceneNode& node) {
-  node.expectKeys(keys::kRefine);
+  node.expectKeys(kRefineNearSection.names);
   expectEither(node, "path", "point");
-  RefineNear refine;
-  if (const auto path = node.find("path")) refine.path = readPoints(*path, 1);
-  if (const auto point = node.find("point")) refine.path = {point->vector<3>()};
-  refine.refinement = readRefinementKeys(node);
-  return refine;
+  RefineNear near;
+  kRefineNearSection.readKnown(node, near);
+  kRefinementSection.readKnown(node, near.refinement);
+  return near;
 }
 
-/// The maps of a list, or the one that stands there without a list.
+/// Returns the maps of a list, or the one map that stands in its place.
 std::vector<SceneNode> oneOrMore(const SceneNode& node) {
   if (node.isMap()) return {node};
   const std::string what = "a map, or a list of maps";
@@ -101,19 +123,11 @@ std::vector<SceneNode> oneOrMore(const SceneNode& node) {
 
 }  // namespace
 
-Refinement readRefinement(const SceneNode& node) {
-  node.expectKeys(keys::kRefinement);
-  return readRefinementKeys(node);
-}
+Refinement readRefinement(const SceneNode& node) { return kRefinementSection.read(node); }
 
 void readSurgery(const SceneNode& node, int particles, SurgerySettings& surgery) {
-  node.expectKeys(keys::kSurgery);
-  node.read("snap", surgery.snap, kSnap);
-  node.read("min_edge", surgery.minEdge, kPositive);
+  kSurgerySection.read(node, surgery);
   node.read("max_particles", surgery.maxParticles, particles, kMostParticles);
-  node.read("drop_below", surgery.dropBelow, kNotNegative);
-  node.read("clear_strip", surgery.clearStrip);
-  if (const auto refine = node.find("refine_cuts")) surgery.refineCuts = readRefinement(*refine);
 }
 
 void readStrokes(const SceneNode& node, std::vector<Stroke>& strokes) {
@@ -122,6 +136,13 @@ void readStrokes(const SceneNode& node, std::vector<Stroke>& strokes) {
 
 void readRefinements(const SceneNode& node, std::vector<RefineNear>& refinements) {
   for (const SceneNode& item : oneOrMore(node)) refinements.push_back(readRefineNear(item));
+}
+
+void listSurgeryKeys(std::vector<KeyTable>& tables) {
+  tables.push_back(kSurgerySection);
+  tables.push_back(kRefinementSection);
+  tables.push_back(kStrokeSection);
+  tables.push_back(kRefineNearSection);
 }
 
 }  // namespace cloth_sim

@@ -1,0 +1,101 @@
+#include <stdexcept>
+
+#include "readers.h"
+#include "section.h"
+
+namespace cloth_sim {
+namespace {
+
+constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
+constexpr Range kError{0.0, 1.0, true, false};
+const char* const kAuto = "auto";
+
+const Section<SleepSettings> kSleepSection{
+    "`solver.sleep`",
+    {{"speed", &SleepSettings::speed, kPositive}, {"after", &SleepSettings::after, kPositive}}};
+
+/// Reads the settings, or true for the defaults, or false for none.
+void readSleep(const SceneNode& node, SolverSpec& solver) {
+  if (!node.isScalar()) {
+    solver.sleep = kSleepSection.read(node);
+  } else if (node.boolean()) {
+    solver.sleep = SleepSettings();
+  } else {
+    solver.sleep.reset();
+  }
+}
+
+void readGuard(const SceneNode& node, SolverSpec& solver) {
+  solver.guard = node.choice<StepGuard>({{"allow", StepGuard::kAllow},
+                                         {"subdivide", StepGuard::kSubdivide},
+                                         {"refuse", StepGuard::kRefuse}});
+}
+
+/// The keys besides the parameters of the method. `error` depends on the method.
+const Section<SolverSpec> kSolverSection{"`solver`",
+                                         {{"method"},
+                                          {"dt", &SolverSpec::dt, kTimeStep},
+                                          {"step_guard", readGuard},
+                                          {"error"},
+                                          {"sleep", readSleep}}};
+
+/// Reads the method; returns nullptr for `auto`.
+const SolverInfo* readMethod(const SceneNode& node, SolverSpec& solver) {
+  const auto method = node.find("method");
+  if (!method) return &findSolver(solver.method);
+  std::vector<std::pair<std::string, const SolverInfo*>> known;
+  for (const SolverInfo& info : solverRegistry()) known.emplace_back(info.name, &info);
+  known.emplace_back(kAuto, nullptr);
+  const SolverInfo* info = method->choice(known);
+  if (info != nullptr) solver.method = info->name;
+  return info;
+}
+
+void readParameter(const SceneNode& node, const SolverParameter& parameter,
+                   SolverParameters& parameters) {
+  const auto value = node.find(parameter.name);
+  if (!value) return;
+  parameters[parameter.name] =
+      parameter.integer
+          ? static_cast<double>(value->integer(static_cast<std::int64_t>(parameter.minimum),
+                                               static_cast<std::int64_t>(parameter.maximum)))
+          : value->number({parameter.minimum, parameter.maximum, false, false});
+}
+
+void readParameters(const SceneNode& node, const SolverInfo& info, SolverParameters& parameters) {
+  for (const SolverParameter& parameter : info.parameters) {
+    readParameter(node, parameter, parameters);
+  }
+  try {
+    parameters = completeParameters(info, parameters);
+  } catch (const std::invalid_argument& error) {
+    node.refuse(error.what());
+  }
+}
+
+}  // namespace
+
+void readSolver(const SceneNode& node, SolverSpec& solver) {
+  if (!node.isMap()) node.expected("a map with a method");
+  const SolverInfo* info = readMethod(node, solver);
+  std::vector<std::string> allowed = kSolverSection.names;
+  if (info != nullptr) {
+    for (const SolverParameter& parameter : info->parameters) allowed.push_back(parameter.name);
+  }
+  node.expectKeys(allowed);
+  kSolverSection.readKnown(node, solver);
+  const auto error = node.find("error");
+  if (info == nullptr) {
+    solver.choice = AutoChoice{node.need("error", kError.text()).number(kError), ""};
+  } else {
+    if (error) error->refuse("expected only beside method: auto (got " + info->name + ")");
+    readParameters(node, *info, solver.parameters);
+  }
+}
+
+void listSolverKeys(std::vector<KeyTable>& tables) {
+  tables.push_back(kSolverSection);
+  tables.push_back(kSleepSection);
+}
+
+}  // namespace cloth_sim
