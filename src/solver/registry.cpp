@@ -33,9 +33,9 @@ void checkRange(const SolverParameter& parameter, double value) {
 }  // namespace
 
 const std::vector<SolverInfo>& solverRegistry() {
-  static const std::vector<SolverInfo> rows = {
-      explicitEulerInfo(),   implicitEulerInfo(), pbdInfo(),    projectiveInfo(), rungeKuttaInfo(),
-      symplecticEulerInfo(), trBdf2Info(),        verletInfo(), xpbdInfo()};
+#define CLOTH_SIM_CALL(name) name(),
+  static const std::vector<SolverInfo> rows = {CLOTH_SIM_METHODS(CLOTH_SIM_CALL)};
+#undef CLOTH_SIM_CALL
   return rows;
 }
 

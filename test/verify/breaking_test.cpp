@@ -1,11 +1,18 @@
-/// \file Where methods break. Every method meets every trial with its own defaults, in steps of
-/// 1/60 s where the trial does not say otherwise. What comes of it is known and kept in a table: a
-/// method that begins to fail, or no longer does, is a finding either way.
+/// \file Limits of the methods. Every method of the registry runs every trial with its own
+/// defaults, in steps of 1/60 s unless the trial says otherwise. breaking.csv keeps the known
+/// outcomes: a method that begins to fail, or no longer fails, is a finding either way. To record
+/// the outcomes of a new method, run this test with CLOTH_SIM_RECORD=1, and check the rows that it
+/// adds.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
+#include <iomanip>
+#include <map>
+#include <sstream>
 
 #include "cloth_sim/sim/simulation.h"
 #include "verify/verify_support.h"
@@ -37,14 +44,15 @@ struct Trial {
 
 enum class Fate { kSurvived, kWrong, kFailed };
 
+/// The word for a fate in breaking.csv.
 const char* toString(Fate fate) {
   switch (fate) {
     case Fate::kSurvived:
-      return "kSurvived";
+      return "survived";
     case Fate::kWrong:
-      return "kWrong";
+      return "wrong";
     case Fate::kFailed:
-      return "kFailed";
+      return "failed";
   }
   return "?";
 }
@@ -335,124 +343,54 @@ const std::vector<Trial>& trials() {
   return all;
 }
 
-// ---- what is known to come of them
-// ---------------------------------------------------------------
+// ---- the known outcomes
+// ---------------------------------------------------------------------------
 
-struct Row {
-  std::string trial;
-  std::string method;
-  Fate fate;
-  double error;  ///< of a wrong result
+/// Trial and method.
+using Pairing = std::pair<std::string, std::string>;
+
+struct Known {
+  std::string fate;
+  double error = 0.0;  ///< of a wrong result; else 0
 };
 
-const std::vector<Row>& known() {
-  static const std::vector<Row> rows{
-      {"stiffness_ratio_1e6", "explicit_euler", Fate::kFailed, 0.0},
-      {"stiffness_ratio_1e6", "implicit_euler", Fate::kSurvived, 0.0},
-      {"stiffness_ratio_1e6", "pbd", Fate::kWrong, 0.22},
-      {"stiffness_ratio_1e6", "projective", Fate::kSurvived, 0.0},
-      {"stiffness_ratio_1e6", "rk4", Fate::kFailed, 0.0},
-      {"stiffness_ratio_1e6", "symplectic_euler", Fate::kFailed, 0.0},
-      {"stiffness_ratio_1e6", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"stiffness_ratio_1e6", "verlet", Fate::kFailed, 0.0},
-      {"stiffness_ratio_1e6", "xpbd", Fate::kWrong, 0.03},
-      {"mass_ratio_1e4", "explicit_euler", Fate::kFailed, 0.0},
-      {"mass_ratio_1e4", "implicit_euler", Fate::kSurvived, 0.0},
-      {"mass_ratio_1e4", "pbd", Fate::kWrong, 44},
-      {"mass_ratio_1e4", "projective", Fate::kSurvived, 0.0},
-      {"mass_ratio_1e4", "rk4", Fate::kFailed, 0.0},
-      {"mass_ratio_1e4", "symplectic_euler", Fate::kFailed, 0.0},
-      {"mass_ratio_1e4", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"mass_ratio_1e4", "verlet", Fate::kFailed, 0.0},
-      {"mass_ratio_1e4", "xpbd", Fate::kWrong, 19},
-      {"clamp_yanked_at_50_m_s", "explicit_euler", Fate::kFailed, 0.0},
-      {"clamp_yanked_at_50_m_s", "implicit_euler", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "pbd", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "projective", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "rk4", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "symplectic_euler", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "verlet", Fate::kSurvived, 0.0},
-      {"clamp_yanked_at_50_m_s", "xpbd", Fate::kSurvived, 0.0},
-      {"sphere_inside", "explicit_euler", Fate::kFailed, 0.0},
-      {"sphere_inside", "implicit_euler", Fate::kSurvived, 0.0},
-      {"sphere_inside", "pbd", Fate::kSurvived, 0.0},
-      {"sphere_inside", "projective", Fate::kSurvived, 0.0},
-      {"sphere_inside", "rk4", Fate::kSurvived, 0.0},
-      {"sphere_inside", "symplectic_euler", Fate::kSurvived, 0.0},
-      {"sphere_inside", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"sphere_inside", "verlet", Fate::kSurvived, 0.0},
-      {"sphere_inside", "xpbd", Fate::kSurvived, 0.0},
-      {"all_in_one_point", "explicit_euler", Fate::kWrong, 1},
-      {"all_in_one_point", "implicit_euler", Fate::kWrong, 1},
-      {"all_in_one_point", "pbd", Fate::kWrong, 1},
-      {"all_in_one_point", "projective", Fate::kWrong, 1},
-      {"all_in_one_point", "rk4", Fate::kWrong, 1},
-      {"all_in_one_point", "symplectic_euler", Fate::kWrong, 1},
-      {"all_in_one_point", "tr_bdf2", Fate::kWrong, 1},
-      {"all_in_one_point", "verlet", Fate::kWrong, 1},
-      {"all_in_one_point", "xpbd", Fate::kWrong, 1},
-      {"crushed_to_a_millimetre", "explicit_euler", Fate::kFailed, 0.0},
-      {"crushed_to_a_millimetre", "implicit_euler", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "pbd", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "projective", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "rk4", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "symplectic_euler", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "verlet", Fate::kSurvived, 0.0},
-      {"crushed_to_a_millimetre", "xpbd", Fate::kSurvived, 0.0},
-      {"faces_without_area_in_wind", "explicit_euler", Fate::kFailed, 0.0},
-      {"faces_without_area_in_wind", "implicit_euler", Fate::kWrong, 0.55},
-      {"faces_without_area_in_wind", "pbd", Fate::kWrong, 0.42},
-      {"faces_without_area_in_wind", "projective", Fate::kWrong, 0.55},
-      {"faces_without_area_in_wind", "rk4", Fate::kWrong, 0.55},
-      {"faces_without_area_in_wind", "symplectic_euler", Fate::kWrong, 0.55},
-      {"faces_without_area_in_wind", "tr_bdf2", Fate::kWrong, 0.55},
-      {"faces_without_area_in_wind", "verlet", Fate::kWrong, 0.55},
-      {"faces_without_area_in_wind", "xpbd", Fate::kWrong, 0.56},
-      {"slivers_after_cuts", "explicit_euler", Fate::kFailed, 0.0},
-      {"slivers_after_cuts", "implicit_euler", Fate::kSurvived, 0.0},
-      {"slivers_after_cuts", "pbd", Fate::kWrong, 0.27},
-      {"slivers_after_cuts", "projective", Fate::kSurvived, 0.0},
-      {"slivers_after_cuts", "rk4", Fate::kSurvived, 0.0},
-      {"slivers_after_cuts", "symplectic_euler", Fate::kSurvived, 0.0},
-      {"slivers_after_cuts", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"slivers_after_cuts", "verlet", Fate::kSurvived, 0.0},
-      {"slivers_after_cuts", "xpbd", Fate::kSurvived, 0.0},
-      {"steps_of_0.1_s", "explicit_euler", Fate::kFailed, 0.0},
-      {"steps_of_0.1_s", "implicit_euler", Fate::kSurvived, 0.0},
-      {"steps_of_0.1_s", "pbd", Fate::kWrong, 0.32},
-      {"steps_of_0.1_s", "projective", Fate::kSurvived, 0.0},
-      {"steps_of_0.1_s", "rk4", Fate::kFailed, 0.0},
-      {"steps_of_0.1_s", "symplectic_euler", Fate::kFailed, 0.0},
-      {"steps_of_0.1_s", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"steps_of_0.1_s", "verlet", Fate::kFailed, 0.0},
-      {"steps_of_0.1_s", "xpbd", Fate::kWrong, 0.013},
-      {"torn_by_shock", "explicit_euler", Fate::kFailed, 0.0},
-      {"torn_by_shock", "implicit_euler", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "pbd", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "projective", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "rk4", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "symplectic_euler", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "tr_bdf2", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "verlet", Fate::kSurvived, 0.0},
-      {"torn_by_shock", "xpbd", Fate::kSurvived, 0.0},
-  };
+std::string knownFile() { return std::string(CLOTH_SIM_SOURCE_DIR) + "/test/verify/breaking.csv"; }
+
+std::map<Pairing, Known> readKnown() {
+  std::map<Pairing, Known> rows;
+  std::ifstream file(knownFile());
+  std::string line;
+  std::getline(file, line);  // the header
+  while (std::getline(file, line)) {
+    std::istringstream fields(line);
+    std::string trial, method, fate, error;
+    std::getline(fields, trial, ',');
+    std::getline(fields, method, ',');
+    std::getline(fields, fate, ',');
+    std::getline(fields, error, ',');
+    rows[{trial, method}] = {fate, std::stod(error)};
+  }
   return rows;
 }
+
+/// Writes the rows by trial, in the order of `trials`, then by method.
+void writeKnown(const std::map<Pairing, Known>& rows) {
+  std::ofstream file(knownFile());
+  file << "trial,method,fate,error\n" << std::setprecision(2);
+  for (const Trial& trial : trials()) {
+    for (const auto& [pairing, known] : rows) {
+      if (pairing.first != trial.name) continue;
+      file << pairing.first << ',' << pairing.second << ',' << known.fate << ',' << known.error
+           << '\n';
+    }
+  }
+}
+
+bool isRecording() { return std::getenv("CLOTH_SIM_RECORD") != nullptr; }
 
 Fate fateOf(const Trial& trial, const Outcome& outcome) {
   if (outcome.failed) return Fate::kFailed;
   return outcome.error <= trial.tolerance ? Fate::kSurvived : Fate::kWrong;
-}
-
-/// The outcome as a row of the table.
-std::string rowText(const Trial& trial, const std::string& method, const Outcome& outcome) {
-  char error[32];
-  std::snprintf(error, sizeof error, "%.2g", outcome.error);
-  const Fate fate = fateOf(trial, outcome);
-  return "{\"" + trial.name + "\", \"" + method + "\", Fate::" + toString(fate) + ", " +
-         (fate == Fate::kWrong ? error : "0.0") + "},";
 }
 
 std::vector<std::string> trialNames() {
@@ -461,7 +399,18 @@ std::vector<std::string> trialNames() {
   return names;
 }
 
-class Breaking : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
+class Breaking : public testing::TestWithParam<std::tuple<std::string, std::string>> {
+ public:
+  static void SetUpTestSuite() { known_ = readKnown(); }
+  static void TearDownTestSuite() {
+    if (isRecording()) writeKnown(known_);
+  }
+
+ protected:
+  static std::map<Pairing, Known> known_;  ///< NOLINT: shared by the trials of the suite
+};
+
+std::map<Pairing, Known> Breaking::known_;
 
 INSTANTIATE_TEST_SUITE_P(Registry, Breaking,
                          testing::Combine(testing::ValuesIn(trialNames()),
@@ -478,23 +427,26 @@ TEST_P(Breaking, EndsAsKnown) {
   const auto isIt = [&, name = trialName](const Trial& trial) { return trial.name == name; };
   const Trial& trial = *std::find_if(trials().begin(), trials().end(), isIt);
   const Outcome outcome = trial.run(method);
-  const std::string measured = rowText(trial, method, outcome);
-  RecordProperty("row", measured);
+  const Fate fate = fateOf(trial, outcome);
   record("error", outcome.error);
   record("farthest", outcome.farthest);
   record("residual", outcome.residual);
   EXPECT_TRUE(outcome.shownFinite) << "numbers that are not finite were shown";
   EXPECT_EQ(outcome.failed, !outcome.failure.empty());
 
-  const auto row = std::find_if(known().begin(), known().end(), [&](const Row& r) {
-    return r.trial == trial.name && r.method == std::get<1>(GetParam());
-  });
-  ASSERT_TRUE(row != known().end()) << "no row for this method yet; measured:\n" << measured;
-  EXPECT_STREQ(toString(fateOf(trial, outcome)), toString(row->fate))
+  const Pairing pairing{trialName, method};
+  if (isRecording()) {
+    known_[pairing] = {toString(fate), fate == Fate::kWrong ? outcome.error : 0.0};
+    return;
+  }
+  ASSERT_EQ(known_.count(pairing), 1u)
+      << "no row for this method: run the test with CLOTH_SIM_RECORD=1 to add it to breaking.csv";
+  const Known& known = known_.at(pairing);
+  EXPECT_EQ(toString(fate), known.fate)
       << trial.measure << ": " << outcome.error << " " << outcome.failure;
-  if (row->fate == Fate::kWrong && fateOf(trial, outcome) == Fate::kWrong) {
+  if (known.fate == toString(Fate::kWrong) && fate == Fate::kWrong) {
     // Chaos and compilers may change the digits, not the size.
-    EXPECT_LT(std::abs(std::log(outcome.error / row->error)), std::log(2.0)) << measured;
+    EXPECT_LT(std::abs(std::log(outcome.error / known.error)), std::log(2.0)) << outcome.error;
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// \file The registry of methods. A new method is a file in src/solver and a row in registry.cpp.
+/// \file The registry of methods. A new method is a file in src/solver and a row in
+/// src/solver/methods.h.
 
 #include <functional>
 #include <limits>
