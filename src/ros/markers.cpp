@@ -15,12 +15,12 @@ namespace {
 using visualization_msgs::Marker;
 using Colour = std_msgs::ColorRGBA;
 
-constexpr double kPlateThickness = 0.006;  ///< as drawn [m]
+constexpr double kPlateThickness = 0.006;  ///< of the plates of a clamp [m]
 constexpr double kTornWidth = 0.005;       ///< of a torn edge [m]
 constexpr double kBoundsWidth = 0.004;     ///< of the lines of bounds [m]
 constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
-/// From so many faces on each has one colour instead of one for each corner: a quarter of the
-/// message, and too small to be seen.
+/// Number of faces from which each face has one colour instead of one for each corner. That makes
+/// the message a quarter as large, and the faces are too small for the difference to show.
 constexpr std::size_t kManyFaces = 10000;
 constexpr double kTextClearance = 0.20;  ///< of the text above the cloth [m]
 
@@ -137,14 +137,14 @@ void MarkerBuilder::begin(const ros::Time& stamp) {
 void MarkerBuilder::addSurroundings(const Snapshot& snapshot, const Figures& figures) {
   for (const Obstacle& obstacle : snapshot.obstacles) addObstacle(obstacle);
   addText(snapshot, figures);
-  // Last, as only clamps come and go: what is left of those that went is deleted.
+  // Clamps are last, because only they come and go: the markers of removed clamps are deleted.
   for (const ClampSnapshot& clamp : snapshot.clamps) addClamp(clamp);
   mostUsed_ = std::max(mostUsed_, used_);
   while (used_ < mostUsed_) next("clamps", Marker::CUBE).action = Marker::DELETE;
 }
 
-/// The next marker of the array, with its buffers of last time. A scene always uses the same
-/// ones but for its clamps, so the id is the place in the array.
+/// Returns the next marker of the array, which keeps its buffers from the last call. Only clamps
+/// come and go in a scene, so the place in the array serves as the id.
 Marker& MarkerBuilder::next(const char* space, int type) {
   std::vector<Marker>& markers = markers_.array.markers;
   if (used_ == markers.size()) markers.emplace_back();
@@ -185,7 +185,7 @@ void MarkerBuilder::addCloth(const Snapshot& snapshot) {
   }
 }
 
-/// Colour number k of each side.
+/// Sets colour number k of each side.
 void MarkerBuilder::paint(std::size_t k, const Look& look) {
   const Eigen::Vector3f normal = look.head<3>();
   markers_.sides[0].colours[k] = shaded(frontColours_(look[3]), brightness(normal));
@@ -193,7 +193,7 @@ void MarkerBuilder::paint(std::size_t k, const Look& look) {
   markers_.sides[1].colours[k] = shaded(backColours_(look[3]), brightness(-normal));
 }
 
-/// The particles; of two sides, each is moved out along the normals.
+/// Places the corners at the particles. Of two sides, each is offset along the normals.
 void MarkerBuilder::placeCorners(const Snapshot& snapshot, bool front,
                                  std::vector<geometry_msgs::Point>& out) {
   out.resize(snapshot.positions.size());
@@ -234,7 +234,7 @@ void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
   }
 }
 
-/// Two plates at their gap, in the colour of the clamp's state.
+/// Draws two plates at their gap, in the colour of the clamp's state.
 void MarkerBuilder::addClamp(const ClampSnapshot& clamp) {
   for (const double side : {-1.0, 1.0}) {
     Marker& marker = next("clamps", Marker::CUBE);

@@ -134,7 +134,7 @@ std::vector<Request> RequestChecker::gripper(const std::string& clamp,
 }
 
 Request RequestChecker::newClamp(const AddClamp::Request& message) const {
-  const std::string error = clampNameDefect(message.name);
+  const std::string error = clampNameError(message.name);
   if (!error.empty()) return Refusal{"name: " + error};
   const Request pose = clampPose(message.name, message.pose);
   if (const auto* refusal = std::get_if<Refusal>(&pose)) return *refusal;

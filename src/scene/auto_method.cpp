@@ -13,32 +13,34 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kGravity = 9.81;   ///< of the time that a cell is measured in [m/s^2]
-constexpr int kPatch = 8;           ///< particles a side that have the frequencies of any more
-constexpr double kRounding = 1e-9;  ///< relative, of quotients that should be whole
+constexpr double kGravity = 9.81;   ///< of StepScale::kCell [m/s^2]
+constexpr int kPatch = 8;           ///< particles a side of a patch with the highest frequency
+constexpr double kRounding = 1e-9;  ///< relative round-off of a quotient that should be whole
 constexpr double kMostSubsteps = 1e5;
 
 bool maySwitchTearingOn(const PhaseSpec& phase) { return phase.tearing.value_or(false); }
 
-double wholeUp(double quotient) { return std::max(1.0, std::ceil(quotient * (1.0 - kRounding))); }
+/// Rounds up to a whole number of at least 1.
+double roundUp(double quotient) { return std::max(1.0, std::ceil(quotient * (1.0 - kRounding))); }
 
 /// A row applied to a scene.
 struct Candidate {
   const AutoRow* row = nullptr;
-  double dt = 0.0;                                        ///< [s]
-  double substeps = 0.0;                                  ///< of dt
-  double cost = std::numeric_limits<double>::infinity();  ///< of a particle [s/s]
+  double dt = 0.0;        ///< [s]
+  double substeps = 0.0;  ///< per dt
+  double cost =
+      std::numeric_limits<double>::infinity();  ///< CPU time per particle and simulated time [s/s]
 };
 
 Candidate apply(const AutoRow& row, const Scene& scene) {
   Candidate candidate;
   candidate.row = &row;
-  candidate.dt = scene.solver.dt / wholeUp(scene.solver.dt / row.dt);
+  candidate.dt = scene.solver.dt / roundUp(scene.solver.dt / row.dt);
   double longest = row.longest;
   for (const ClothSpec& cloth : scene.cloths) {
     longest = std::min(longest, row.substep * stepUnit(scaleOf(*row.method), cloth));
   }
-  candidate.substeps = wholeUp(candidate.dt / longest);
+  candidate.substeps = roundUp(candidate.dt / longest);
   if (candidate.substeps <= kMostSubsteps) {
     candidate.cost = row.cost * candidate.substeps / candidate.dt;
   }
@@ -92,7 +94,7 @@ double stepUnit(StepScale scale, const ClothSpec& cloth) {
     return std::sqrt(std::max(cloth.width, cloth.height) / kGravity) /
            std::max(cloth.columns, cloth.rows);
   }
-  // Away from its borders every cloth is the same; a small piece of it has all there is.
+  // The fastest mode of a uniform cloth is local, so a small patch of it has the same one.
   ClothSpec patch = cloth;
   patch.columns = std::min(cloth.columns, kPatch);
   patch.rows = std::min(cloth.rows, kPatch);

@@ -1,6 +1,6 @@
 #pragma once
-/// \file `solver: {method: auto, error: E}`: which method, step and substeps a scene gets, from
-/// what `cloth_study --make-auto-table` and `cloth_study --advise --cache` have measured. The same
+/// \file Chooses method, step and substeps for `solver: {method: auto, error: E}`, from
+/// measurements by `cloth_study --make-auto-table` and `cloth_study --advise --cache`. The same
 /// table and cache give the same choice on every machine.
 
 #include <iosfwd>
@@ -11,64 +11,66 @@
 
 namespace cloth_sim {
 
-/// What decides how errors behave.
+/// The class of a scene, which decides how errors scale with the step.
 enum class SceneClass {
   kSmooth,   ///< springs, air and gravity
   kContact,  ///< obstacles or clamps
-  kTearing,  ///< tearing is or may be switched on
+  kTearing,  ///< tearing is on, or a phase switches it on
 };
 /// "smooth", "contact" or "tearing".
 const char* toString(SceneClass kind);
 SceneClass classOf(const Scene& scene);
 
-/// What the substeps that a method needs scale with.
+/// The time that the substeps of a method scale with.
 enum class StepScale {
   kFrequency,  ///< 1 / omega_max, Gershgorin's bound on the cloth's fastest mode: explicit methods
-  kCell,       ///< sqrt(side / 9.81 m/s^2) over the particles along a side: methods that pass
-               ///< corrections on from spring to spring, or are stable with any step
+  kCell,       ///< sqrt(side / 9.81 m/s^2) / (particles along a side): methods that propagate
+               ///< corrections from spring to spring, or are stable with every step
 };
 /// "frequency" or "cell".
 const char* toString(StepScale scale);
-/// A method that has a limit of stability goes with the frequency, the others with the cell.
+/// Returns kFrequency for a method with a stability limit, else kCell.
 StepScale scaleOf(const SolverInfo& info);
-/// What a scale means for a cloth [s].
+/// The value of a scale for a cloth [s].
 double stepUnit(StepScale scale, const ClothSpec& cloth);
 
-/// One line of the table.
+/// A row of the table: the longest steps with which a method kept an error.
 struct AutoRow {
   SceneClass kind = SceneClass::kSmooth;
-  double error = 0.0;  ///< kept by all scenes that were measured
+  double error = 0.0;  ///< bound that all measured scenes of the class kept [-]
   const SolverInfo* method = nullptr;
   double dt = 0.0;       ///< longest step of the simulation [s]
-  double substep = 0.0;  ///< longest substep, over stepUnit(scaleOf(method))
-  double longest = 0.0;  ///< and never longer than this [s]: contacts and slow motion do not scale
+  double substep = 0.0;  ///< longest substep over stepUnit(scaleOf(method)) [-]
+  double longest = 0.0;  ///< longest substep [s]: contacts and slow motion do not scale
   double cost = 0.0;     ///< CPU time of one substep of one particle [s]
 };
 using AutoTable = std::vector<AutoRow>;
 
-/// The table as CSV, with `remark` (lines without "# ") above it.
+/// Writes the table as CSV. \param remark  lines above the table, without "# ".
 void writeAutoTable(std::ostream& out, const AutoTable& table, const std::string& remark);
-/// \throws std::runtime_error naming the line that is wrong.
+/// Reads a table. \throws std::runtime_error that names the bad line.
 AutoTable readAutoTable(std::istream& in);
-/// config/auto_methods.csv as it was when this was built.
+/// The table of config/auto_methods.csv at the time of the build.
 const AutoTable& builtInAutoTable();
 
-/// The cheapest of what the table knows to keep the error in scenes of this class. Steps longer
-/// than its rows allow are divided. Options other than the substeps keep their defaults. \throws
-/// std::invalid_argument if the table has nothing so accurate, naming the smallest error.
+/// Returns the cheapest method, step and substeps that keep the error in scenes of this class.
+/// Divides the scene's step if the row asks for a shorter one. Other parameters have their
+/// defaults. \throws std::invalid_argument, naming the smallest error of the table, if no row is as
+/// accurate.
 SolverSpec chooseFrom(const AutoTable& table, const Scene& scene, double error);
 
-/// What was measured for single scenes: the user's file.
+/// The user's file of measurements of single scenes.
 class AutoCache {
  public:
   explicit AutoCache(std::string file) : file_(std::move(file)) {}
   const std::string& file() const { return file_; }
 
-  /// The entry of the largest error that is not above `error`, if there is one; a file that is not
-  /// there has none. \param key  Scene::contentKey.
-  /// \throws std::runtime_error if the file is no such cache.
+  /// Returns the entry with the largest error that is not above `error`. A missing file has no
+  /// entries. \param key  Scene::contentKey.
+  /// \throws std::runtime_error if the file is not a cache.
   std::optional<SolverSpec> find(const std::string& key, double error) const;
-  /// Adds an entry, in place of one with the same key and error. The file is complete at any time.
+  /// Adds an entry, or replaces the one with the same key and error. The file is complete at all
+  /// times.
   /// \throws std::runtime_error if it cannot be written.
   void add(const std::string& key, double error, const SolverSpec& solver) const;
 
@@ -76,12 +78,13 @@ class AutoCache {
   std::string file_;
 };
 
-/// $CLOTH_SIM_CACHE/auto_methods.csv, or in $XDG_CACHE_HOME/cloth_sim or $HOME/.cache/cloth_sim; ""
-/// if none of them is set.
+/// Returns the path of auto_methods.csv in $CLOTH_SIM_CACHE, $XDG_CACHE_HOME/cloth_sim or
+/// $HOME/.cache/cloth_sim, whichever is set first; "" if none is set.
 std::string userCacheFile();
 
-/// Replaces `auto` by what the user's cache or else the built-in table says.
-/// \throws std::invalid_argument, std::runtime_error
+/// Replaces `auto` by the choice from the user's cache or else from the built-in table.
+/// \throws std::invalid_argument if neither is accurate enough, std::runtime_error if the cache is
+///         unreadable.
 void resolveAutoMethod(Scene& scene);
 
 }  // namespace cloth_sim

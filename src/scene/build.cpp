@@ -8,7 +8,8 @@
 namespace cloth_sim {
 namespace {
 
-/// Uniform in [-1, 1), the same on every platform (distributions of <random> are not).
+/// Returns a uniform number in [-1, 1). Unlike the distributions of <random>, it is the same on
+/// every platform.
 double symmetricUniform(std::mt19937_64& generator) {
   return 2.0 * static_cast<double>(generator() >> 11) * 0x1.0p-53 - 1.0;
 }
@@ -19,7 +20,7 @@ Vec3 randomOffset(const Vec3& range, std::mt19937_64& generator) {
   return offset;
 }
 
-/// The mesh of one cloth in material coordinates of its own, and what it was made from.
+/// The mesh of one cloth in material coordinates of its own.
 struct OwnMesh {
   std::optional<Grid> grid;
   TriangleMesh mesh;
@@ -52,7 +53,7 @@ ClothPart partOf(const ClothSpec& cloth, const OwnMesh& own, VertexId firstVerte
   return part;
 }
 
-/// Half way between the end of each cloth and the beginning of the next one.
+/// Returns the strips of the material plane: their bounds are half way between neighbours.
 MaterialStrips stripsOf(const std::vector<ClothSpec>& cloths, const std::vector<double>& offsets) {
   std::vector<double> bounds;
   for (std::size_t k = 0; k + 1 < cloths.size(); ++k) {
@@ -61,7 +62,7 @@ MaterialStrips stripsOf(const std::vector<ClothSpec>& cloths, const std::vector<
   return MaterialStrips(std::move(bounds));
 }
 
-/// Meshes, and where they lie.
+/// Makes the meshes of the cloths and places them side by side in the material plane.
 void layOut(const std::vector<ClothSpec>& cloths, Model& model) {
   const std::vector<double> offsets = materialOffsets(cloths);
   model.strips = stripsOf(cloths, offsets);
@@ -95,8 +96,8 @@ PlateBending makeBending(const std::vector<ClothSpec>& cloths, const Model& mode
   return any ? PlateBending(model.mesh, model.strips, std::move(plates)) : PlateBending();
 }
 
-/// In the cloth's frame.
-/// \param v  among the vertices of this cloth.
+/// Position of a vertex in the frame of the cloth [m].
+/// \param v  from 0, among the vertices of this cloth.
 Vec3 startPosition(const ClothSpec& cloth, VertexId v) {
   if (cloth.mesh) return cloth.mesh->positions[v];
   const Grid grid{cloth.columns, cloth.rows, cloth.width, cloth.height};

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::streamoff kMaxFileSize = 16 << 20;  // [bytes]
 
-/// "config/scenes/hang.yaml" -> "hang".
+/// Returns the name of a scene, such as "hang" for "config/scenes/hang.yaml".
 std::string sceneName(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
   const std::string file = slash == std::string::npos ? path : path.substr(slash + 1);
@@ -71,7 +71,7 @@ Scene readScene(const SceneNode& root) {
 
 void addText(const std::string& text, Hash& hash) {
   hash.add(text.data(), text.size());
-  const std::uint64_t length = text.size();  // so that "ab", "c" is not "a", "bc"
+  const std::uint64_t length = text.size();  // makes "ab", "c" differ from "a", "bc"
   hash.add(&length, sizeof length);
 }
 

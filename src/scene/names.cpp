@@ -6,10 +6,10 @@
 namespace cloth_sim {
 namespace {
 
-/// What people mistype is short; this bounds the work for what they paste.
+/// Number of letters that are compared. It bounds the work for long text that somebody pastes.
 constexpr std::size_t kLongestCompared = 60;
 
-/// Levenshtein's distance, one row at a time.
+/// Levenshtein's distance, computed row by row.
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -42,7 +42,7 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   std::size_t best = std::max<std::size_t>(2, name.size() / 2) + 1;
   for (const std::string& candidate : known) {
     const std::size_t distance = editDistance(name.substr(0, kLongestCompared), candidate);
-    // A name of which nothing is left is not near.
+    // A candidate of which every letter changes is not near.
     if (distance < best && distance < candidate.size()) {
       best = distance;
       nearest = candidate;
@@ -56,16 +56,16 @@ std::string unknownName(const std::string& what, const std::string& name,
   return "unknown " + what + " '" + name + "' (known: " + joinNames(known) + ")";
 }
 
-std::string plainNameDefect(const std::string& name) {
+std::string nameError(const std::string& name) {
   const bool good = !name.empty() && isLetter(name[0]) &&
                     std::all_of(name.begin(), name.end(),
                                 [](char c) { return isLetter(c) || isDigit(c) || c == '_'; });
   return good ? "" : "expected a name of letters, digits and _ that begins with a letter";
 }
 
-std::string clampNameDefect(const std::string& name) {
-  const std::string defect = plainNameDefect(name);
-  if (!defect.empty()) return defect;
+std::string clampNameError(const std::string& name) {
+  const std::string error = nameError(name);
+  if (!error.empty()) return error;
   if (name == "all") return "expected another name: 'all' stands for all clamps";
   return "";
 }

@@ -1,28 +1,27 @@
 #pragma once
-/// \file Lists of names in messages for people.
+/// \file Names in error messages: lists, suggestions and rules.
 
 #include <string>
 #include <vector>
 
 namespace cloth_sim {
 
-/// "left, right"; "none" if there are none.
+/// Returns "left, right", or "none" for an empty list.
 std::string joinNames(const std::vector<std::string>& names);
 
-/// The known name that needs the fewest single-letter edits to become `name`; "" if none is near:
-/// at most half its length away, or two letters.
+/// Returns the known name with the smallest edit distance (Levenshtein) to `name`. Returns ""
+/// unless that distance is at most two, or at most half of the length of `name`.
 std::string nearestName(const std::string& name, const std::vector<std::string>& known);
 
-/// "unknown clamp 'lef' (known: left, right)"
+/// Returns "unknown clamp 'lef' (known: left, right)"
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known);
 
-/// Empty if `name` is made of letters, digits and _, and begins with a letter; otherwise what was
-/// expected.
-std::string plainNameDefect(const std::string& name);
+/// Returns "" if `name` consists of letters, digits and _ and begins with a letter; otherwise the
+/// error.
+std::string nameError(const std::string& name);
 
-/// Clamps give their names to topics and frames. Empty if `name` will do, otherwise what was
-/// expected.
-std::string clampNameDefect(const std::string& name);
+/// Returns "" if a clamp, its topics and its frame can have this name; otherwise the error.
+std::string clampNameError(const std::string& name);
 
 }  // namespace cloth_sim

@@ -15,13 +15,13 @@ namespace {
 constexpr std::size_t kMaxVertices = 1100000;
 constexpr std::streamoff kMaxMeshSize = 256 << 20;  // [bytes]
 
-/// A corner of a face as the file has it, from 0.
+/// A corner of a face: a vertex and a uv of the file, from 0.
 struct Corner {
   VertexId vertex = kNone;
   std::int32_t uv = kNone;
 };
 
-/// What a file says, line by line.
+/// The text of a file as lists, with line numbers for errors.
 class ObjText {
  public:
   ObjText(const std::string& text, std::string path) : path_(std::move(path)) {
@@ -82,7 +82,7 @@ class ObjText {
     }
   }
 
-  /// "12/7" or "12/7/3"; numbers below 0 count from the last.
+  /// Reads "12/7" or "12/7/3". Negative numbers count from the last vertex or uv.
   Corner readCorner(const std::string& word) const {
     std::istringstream parts(word);
     long vertex = 0;
@@ -117,7 +117,7 @@ double spaceArea(const ClothMesh& mesh, const Face& face) {
   return 0.5 * (mesh.positions[face[1]] - a).cross(mesh.positions[face[2]] - a).norm();
 }
 
-/// Faces, and the one uv of each vertex.
+/// Copies the faces, and the uv of each vertex, which must be unique.
 void takeFaces(const ObjText& text, ClothMesh& mesh) {
   std::vector<std::int32_t> uvOf(text.positions.size(), kNone);
   for (std::size_t f = 0; f < text.faces.size(); ++f) {
@@ -144,7 +144,7 @@ void takeFaces(const ObjText& text, ClothMesh& mesh) {
   }
 }
 
-/// All faces counter-clockwise in uv; a file whose faces are all clockwise is a mirror image.
+/// Makes all faces counter-clockwise in uv. A file whose faces are all clockwise is a mirror image.
 void orient(const ObjText& text, ClothMesh& mesh) {
   const bool mirrored = uvArea(mesh, mesh.faces[0]) < 0.0;
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -158,7 +158,7 @@ void orient(const ObjText& text, ClothMesh& mesh) {
   }
 }
 
-/// No edge is run through twice in one direction, and the faces around a vertex are one fan.
+/// Refuses a directed edge with two faces, and a vertex whose faces are more than one fan.
 void checkManifold(const ObjText& text, const ClothMesh& mesh) {
   std::map<std::array<VertexId, 2>, std::size_t> faceOf;  // by directed edge
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -173,7 +173,7 @@ void checkManifold(const ObjText& text, const ClothMesh& mesh) {
                                          ": more than two faces, or one turned round");
     }
   }
-  // A vertex of one fan has at most one border edge that leaves it.
+  // A vertex with one fan of faces has at most one border edge that starts at it.
   std::vector<bool> leaves(mesh.material.size(), false);
   for (const auto& [edge, f] : faceOf) {
     if (faceOf.count({edge[1], edge[0]}) != 0) continue;
@@ -184,7 +184,7 @@ void checkManifold(const ObjText& text, const ClothMesh& mesh) {
   }
 }
 
-/// Metres, from [0, 0] on.
+/// Converts to metres, and shifts uv to a minimum of 0.
 void scale(const ObjText& text, const ObjUnits& units, ClothMesh& mesh) {
   for (const Vec3& position : text.positions) mesh.positions.push_back(units.scale * position);
   double inSpace = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Cloth from a Wavefront OBJ file.
+/// \file Reads the mesh of a cloth from a Wavefront OBJ file.
 
 #include <optional>
 #include <string>
@@ -8,21 +8,20 @@
 
 namespace cloth_sim {
 
-/// How the numbers of an OBJ file become metres.
+/// The units of an OBJ file.
 struct ObjUnits {
-  double scale = 1.0;             ///< of the positions [m per unit], > 0
-  std::optional<double> uvScale;  ///< [m per unit]; absent: so that the areas in space and uv agree
+  double scale = 1.0;             ///< length unit of the positions [m], > 0
+  std::optional<double> uvScale;  ///< unit of uv [m], > 0; absent: areas in space and uv agree
 };
 
-/// Reads `v`, `vt` and `f` with vt; all else is skipped. Polygons become fans of triangles. Where
-/// all faces are clockwise in uv, they are turned round; uv are moved so that the least are 0.
-/// \throws SceneError "FILE:LINE: ..." unless the faces are an oriented manifold with boundary,
-/// with
-///         one uv for each vertex that gives every face an area of the same sign, and every vertex
-///         has a face.
+/// Reads the lines `v`, `vt` and `f` with vt, and skips all others. Divides polygons into fans of
+/// triangles, reverses the faces if all are clockwise in uv, and shifts uv to a minimum of 0.
+/// \throws SceneError "FILE:LINE: ..." unless the faces are an oriented manifold with boundary in
+///         which every vertex has a face and exactly one uv, and every face has an area in uv, all
+///         of the same sign.
 ClothMesh readObj(const std::string& path, const ObjUnits& units);
 
-/// The same from text; `path` is for messages.
+/// Parses the text of a file. \param path  of the file, for messages.
 ClothMesh parseObj(const std::string& text, const std::string& path, const ObjUnits& units);
 
 }  // namespace cloth_sim

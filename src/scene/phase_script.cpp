@@ -6,7 +6,7 @@ namespace cloth_sim {
 
 namespace {
 
-// Sums of many time steps miss the time that a scene names by some round-off [s].
+/// Round-off of a sum of many time steps against the time in the scene [s].
 constexpr double kTimeTolerance = 1e-9;
 
 bool reached(double time, double limit) { return time >= limit - kTimeTolerance; }

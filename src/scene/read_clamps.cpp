@@ -59,7 +59,7 @@ void checkGap(const SceneNode& node, const ClampSpec& clamp) {
 }
 
 ClampSpec readClamp(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
-  const std::string error = clampNameDefect(node.key());
+  const std::string error = clampNameError(node.key());
   if (!error.empty()) node.refuse(error);
   ClampSpec clamp = kClampSection.read(node);
   clamp.name = node.key();

@@ -63,7 +63,7 @@ void readMesh(const SceneNode& node, ClothSpec& cloth) {
 
 void readName(const SceneNode& node, ClothSpec& cloth) {
   cloth.name = node.word("a name");
-  const std::string error = plainNameDefect(cloth.name);
+  const std::string error = nameError(cloth.name);
   if (!error.empty()) node.refuse(error);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// \file Strict, typed reading of a YAML value: whatever is not as expected is a SceneError that
-/// names file, line, key and what was expected.
+/// \file Strict, typed reading of a YAML value. Every deviation is a SceneError that names the
+/// file, the line, the key and what was expected.
 
 #include <limits>
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace cloth_sim {
 
-/// Which numbers a key takes. Never NaN; infinity only where it has a meaning.
+/// The range of numbers that a key accepts: never NaN, and infinity only where it has a meaning.
 struct Range {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
@@ -22,7 +22,7 @@ struct Range {
   bool infinite = false;     ///< plus infinity is allowed
 
   bool contains(double value) const;
-  /// Such as "a number > 0 and <= 10".
+  /// Returns, for example, "a number > 0 and <= 10".
   std::string text(const std::string& noun = "a number") const;
 };
 
@@ -30,7 +30,7 @@ constexpr Range kAnyNumber{};
 constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), true, false};
 constexpr Range kNotNegative{0.0, std::numeric_limits<double>::infinity(), false, false};
 
-/// A value of the scene file and the way to it.
+/// A value of the scene file with its path from the root.
 class SceneNode {
  public:
   SceneNode(const YamlValue& value, std::string path, std::string file)
@@ -38,37 +38,39 @@ class SceneNode {
 
   const std::string& key() const { return value_->key; }
   const std::string& path() const { return path_; }
-  /// The scene file, as messages name it.
+  /// The name of the scene file in messages.
   const std::string& file() const { return file_; }
   bool isMap() const { return value_->kind == YamlValue::Kind::kMap; }
   bool isList() const { return value_->kind == YamlValue::Kind::kList; }
   bool isScalar() const { return value_->kind == YamlValue::Kind::kScalar; }
 
-  /// "FILE:LINE: PATH: expected `what` (got ...)". \throws SceneError always
+  /// Throws the SceneError "FILE:LINE: PATH: expected `what` (got ...)".
   [[noreturn]] void expected(const std::string& what) const;
-  /// "FILE:LINE: PATH: `message`". \throws SceneError always
+  /// Throws the SceneError "FILE:LINE: PATH: `message`".
   [[noreturn]] void refuse(const std::string& message) const;
-  /// "FILE:LINE: PATH.KEY: missing, expected `what`". \throws SceneError always
+  /// Throws the SceneError "FILE:LINE: PATH.KEY: missing, expected `what`".
   [[noreturn]] void missing(const std::string& name, const std::string& what) const;
 
-  /// Refuses what is no map, or has a key that is not among `known`.
+  /// Refuses a value that is no map, or that has a key that is not in `known`.
   void expectKeys(const std::vector<std::string>& known) const;
-  /// The value under a key of a map, if it is there.
+  /// The value of a key of a map, if the map has the key.
   std::optional<SceneNode> find(const std::string& name) const;
   bool has(const std::string& name) const { return find(name).has_value(); }
-  /// The value under a key of a map; `what` says what it is if it is not there.
+  /// The value of a key that the map must have. \param what  the expected value, for the error.
   SceneNode need(const std::string& name, const std::string& what) const;
-  /// The items of a list; `what` says what it is a list of.
+  /// The items of a list. \param what  the expected value, for the error.
   std::vector<SceneNode> list(const std::string& what) const;
-  /// The values of a map whose keys are names.
+  /// The values of a map with any keys, such as the names of clamps.
   std::vector<SceneNode> entries() const;
+
+  // Each reads this value and refuses one of another type or out of range.
 
   double number(const Range& range = kAnyNumber) const;
   std::int64_t integer(std::int64_t minimum, std::int64_t maximum) const;
   std::uint64_t seed() const;
   bool boolean() const;
   std::string word(const std::string& what) const;
-  /// `N` numbers in brackets.
+  /// Reads a list of N numbers.
   template <int N>
   Eigen::Matrix<double, N, 1> vector(const Range& range = kAnyNumber) const {
     Eigen::Matrix<double, N, 1> result;
@@ -76,9 +78,9 @@ class SceneNode {
     for (int k = 0; k < N; ++k) result[k] = components[k].number(range);
     return result;
   }
-  /// Exactly `count` items of a list.
+  /// The items of a list of exactly `count` numbers. \param range  of the numbers, for the error.
   std::vector<SceneNode> exactly(std::size_t count, const Range& range) const;
-  /// The value of the word that stands here.
+  /// Reads one of several words, and returns its value.
   /// \param options  the words with their values; the error lists them.
   /// \param aliases  older words with their values: accepted, but not suggested.
   template <typename T>
@@ -95,7 +97,7 @@ class SceneNode {
     expected("one of " + known);
   }
 
-  // The same for a key of this map; what is not there is left as it is.
+  // Each reads the value of a key of this map into `out`. An absent key leaves `out` as it is.
   void read(const std::string& name, double& out, const Range& range = kAnyNumber) const;
   void read(const std::string& name, std::optional<double>& out, const Range& range) const;
   void read(const std::string& name, bool& out) const;
@@ -115,7 +117,7 @@ class SceneNode {
   std::string file_;
 };
 
-/// A number as messages show it: "0.12".
+/// Formats a number for messages, such as "0.12".
 std::string shortNumber(double value);
 
 }  // namespace cloth_sim

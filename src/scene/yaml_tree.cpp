@@ -13,7 +13,7 @@ namespace cloth_sim {
 
 namespace {
 
-// More than any scene needs; fewer than a chain of aliases can be blown up to.
+// More than any scene needs, and a bound on the values that aliases of aliases expand to.
 constexpr int kMaxDepth = 32;
 constexpr int kMaxValues = 1000000;
 
@@ -67,7 +67,7 @@ class Converter {
   int count_ = 0;
 };
 
-/// Reads over a document.
+/// Skips the events of a document.
 class Ignore : public YAML::EventHandler {
  public:
   void OnDocumentStart(const YAML::Mark&) override {}
@@ -84,8 +84,9 @@ class Ignore : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// Whether something follows the first document, which YAML::Load would pass over in silence.
-/// Not by YAML::LoadAll: yaml-cpp 0.7 never returns from it if the text begins with a comma.
+/// Returns whether anything follows the first document, which YAML::Load would ignore.
+/// YAML::LoadAll is no alternative: in yaml-cpp 0.7 it never returns if the text begins with a
+/// comma.
 bool goesOnAfterFirstDocument(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
@@ -123,7 +124,8 @@ YamlValue* listItem(YamlValue& list, const std::string& part) {
   return index < list.items.size() ? &list.items[index] : nullptr;
 }
 
-/// The item `part` of a map or list; in a map it is added if it is not there. nullptr: impossible.
+/// Returns the item `part` of a map or list, and adds it to a map that lacks it; nullptr if the
+/// value cannot have such an item.
 YamlValue* descend(YamlValue& value, const std::string& part) {
   if (value.kind == YamlValue::Kind::kList) return listItem(value, part);
   if (value.kind == YamlValue::Kind::kScalar) return nullptr;

@@ -1,40 +1,40 @@
 #pragma once
-/// \file A YAML document as plain values that know their lines. The only place that knows yaml-cpp
-/// is yaml_tree.cpp.
+/// \file A YAML document as a tree of plain values with their line numbers. Only yaml_tree.cpp uses
+/// yaml-cpp.
 
 #include <string>
 #include <vector>
 
 namespace cloth_sim {
 
-/// One value of a YAML document, with what is inside it. Aliases are copies.
+/// A value of a YAML document with its items. Aliases are copies.
 struct YamlValue {
   enum class Kind { kNull, kScalar, kList, kMap };
 
   Kind kind = Kind::kNull;
-  std::string key;               ///< under which it stands in its map; else ""
+  std::string key;               ///< of an item of a map; else ""
   std::string text;              ///< of a scalar
-  bool quoted = false;           ///< the scalar stands in quotes, so it is no number
-  bool overridden = false;       ///< it comes from an override, not from the file
-  int keyLine = 0;               ///< of its key, from 1; 0: not in the file
-  int line = 0;                  ///< of its beginning, from 1; 0: not in the file
-  std::vector<YamlValue> items;  ///< of a list or map, in the order of the file
+  bool quoted = false;           ///< the scalar has quotes, so it is no number
+  bool overridden = false;       ///< comes from an override, not from the file
+  int keyLine = 0;               ///< line of the key, from 1; 0: not in the file
+  int line = 0;                  ///< first line, from 1; 0: not in the file
+  std::vector<YamlValue> items;  ///< items of a list or map, in the order of the file
 
-  /// The value under a key of a map; nullptr if there is none, or this is no map.
+  /// The value of a key of a map; nullptr if there is none, or if this is no map.
   const YamlValue* find(const std::string& name) const;
   YamlValue* find(const std::string& name);
 };
 
 /// Parses one YAML document.
 /// \param file  stands for the document in messages.
-/// \throws SceneError for bad syntax, a key that stands twice in a map, or absurd nesting.
+/// \throws SceneError for bad syntax, a key that a map has twice, or too deep nesting.
 YamlValue parseYaml(const std::string& text, const std::string& file);
 
-/// The document as YAML, without comments: parsed again, it has the same values.
+/// Returns the document as YAML without comments. Parsing it again gives the same values.
 std::string emitYaml(const YamlValue& root);
 
-/// Sets one value of a document: "dotted.key=value", the value in YAML. List items go by number or
-/// by their `name`. Keys that are not there are added; the value null removes the key.
+/// Sets one value of a document. \param text  "dotted.key=value" with the value in YAML; list items
+/// go by number or by their `name`. Adds missing keys; the value null removes the key.
 /// \throws SceneError
 void applyOverride(const std::string& text, const std::string& file, YamlValue& root);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Markers of a cloth that go to subscribers as a visualization_msgs/MarkerArray.
+/// \file Markers of a cloth, published as a visualization_msgs/MarkerArray without a copy.
 
 #include <ros/serialization.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -12,20 +12,19 @@
 
 namespace cloth_sim {
 
-/// One side of the surface.
+/// The geometry and the colours of one side of the cloth.
 struct MarkerSide {
   std::vector<geometry_msgs::Point> corners;  ///< by vertex [m]
   std::vector<std_msgs::ColorRGBA> colours;   ///< by vertex, or by face
   bool byFace = false;
 };
 
-/// A MarkerArray whose first markers are the sides of the cloth. A TRIANGLE_LIST says everything
-/// once for each corner of each face, six times as much as there is: that is written when the
-/// message is serialised, and nowhere else. What roscpp calls an adapted type: it is published as a
-/// MarkerArray.
+/// A MarkerArray whose first markers are the sides of the cloth. A TRIANGLE_LIST repeats each
+/// vertex for every corner of a face, six times on average. This type stores each vertex once and
+/// expands the list when it serialises the message. roscpp calls that an adapted type.
 struct ClothMarkers {
-  visualization_msgs::MarkerArray array;  ///< those of the sides without points and colours
-  std::vector<MarkerSide> sides;          ///< of the first markers of `array`
+  visualization_msgs::MarkerArray array;  ///< the markers of the sides have no points and colours
+  std::vector<MarkerSide> sides;          ///< of the first markers of `array`, in their order
   std::shared_ptr<const Topology> topology;
 };
 
@@ -65,7 +64,7 @@ namespace serialization {
 template <>
 struct Serializer<cloth_sim::ClothMarkers> {
   using Marker = visualization_msgs::Marker;
-  // The fields of a marker are written one by one below: those of this version.
+  // `writeSide` writes the fields of this version of the message one by one.
   static_assert(message_traits::MD5Sum<Marker>::static_value1 == 0x4048c9de2a16f4aeULL);
   static_assert(sizeof(geometry_msgs::Point) == 3 * sizeof(double));
   static_assert(sizeof(std_msgs::ColorRGBA) == 4 * sizeof(float));
@@ -118,7 +117,7 @@ struct Serializer<cloth_sim::ClothMarkers> {
     stream.next(marker.mesh_use_embedded_materials);
   }
 
-  /// In one go: they are in memory as they are in the message.
+  /// Copies all values at once: their layout in memory is that of the message.
   template <typename Stream, typename Value>
   static void writeAll(Stream& stream, const std::vector<Value>& values) {
     stream.next(static_cast<std::uint32_t>(values.size()));
@@ -126,6 +125,7 @@ struct Serializer<cloth_sim::ClothMarkers> {
     std::memcpy(stream.advance(static_cast<std::uint32_t>(bytes)), values.data(), bytes);
   }
 
+  /// Writes the value of each corner of each face.
   template <typename Stream, typename Value>
   static void writeCorners(Stream& stream, const std::vector<Value>& values,
                            const std::vector<cloth_sim::Face>& faces) {

@@ -1,5 +1,5 @@
 #pragma once
-/// \file A snapshot as rviz markers. Needs no node and no master.
+/// \file Makes rviz markers of a snapshot. Needs no node and no master.
 
 #include <string>
 #include <vector>
@@ -11,29 +11,30 @@
 
 namespace cloth_sim {
 
+/// The appearance of the markers.
 struct MarkerStyle {
   std::string frame = "world";
-  double strainRange = 0.2;  ///< strain that gets the last colour of the map [-], > 0
-  /// Draws the back of the cloth as a second surface in its own colour. Twice the message.
+  double strainRange = 0.2;  ///< strain of the last colour of the map [-], > 0
+  /// Draws the back of the cloth as a second surface in its own colour, which doubles the message.
   bool twoSided = false;
-  double surfaceOffset = 0.0005;  ///< of each side from the particles, where there are two [m]
+  double surfaceOffset = 0.0005;  ///< distance of each of two sides from the particles [m]
 };
 
 /// Builds the markers of a simulation: `cloth` and `cloth_back` shaded and coloured by strain,
-/// `torn_edges`, `obstacles`, `clamps`, `text`. What has nothing to draw is sent as DELETE: some
-/// versions of rviz crash on an empty list.
+/// `torn_edges`, `obstacles`, `bounds`, `text` and `clamps`. A marker without points has the action
+/// DELETE, because some versions of rviz crash on an empty list.
 ///
-/// It keeps its message from call to call, so that a call allocates nothing once warm.
+/// Reuses the buffers of its message from call to call.
 class MarkerBuilder {
  public:
   explicit MarkerBuilder(MarkerStyle style);
 
-  /// The markers, complete: whoever gets only this message sees everything. Valid until the next
-  /// call. \param figures  the latest, which the text tells.
+  /// Builds the complete markers, which do not depend on earlier messages. Valid until the next
+  /// call. \param figures  the latest ones, for the text.
   const ClothMarkers& build(const Snapshot& snapshot, const Figures& figures,
                             const ros::Time& stamp);
 
-  /// The same without the cloth and its torn edges.
+  /// Builds the markers without the cloth and its torn edges.
   const visualization_msgs::MarkerArray& buildSurroundings(const Snapshot& snapshot,
                                                            const Figures& figures,
                                                            const ros::Time& stamp);
@@ -58,12 +59,13 @@ class MarkerBuilder {
   ClothMarkers markers_;
   ros::Time stamp_;
   std::size_t used_ = 0;
-  std::size_t mostUsed_ = 0;  ///< ever
+  std::size_t mostUsed_ = 0;  ///< by any call
   FaceLooks faceLooks_;
   std::vector<Look> looks_;  ///< by vertex
 };
 
-/// "pull  t = 7.20 s  pieces 1  broken 214 (torn 160, cut 54)  strain 0.12"
+/// Returns the text of the markers, such as "pull  t = 7.20 s", "16384 particles, pieces 1" and
+/// "broken 214 (torn 160, cut 54)  strain 0.12" on three lines.
 std::string statusLine(const Snapshot& snapshot, const Figures& figures);
 
 }  // namespace cloth_sim

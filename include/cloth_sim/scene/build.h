@@ -1,23 +1,24 @@
 #pragma once
-/// \file From a scene to the parts of a simulation.
+/// \file Builds the parts of a simulation from a scene.
 
 #include "cloth_sim/scene/scene.h"
 
 namespace cloth_sim {
 
-/// All cloths as one model: its vertices are those of the first, then those of the second, and so
-/// on; they share no face, and no spring.
+/// Builds one model of all cloths. Its vertices are those of the first cloth, then those of the
+/// second, and so on. Cloths share neither faces nor springs.
 Model buildModel(const std::vector<ClothSpec>& cloths);
-/// Of one cloth.
+/// Builds the model of one cloth.
 Model buildModel(const ClothSpec& cloth);
 
-/// The cloths where the scene drops them. `seed` decides the random offsets.
+/// Returns the state in which the cloths start. \param seed  decides the random offsets.
 State initialState(const std::vector<ClothSpec>& cloths, const Model& model, std::uint64_t seed);
 
-/// Where the pinned particles stay, ascending by vertex.
+/// Returns the targets of the pinned particles, ascending by vertex.
 std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, const Model& model,
                                         const State& state);
 
+/// Returns the obstacles of the scene with the contact properties of its cloths.
 ColliderSet buildColliders(const Scene& scene);
 
 }  // namespace cloth_sim

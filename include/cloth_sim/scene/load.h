@@ -1,5 +1,5 @@
 #pragma once
-/// \file Scene files.
+/// \file Reads scene files.
 
 #include <stdexcept>
 #include <string>
@@ -9,20 +9,20 @@
 
 namespace cloth_sim {
 
-/// What is wrong with a scene: one line that names the file, the key and what was expected,
-/// such as "tear.yaml: cloth.fabric.areal_density: expected a number > 0 (got -1)".
+/// The error of a scene: one line that names the file, the line, the key and what was expected,
+/// such as "tear.yaml:12: cloth.fabric.areal_density: expected a number > 0 (got -1)".
 class SceneError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads and validates a YAML scene. Unknown keys are errors, with the nearest known one suggested.
-/// \param overrides  "dotted.key=value" each, applied before validation; list items by number or,
-///                   where they have one, by name ("clamps.left.gap_open=0.1").
+/// Reads and validates a YAML scene. An unknown key is an error that suggests the nearest known
+/// key. \param overrides  "dotted.key=value" each, applied before validation; list items go by
+///                   number or, where they have one, by name ("clamps.left.gap_open=0.1").
 /// \throws SceneError
 Scene loadScene(const std::string& path, const std::vector<std::string>& overrides = {});
 
-/// The same from text; `name` stands for the file in messages.
+/// Reads a scene from text. \param name  stands for the file in messages.
 Scene parseScene(const std::string& yaml, const std::string& name,
                  const std::vector<std::string>& overrides = {});
 

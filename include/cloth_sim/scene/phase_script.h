@@ -1,6 +1,6 @@
 #pragma once
-/// \file Runs the phases of a scene: which one is on, and when it is over. It reads observations
-/// and returns what to do; it never touches the simulation.
+/// \file Runs the script of a scene: the present phase, and its end. The script reads observations
+/// and returns the phase whose actions are due; it never touches the simulation.
 
 #include <optional>
 #include <string>
@@ -10,23 +10,23 @@
 
 namespace cloth_sim {
 
-/// What the script may look at, after each step.
+/// The observation of a simulation after each step.
 struct PhaseObservation {
   double time = 0.0;       ///< [s]
-  double meanSpeed = 0.0;  ///< [m/s]; 0 unless `wantsMeanSpeed`
-  bool inContact = false;  ///< some particle touched an obstacle in the last step
+  double meanSpeed = 0.0;  ///< of all particles [m/s]; 0 unless `wantsMeanSpeed`
+  bool inContact = false;  ///< a particle touched an obstacle in the last step
   bool clampsAtTarget = false;
   bool clampsClosed = false;
   int pieces = 1;
   int broken = 0;
 };
 
-/// One phase that ran or is running.
+/// The record of a phase that ran or is running.
 struct PhaseRecord {
   std::string name;
   double start = 0.0;         ///< [s]
   std::optional<double> end;  ///< [s]; absent while it runs
-  bool timedOut = false;      ///< it had conditions, and they did not come to hold in time
+  bool timedOut = false;      ///< its conditions did not hold in time
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -38,38 +38,39 @@ enum class ScriptStatus { kIdle, kRunning, kDone, kFailed };
 
 /// A cursor over the phases of a scene.
 ///
-/// How a phase ends: as soon as all its conditions hold; or at its time-out, which without
-/// conditions is just how long it lasts, and with conditions goes on or fails as the phase says. A
-/// phase with neither lasts until `jump`. Conditions are looked at before the time-out.
+/// A phase ends as soon as all its conditions hold, or at its time-out. Without conditions, the
+/// time-out is the duration of the phase; with conditions, the script then continues or fails, as
+/// the phase asks. A phase with neither lasts until `jump`. Conditions have priority over the
+/// time-out.
 class PhaseScript {
  public:
   explicit PhaseScript(std::vector<PhaseSpec> phases);
 
-  /// Starts the first phase, if there is one. \return the phase whose actions to carry out.
+  /// Starts the first phase. \return that phase, whose actions are due; nullptr without phases.
   const PhaseSpec* start(double time);
 
   /// Ends the current phase if its conditions hold or its time-out has passed.
-  /// \return the phase that begins now, whose actions to carry out; nullptr if none does.
+  /// \return the phase that begins now, whose actions are due; nullptr if none begins.
   const PhaseSpec* update(const PhaseObservation& now);
 
-  /// Ends the current phase and begins the named one; the script goes on from there.
-  /// \return nullptr, and nothing changed, if there is no phase of that name.
+  /// Ends the current phase and begins the named one, from where the script continues.
+  /// \return that phase; nullptr, and nothing changed, if no phase has the name.
   const PhaseSpec* jump(const std::string& name, double time);
 
-  /// Whatever has happened so far happened `by` later [s].
+  /// Moves all recorded times `by` [s] later.
   void shiftTime(double by);
 
   ScriptStatus status() const { return status_; }
-  /// nullptr unless running.
+  /// The current phase; nullptr unless the script is running.
   const PhaseSpec* current() const;
-  /// Whether `update` will look at the mean speed, which takes a look at every particle.
+  /// Whether `update` needs the mean speed, which costs a pass over all particles.
   bool wantsMeanSpeed() const;
   const std::vector<PhaseRecord>& history() const { return history_; }
   std::vector<std::string> names() const;
 
  private:
   friend class cereal::access;
-  /// Where the script is; the phases are as the scene has them.
+  /// Saves the position in the script. The phases come from the scene.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(index_, status_, history_, phaseStart_, slowSince_, touched_);
@@ -86,8 +87,8 @@ class PhaseScript {
   ScriptStatus status_ = ScriptStatus::kIdle;
   std::vector<PhaseRecord> history_;
   double phaseStart_ = 0.0;
-  std::optional<double> slowSince_;  ///< since when the mean speed is below the phase's limit
-  bool touched_ = false;             ///< some particle touched an obstacle in this phase
+  std::optional<double> slowSince_;  ///< time since which the mean speed is below the limit [s]
+  bool touched_ = false;             ///< a particle touched an obstacle in this phase
 };
 
 }  // namespace cloth_sim

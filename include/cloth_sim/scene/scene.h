@@ -1,5 +1,6 @@
 #pragma once
-/// \file A scene as plain validated data: what a scene file says, with every default filled in.
+/// \file A scene: the contents of a scene file as plain data, validated and with every default
+/// filled in. docs/scene.md documents the keys.
 
 #include <map>
 #include <memory>
@@ -14,139 +15,147 @@
 
 namespace cloth_sim {
 
-/// How far a blade drawn along a path reaches to both sides of it, where nobody says [m].
+/// Default reach of a blade to both sides of the path that it is drawn along [m].
 constexpr double kDefaultReach = 1.0;
 
-/// A particle that is held where the cloth starts: of a grid, or of a mesh.
+/// A particle that stays where the cloth starts.
 struct PinSpec {
-  int column = 0;
-  int row = 0;
-  VertexId vertex = kNone;  ///< of a mesh
+  int column = 0;           ///< of a grid
+  int row = 0;              ///< of a grid
+  VertexId vertex = kNone;  ///< of a mesh; kNone: the cloth is a grid
 };
 
-/// A cloth that is not a grid, as a file gave it.
+/// The mesh of a cloth that comes from a file.
 struct ClothMesh {
-  std::vector<Vec2> material;   ///< material coordinates of each vertex, the least are 0 [m]
-  std::vector<Vec3> positions;  ///< of each vertex in the cloth's frame [m]
+  std::vector<Vec2> material;   ///< material coordinates by vertex, with a minimum of 0 [m]
+  std::vector<Vec3> positions;  ///< by vertex, in the frame of the cloth [m]
   std::vector<Face> faces;      ///< counter-clockwise in material coordinates
 };
 
+/// One cloth: a grid, or a mesh from a file.
 struct ClothSpec {
   std::string name = "cloth";
   int columns = 64;     ///< particles along u, 2 ... 2048
   int rows = 64;        ///< particles along v
   double width = 1.0;   ///< along u [m]
   double height = 1.0;  ///< along v [m]
-  /// Instead of a grid; then columns and rows mean nothing, and width and height are its extent in
-  /// material coordinates.
+  /// Takes the place of the grid if present. Columns and rows then have no meaning, and width and
+  /// height are the extent of the mesh in material coordinates.
   std::shared_ptr<const ClothMesh> mesh;
-  /// Of the middle of a grid, where at the identity orientation u runs along x and v along y; of
-  /// the origin of a mesh.
+  /// Pose of the centre of a grid, or of the origin of a mesh. At the identity, u runs along x and
+  /// v along y.
   Pose pose;
-  Vec3 randomOffset =
-      Vec3::Zero();              ///< half-range of a seeded uniform shift of the whole cloth [m]
+  /// Half-range of a uniform random shift of the whole cloth, drawn from Scene::seed [m].
+  Vec3 randomOffset = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
   Fabric fabric;
-  std::optional<RawSprings> raw;       ///< springs by constants instead of by the fabric
-  std::optional<double> particleMass;  ///< [kg] instead of the fabric's areal density
+  std::optional<RawSprings> raw;       ///< constants instead of the fabric's
+  std::optional<double> particleMass;  ///< [kg]; absent: from the areal density
   SpringSelection springs;
   bool plate = false;  ///< the bending energy of a plate (PlateBending) instead of bend springs
   std::vector<PinSpec> pins;
 };
 
-/// The longest side of any [m].
+/// The longest side of all cloths [m].
 double longestSide(const std::vector<ClothSpec>& cloths);
 
-/// Where each cloth's own u = 0 lies in the material plane [m]: the first at 0, each further one at
-/// the first whole metre that is at least 1 m, and twice the longest side of any, beyond the end of
-/// the one before. So what is beside a cloth is no other one.
+/// Offset of each cloth along u in the material plane of the model [m]. The first is 0. Each
+/// further cloth starts at the first whole metre that is at least 1 m, and at least twice the
+/// longest side of all cloths, beyond the end of the previous one, so no search near a cloth meets
+/// another one.
 std::vector<double> materialOffsets(const std::vector<ClothSpec>& cloths);
 
-/// How a method was chosen for a scene that left it open.
+/// The choice of the method for a scene with `method: auto`.
 struct AutoChoice {
-  double error = 0.0;  ///< that the scene asks for
-  std::string source;  ///< where the choice comes from, in words
+  double error = 0.0;  ///< bound that the scene asks for [-]
+  std::string source;  ///< origin of the choice, in words
 };
 
-/// When a cloth counts as at rest and is no longer computed.
+/// The conditions under which a cloth counts as at rest and its steps are skipped.
 struct SleepSettings {
-  double speed = 1e-3;  ///< every particle is slower than this [m/s], > 0 ...
-  double after = 0.5;   ///< ... for this long [s], > 0
+  double speed = 1e-3;  ///< bound on the speed of every particle [m/s], > 0
+  double after = 0.5;   ///< time for which the bound has to hold [s], > 0
 };
 
+/// The method, and the length of the steps that it takes.
 struct SolverSpec {
-  std::string method = "xpbd";
-  double dt = 1.0 / 60.0;  ///< of one simulation step [s]
+  std::string method = "xpbd";  ///< a name of the registry
+  double dt = 1.0 / 60.0;       ///< length of one simulation step [s], > 0
   StepGuard guard = StepGuard::kAllow;
-  SolverParameters parameters;                           ///< complete
-  std::optional<SleepSettings> sleep = SleepSettings();  ///< absent: every step is computed
-  std::optional<AutoChoice> choice;  ///< the scene says `auto`: all of the above is chosen
+  SolverParameters parameters;                           ///< all parameters of the method
+  std::optional<SleepSettings> sleep = SleepSettings();  ///< absent: the cloth never sleeps
+  std::optional<AutoChoice> choice;  ///< present with `method: auto`, which fills in the rest
 };
 
-/// What must hold for a phase to end: all that are given, at the same time.
+/// The conditions that end a phase as soon as all that are present hold at the same time.
 struct PhaseConditions {
-  std::optional<double> elapsed;         ///< since the phase began [s]
-  std::optional<double> meanSpeedBelow;  ///< [m/s] ...
-  double meanSpeedFor = 0.0;             ///< ... for this long without a break [s]
-  bool contact = false;                  ///< some particle has touched an obstacle in this phase
-  bool clampsAtTarget = false;           ///< every clamp stands at its target
-  bool clampsClosed = false;             ///< every clamp told to close in this script is closed
-  std::optional<int> piecesAtLeast;      ///< connected pieces of cloth
-  std::optional<int> brokenAtLeast;      ///< springs failed in all
+  std::optional<double> elapsed;         ///< time since the phase began [s]
+  std::optional<double> meanSpeedBelow;  ///< bound on the mean speed of the particles [m/s]
+  double meanSpeedFor = 0.0;         ///< time for which the bound has to hold without a break [s]
+  bool contact = false;              ///< some particle has touched an obstacle in this phase
+  bool clampsAtTarget = false;       ///< every clamp stands at its target
+  bool clampsClosed = false;         ///< every clamp that the script closes is closed
+  std::optional<int> piecesAtLeast;  ///< number of connected pieces of cloth
+  std::optional<int> brokenAtLeast;  ///< number of broken springs since the start
 
+  /// Whether no condition is present.
   bool none() const;
 };
 
-/// What a phase tells one clamp when it begins.
+/// The commands of a phase to one clamp, given when the phase begins.
 struct ClampAction {
   std::string clamp;
-  bool hold = false;                ///< stop where it is, as soon as its limits allow
-  bool attach = false;              ///< go to the middle of its patch, where the cloth is now
+  bool hold = false;                ///< stop as soon as the limits allow
+  bool attach = false;              ///< move to the present position of the centre of its patch
   std::optional<bool> grasp;        ///< true: close; false: release
-  std::optional<Vec3> moveBy;       ///< target: where its target is now, plus this [m]
-  std::optional<Vec3> moveTo;       ///< target position [m]
+  std::optional<Vec3> moveBy;       ///< displacement of the target [m]
+  std::optional<Vec3> moveTo;       ///< new position of the target [m]
   std::optional<Quat> orientation;  ///< target orientation
   std::optional<double> speed;      ///< limit on the linear speed while this phase lasts [m/s]
 };
 
+/// The new velocity of an obstacle from the beginning of a phase on.
 struct ObstacleAction {
   std::string obstacle;
   Vec3 velocity = Vec3::Zero();  ///< [m/s]
 };
 
+/// The consequence of a time-out of a phase whose conditions do not hold.
 enum class OnTimeout { kContinue, kFail };
 
+/// One phase of the script of a scene: actions at its beginning, and the conditions of its end.
 struct PhaseSpec {
   std::string name;
   std::vector<ClampAction> clamps;
   std::vector<ObstacleAction> obstacles;
-  std::optional<Wind> wind;           ///< from here on
-  std::optional<bool> tearing;        ///< enable switch
-  std::optional<TearRatios> ratio;    ///< thresholds from here on
-  std::vector<MaterialPath> notches;  ///< cuts given in material coordinates
-  std::vector<Stroke> strokes;        ///< cuts given in the world
+  std::optional<Wind> wind;           ///< absent: as before
+  std::optional<bool> tearing;        ///< switches tearing on or off; absent: as before
+  std::optional<TearRatios> ratio;    ///< limits of stretch; absent: as before
+  std::vector<MaterialPath> notches;  ///< cuts along paths in material coordinates
+  std::vector<Stroke> strokes;        ///< cuts by blades in the world
   std::vector<RefineNear> refinements;
-  PhaseConditions until;          ///< none: the phase lasts until its time-out or a command
+  PhaseConditions until;          ///< without any, the time-out or a command ends the phase
   std::optional<double> timeout;  ///< [s]
   OnTimeout onTimeout = OnTimeout::kFail;
 };
 
+/// Everything that defines a simulation.
 struct Scene {
-  std::string name;  ///< file name without path and ending
-  std::string text;  ///< the scene file with the overrides in it, as YAML; "" if it is of no file
+  std::string name;  ///< file name without folder and extension
+  std::string text;  ///< the file with its overrides, as YAML; "" without a file
   std::vector<ClothSpec> cloths{ClothSpec()};  ///< at least one
-  SurgerySettings surgery;                     ///< of all cloths
+  SurgerySettings surgery;                     ///< for all cloths
   SolverSpec solver;
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);
-  double drag = 0.0;  ///< [1/s]
+  double drag = 0.0;  ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
   std::optional<Wind> wind;
   std::vector<Obstacle> obstacles;
   std::vector<ClampSpec> clamps;
   TearingSettings tearing;
   std::vector<PhaseSpec> phases;
-  std::uint64_t seed = 1;
-  /// Of all that the file says except its method, and the length of a step: the same for the same
-  /// scene. "" if it comes from no file.
+  std::uint64_t seed = 1;  ///< of all random numbers
+  /// Hash of the length of a step and of all of the file but `solver`: equal for equal scenes. ""
+  /// without a file.
   std::string contentKey;
 };
 
