@@ -274,8 +274,8 @@ int makeAutoTableFrom(const Options& options) {
   std::ofstream out(temporary);
   writeAutoTable(
       out, table,
-      "What solver: {method: auto} chooses from; include/cloth_sim/scene/auto_method.h\n"
-      "says what the columns are. Made by: cloth_study --out DIR --parts work_precision\n"
+      "Choices of solver: {method: auto}; src/scene/auto_method.h documents the\n"
+      "columns. Made by: cloth_study --out DIR --parts work_precision\n"
       "and cloth_study --out DIR --make-auto-table config/auto_methods.csv");
   out.close();
   if (!out || std::rename(temporary.c_str(), options.autoTable.c_str()) != 0) {
