@@ -121,7 +121,7 @@ Replay replay(const Recording& recording, Simulation& simulation,
     } else if (result.difference.empty()) {
       result.difference = "the state of step " + std::to_string(state.step) +
                           " (t = " + std::to_string(state.time) + " s, hash " + state.hash +
-                          ") did not come up again";
+                          ") was not reproduced";
     }
   }
   return result;

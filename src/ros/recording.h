@@ -29,7 +29,7 @@ Recording readRecording(const std::string& bag);
 
 /// How far doing a recording again led to the same states.
 struct Replay {
-  std::size_t same = 0;    ///< recorded states that came up again
+  std::size_t same = 0;    ///< recorded states that were reproduced
   std::string difference;  ///< about the first that did not; "" if all did
 };
 

@@ -346,21 +346,22 @@ std::optional<Recording> openRecording(const std::string& bag) {
   }
 }
 
-/// One line about whether the run came to the same states.
+/// Reports in one line whether the replay reproduced the recorded states.
 int report(const Options& options, const Recording& recording, const Replay& outcome) {
-  const std::string share = std::to_string(outcome.same) + " of " +
-                            std::to_string(recording.states.size()) +
-                            " recorded states came up again";
+  const std::string reproduced = std::to_string(outcome.same) + " of " +
+                                 std::to_string(recording.states.size()) +
+                                 " recorded states were reproduced";
   if (caughtSignal != 0) {
-    std::cerr << "cloth_run: interrupted; " << share << std::endl;
+    std::cerr << "cloth_run: interrupted; " << reproduced << std::endl;
     return kSignalBase + caughtSignal;
   }
   if (!outcome.difference.empty()) {
-    std::cerr << "cloth_run: " << options.replay << ": " << outcome.difference << "; " << share
+    std::cerr << "cloth_run: " << options.replay << ": " << outcome.difference << "; " << reproduced
+              << ". Another version of cloth_sim may have recorded them: see CHANGELOG.rst"
               << std::endl;
     return kDiffers;
   }
-  std::cerr << "cloth_run: " << options.replay << ": " << share << ", the last with the hash "
+  std::cerr << "cloth_run: " << options.replay << ": " << reproduced << ", the last with the hash "
             << recording.states.back().hash << std::endl;
   return kDone;
 }

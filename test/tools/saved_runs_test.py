@@ -156,7 +156,7 @@ class SavedRunsTest(ScratchTest):
                 message.data = message.data.replace('interlock', 'cotton')
             return True
         result = self.run_cloth('--replay', self.rewrite(bag, heavier), expected=4)
-        self.assertIn('did not come up again', result.stderr.splitlines()[-1])
+        self.assertIn('was not reproduced', result.stderr.splitlines()[-1])
 
     def test_bags_that_cannot_be_replayed(self):
         bag = self.path('run.bag')
