@@ -71,12 +71,13 @@ void forEachEntry(const UpdatableFactor::Matrix& before, const UpdatableFactor::
   }
 }
 
-/// The strictly lower triangle of Eigen's factor, with D.
-SparseFactor sparseFactor(const Eigen::SimplicialLDLT<UpdatableFactor::Matrix>& eigen,
-                          const Eigen::VectorXd& d) {
-  SparseFactor factor;
+/// Copies the strictly lower triangle of L, and D. Storage of `factor` is used again.
+void copyFactor(const Eigen::SimplicialLDLT<UpdatableFactor::Matrix>& eigen,
+                const Eigen::VectorXd& d, SparseFactor& factor) {
   const auto& l = eigen.matrixL().nestedExpression();
   factor.columns.resize(static_cast<std::size_t>(l.cols()));
+  factor.row.clear();
+  factor.value.clear();
   for (std::size_t j = 0; j < factor.columns.size(); ++j) {
     SparseFactor::Column& column = factor.columns[j];
     column.begin = factor.row.size();
@@ -90,7 +91,6 @@ SparseFactor sparseFactor(const Eigen::SimplicialLDLT<UpdatableFactor::Matrix>& 
     column.capacity = column.count;
   }
   factor.diagonal.assign(d.data(), d.data() + d.size());
-  return factor;
 }
 
 }  // namespace
@@ -100,7 +100,7 @@ bool UpdatableFactor::compute(const Matrix& matrix) {
   const Eigen::VectorXd d = eigen.vectorD();
   if (eigen.info() != Eigen::Success || !(d.minCoeff() > 0.0)) return false;
   matrix_ = matrix;
-  factor_ = sparseFactor(eigen, d);
+  copyFactor(eigen, d, factor_);
   const auto& order = eigen.permutationP().indices();
   permutation_.assign(order.data(), order.data() + order.size());
   computedEntries_ = factor_.row.size();
