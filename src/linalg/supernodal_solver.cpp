@@ -234,7 +234,8 @@ void SupernodalSolver::addSupernode(const SparseFactor& factor, const Layout& la
   const auto k = static_cast<std::size_t>(supernode);
   const std::int32_t first = layout.firstColumn[k];
   const std::int32_t width = layout.firstColumn[k + 1] - first;
-  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(first + width - 1)];
+  const std::int32_t lastColumn = first + width - 1;
+  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(lastColumn)];
   Supernode added;
   added.first = layout.newColumn[static_cast<std::size_t>(first)];
   added.width = width;
@@ -255,11 +256,13 @@ void SupernodalSolver::addSupernode(const SparseFactor& factor, const Layout& la
 void SupernodalSolver::copyBlock(const SparseFactor& factor, std::int32_t first,
                                  const Supernode& supernode) {
   const std::int32_t width = supernode.width;
-  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(first + width - 1)];
+  const std::int32_t lastColumn = first + width - 1;
+  const SparseFactor::Column& last = factor.columns[static_cast<std::size_t>(lastColumn)];
   const std::int32_t* const rowsBelow = factor.row.data() + last.begin;
   float* const block = value_.data() + supernode.value;
   for (std::int32_t t = 0; t < width; ++t) {
-    const SparseFactor::Column& column = factor.columns[static_cast<std::size_t>(first + t)];
+    const std::int32_t j = first + t;
+    const SparseFactor::Column& column = factor.columns[static_cast<std::size_t>(j)];
     std::int32_t below = 0;
     for (std::size_t k = column.begin; k < column.begin + column.count; ++k) {
       std::int32_t row = factor.row[k] - first;
