@@ -194,8 +194,8 @@ void SpringSchedule::buildPhases() {
     tasks.groupEnds.push_back(group.endBlock - phase.firstBlock);
     for (std::int32_t b = group.firstBlock; b < group.endBlock; ++b) {
       const std::vector<std::int32_t> dependencies = dependenciesOf(b, group, ranges);
-      tasks.waits.insert(tasks.waits.end(), dependencies.begin(), dependencies.end());
-      tasks.waitEnds.push_back(static_cast<std::int32_t>(tasks.waits.size()));
+      tasks.predecessors.insert(tasks.predecessors.end(), dependencies.begin(), dependencies.end());
+      tasks.predecessorEnds.push_back(static_cast<std::int32_t>(tasks.predecessors.size()));
     }
   }
 }

@@ -200,7 +200,7 @@ void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
 template <typename SpansVisitor>
 void SpringSchedule::sweepPhase(const Phase& phase, const SpansVisitor& visitor) const {
   ThreadPool* const pool = ThreadPool::ofThisThread();
-  const std::int32_t grain = phase.tasks.waits.empty() ? kGrain : kDependentGrain;
+  const std::int32_t grain = phase.tasks.predecessors.empty() ? kGrain : kDependentGrain;
   if (pool == nullptr || phase.springs < grain) {
     return visitBlocks(phase.firstBlock, phase.endBlock, visitor);
   }

@@ -301,9 +301,9 @@ void ThreadPool::Impl::runTask(std::int32_t task, Epoch epoch) {
 /// Returns when all predecessors are complete; runs those that no thread has claimed.
 void ThreadPool::Impl::runPredecessors(std::int32_t task, Epoch epoch) {
   const TaskGraph& graph = *loop_.graph;
-  const std::int32_t begin = task == 0 ? 0 : graph.waitEnds[task - 1];
-  for (std::int32_t k = begin; k < graph.waitEnds[task]; ++k) {
-    const std::int32_t predecessor = graph.waits[k];
+  const std::int32_t begin = task == 0 ? 0 : graph.predecessorEnds[task - 1];
+  for (std::int32_t k = begin; k < graph.predecessorEnds[task]; ++k) {
+    const std::int32_t predecessor = graph.predecessors[k];
     const TaskState& state = states_[static_cast<std::size_t>(predecessor)];
     spinWhileAllRun([&] { return state.isClaimed(epoch); });
     runTask(predecessor, epoch);

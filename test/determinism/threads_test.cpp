@@ -131,8 +131,8 @@ TEST(ThreadPool, WaitsForPredecessorsInWorkers) {
   ThreadPool pool;
   TaskGraph graph;
   graph.groupEnds = {2, 4};
-  graph.waitEnds = {0, 0, 1, 3};
-  graph.waits = {0, 0, 1};
+  graph.predecessorEnds = {0, 0, 1, 3};
+  graph.predecessors = {0, 0, 1};
   const std::thread::id here = std::this_thread::get_id();
   std::array<std::atomic<int>, 4> runs{};
   std::atomic<bool> isShared{false};
@@ -189,9 +189,9 @@ TaskGraph randomGraph() {
     for (; task < first + tasks; ++task) {
       for (std::int32_t earlier = 0; earlier < first; ++earlier) {
         random = 1664525U * random + 1013904223U;
-        if (random >> 30 == 0) graph.waits.push_back(earlier);
+        if (random >> 30 == 0) graph.predecessors.push_back(earlier);
       }
-      graph.waitEnds.push_back(static_cast<std::int32_t>(graph.waits.size()));
+      graph.predecessorEnds.push_back(static_cast<std::int32_t>(graph.predecessors.size()));
     }
     graph.groupEnds.push_back(task);
   }
@@ -211,9 +211,9 @@ TEST(ThreadPool, RunsEveryTaskOnceAndAfterItsPredecessors) {
         std::vector<int> runs(tasks, 0);
         std::atomic<int> early{0};
         parallelInOrder(pool, graph, [&](std::int32_t task) {
-          const std::int32_t begin = task == 0 ? 0 : graph.waitEnds[task - 1];
-          for (std::int32_t k = begin; k < graph.waitEnds[task]; ++k) {
-            if (runs[graph.waits[k]] != 1) ++early;
+          const std::int32_t begin = task == 0 ? 0 : graph.predecessorEnds[task - 1];
+          for (std::int32_t k = begin; k < graph.predecessorEnds[task]; ++k) {
+            if (runs[graph.predecessors[k]] != 1) ++early;
           }
           ++runs[task];
         });

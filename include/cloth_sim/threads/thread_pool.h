@@ -12,9 +12,9 @@ namespace cloth_sim {
 /// only. Both lists of lists are in compressed form: list k ends at `...Ends[k]` and begins where
 /// list k - 1 ends.
 struct TaskGraph {
-  std::vector<std::int32_t> groupEnds;  ///< tasks, by group
-  std::vector<std::int32_t> waitEnds;   ///< entries of `waits`, by task
-  std::vector<std::int32_t> waits;      ///< predecessors: tasks that have to be complete before
+  std::vector<std::int32_t> groupEnds;        ///< tasks, by group
+  std::vector<std::int32_t> predecessorEnds;  ///< entries of `predecessors`, by task
+  std::vector<std::int32_t> predecessors;     ///< tasks that are complete before a task begins
 };
 
 /// Runs parallel loops on the calling thread and worker threads, as many as ThreadLimit allows.
