@@ -1,4 +1,4 @@
-// What springs and bending cost in one pass, by kernel; and the global solve.
+// The kernels: one pass over springs and bending elements, and the global solve.
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
-// What the node does besides stepping, each alone: the snapshot that the stepping thread hands
-// over, and the messages made from it, down to the bytes that go to a subscriber.
+// The work of the node besides stepping, each part alone: the snapshot that the stepping thread
+// hands over, and the messages made from it, down to the bytes that a subscriber gets.
 
 #include <benchmark/benchmark.h>
 

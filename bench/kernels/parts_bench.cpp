@@ -1,4 +1,4 @@
-// What surrounds a solve in a step, each alone, at 128 x 128 and other sizes.
+// The parts of a step around the solve, each alone, at 128 x 128 and other sizes.
 
 #include <benchmark/benchmark.h>
 
@@ -68,7 +68,7 @@ Clamp clampOn(const Simulation& simulation) {
 
 constexpr double kAMinute = 60.0;  // enough to close, and to go anywhere
 
-/// What a clamp that moves what it holds does in a step.
+/// The work of a clamp in a step in which it moves.
 void holdInClamp(benchmark::State& run) {
   const Simulation simulation(hanging(static_cast<int>(run.range(0)), "xpbd"));
   Clamp clamp = clampOn(simulation);

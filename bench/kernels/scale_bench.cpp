@@ -1,4 +1,4 @@
-// What a large cloth takes before its first step: time, and memory by what holds it.
+// The cost of a large cloth before its first step: time, and memory by owner.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -45,7 +45,7 @@ class Account {
         particles_(static_cast<double>(run.range(0)) * static_cast<double>(run.range(0))),
         last_(resident()) {}
 
-  /// What has been added since the last call is this thing's.
+  /// Counts the memory added since the last call under `thing`.
   void book(const std::string& thing) {
     const double now = resident();
     run_.counters[thing] = (now - last_) / particles_;

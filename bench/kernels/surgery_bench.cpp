@@ -1,4 +1,4 @@
-// What surgery costs. One core: `taskset -c 0 cloth_bench`.
+// The cost of surgery. One core: `taskset -c 0 cloth_bench`.
 
 #include <benchmark/benchmark.h>
 

@@ -1,6 +1,6 @@
-// What a second thread gains, beside what the machine gives: two simulations that have nothing to
-// do with each other, on two threads. All three are timed in turns, so that what else the machine
-// does meets each of them alike.
+// The gain of a second thread, beside the most that the machine can give: two independent
+// simulations on two threads. The three are timed in turns, so that other load on the machine meets
+// each of them alike.
 
 #include <benchmark/benchmark.h>
 
@@ -15,14 +15,13 @@ namespace cloth_sim::bench {
 namespace {
 
 constexpr int kStretch = 20;  ///< steps in a turn
-constexpr int kWarmUp = 3;    ///< ... and before it, again and again
+constexpr int kWarmUp = 3;    ///< steps between two looks at the clock while warming up
 constexpr int kTurns = 15;
-/// Before a turn, until threads and what they have in their caches are where they stay in a run: a
-/// thread that wakes may begin on the core of the one that woke it, and be moved milliseconds
-/// later.
+/// Warm-up before a turn, until threads have settled on their cores: a thread that wakes may begin
+/// on the core of the one that woke it, and be moved milliseconds later.
 constexpr std::chrono::milliseconds kAhead{50};
 
-/// Takes steps on so many threads.
+/// Takes `steps` steps on `threads` threads.
 void go(Simulation& simulation, int threads, int steps) {
   const ThreadLimit limit(threads);
   for (int k = 0; k < steps; ++k) simulation.step();
@@ -30,7 +29,7 @@ void go(Simulation& simulation, int threads, int steps) {
 
 Scene sceneOf(int n, const std::string& method) {
   Scene scene = hanging(n, method);
-  // What is as accurate as the rows beside a peer.
+  // The settings of the rows beside a peer.
   if (method == "projective") scene.solver.parameters = {{"substeps", 1.0}, {"iterations", 1.0}};
   return scene;
 }

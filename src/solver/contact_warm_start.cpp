@@ -6,11 +6,12 @@
 namespace cloth_sim {
 namespace {
 
-/// What remains of a force from one substep to the next. With all of it a cloth that falls on a
-/// sphere is thrown up again; below 0.9 the strain is back (docs/decisions/032).
+/// Fraction of a force that the next substep begins with. With all of it, a cloth that falls on a
+/// sphere is thrown up again; below 0.9, the cloth is strained on obstacles as without warm
+/// starting (docs/decisions/032-contact-warm-starting.md).
 constexpr double kKeep = 0.95;
 
-/// Instead of an index: has been listed.
+/// Marks a slot that is listed already, in the place of an index.
 constexpr std::int32_t kListed = -2;
 static_assert(kListed != kNone, "a mark of its own");
 

@@ -24,7 +24,7 @@ constexpr double kHold = 1e6;
 /// Particles that a thread takes at once.
 constexpr std::size_t kPart = 4096;
 
-/// What the residual of one coordinate is made of.
+/// The terms of the residual along one axis, arrays by particle slot.
 struct Terms {
   const double* mass;         ///< [kg]
   const double* inverseMass;  ///< 0: prescribed motion
@@ -92,11 +92,9 @@ class Projective final : public SubstepMethod {
   void begin(Substep& now) override;
   void advance(Substep& now) override;
   void save(StateWriter& archive) const override {
-    archive(step_, drag_, holdWeight_, factor_, warmStart_);
+    archive(h_, drag_, holdWeight_, factor_, warmStart_);
   }
-  void load(StateReader& archive) override {
-    archive(step_, drag_, holdWeight_, factor_, warmStart_);
-  }
+  void load(StateReader& archive) override { archive(h_, drag_, holdWeight_, factor_, warmStart_); }
 
  private:
   void prepareMatrix(const Substep& now);
@@ -113,15 +111,15 @@ class Projective final : public SubstepMethod {
   void addReactions(Substep& now);
 
   /// Coefficient of the bending matrix in the global matrix [s^2].
-  double bendWeight() const { return step_ * (step_ + bending_.retardation()); }
+  double bendWeight() const { return h_ * (h_ + bending_.retardation()); }
   /// Coefficient of a spring in the global matrix [kg].
   double weight(const SpringParameters& spring) const {
-    return step_ * step_ * spring.stiffness + step_ * spring.damping;
+    return h_ * h_ * spring.stiffness + h_ * spring.damping;
   }
 
   int iterations_;           ///< at most, in a substep
   double tolerance_;         ///< of the residual [m/s^2]
-  double step_ = 0.0;        ///< length of the substep that the matrix is for [s]
+  double h_ = 0.0;           ///< length of the substep that the matrix is for [s]
   double drag_ = 0.0;        ///< that the matrix is for [1/s]
   double holdWeight_ = 0.0;  ///< on the diagonal, for particles that are held [kg]
   double freeMass_ = 0.0;    ///< of particles that are not held [kg]
@@ -143,9 +141,9 @@ void Projective::begin(Substep& now) {
 }
 
 void Projective::prepareMatrix(const Substep& now) {
-  const bool isScaled = now.h != step_ || now.controls.drag != drag_;
+  const bool isScaled = now.h != h_ || now.controls.drag != drag_;
   if (!isScaled && !now.isNewLayout) return;
-  step_ = now.h;
+  h_ = now.h;
   drag_ = now.controls.drag;
   freeMass_ = std::accumulate(now.particles.mass.begin(), now.particles.mass.end(), 0.0);
   listHeldSprings(now);
@@ -180,7 +178,7 @@ UpdatableFactor::Matrix Projective::globalMatrix(const Substep& now) const {
   const std::size_t n = now.particles.mass.size();
   entries.reserve(n + 3 * static_cast<std::size_t>(now.springs.size()));
   for (std::size_t k = 0; k < n; ++k) {
-    const double m = now.particles.mass[k] * (1.0 + step_ * drag_);
+    const double m = now.particles.mass[k] * (1.0 + h_ * drag_);
     entries.emplace_back(k, k, m > 0.0 ? m : holdWeight_);
   }
   now.springs.forEach([&](const SpringConstraints::Element& spring) {
@@ -289,7 +287,7 @@ void Projective::moveBySolution(Substep& now) {
 double Projective::removeMeanMotion(const ScalarArray& mass, ScalarArray& residual) const {
   const double mean = std::accumulate(residual.begin(), residual.end(), 0.0) / freeMass_;
   for (std::size_t k = 0; k < residual.size(); ++k) residual[k] -= mass[k] * mean;
-  const double inertia = freeMass_ * (1.0 + step_ * drag_);
+  const double inertia = freeMass_ * (1.0 + h_ * drag_);
   return mean * freeMass_ / inertia;
 }
 

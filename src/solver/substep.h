@@ -1,5 +1,5 @@
 #pragma once
-/// \file What a method sees of a substep: the cloth's arrays and the rules at its boundary.
+/// \file The substep context: the cloth's arrays, prescribed motion, loads and contacts.
 
 #include "constraints/spring_constraints.h"
 #include "kinematic_particles.h"

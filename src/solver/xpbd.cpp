@@ -56,8 +56,8 @@ class Xpbd final : public SubstepMethod {
   void projectBending(Substep& now) const;
   static void findVelocities(Substep& now);
 
-  double decay_ = 1.0;       ///< factor by which drag reduces a velocity in a substep
-  double springStep_ = 0.0;  ///< length of the substep that springs are prepared for [s]
+  double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
+  double preparedFor_ = 0.0;  ///< length of the substep that springs are prepared for [s]
   std::vector<Attachment> attachments_;
   BendProjection bending_;
   double retardation_ = 0.0;  ///< of bending [s]
@@ -68,7 +68,7 @@ void Xpbd::begin(Substep& now) {
     bending_.build(now.model.bending, now.particles);
     retardation_ = now.model.bendRetardation();
   }
-  if (now.isNewLayout || springStep_ != now.h) prepareSprings(now);
+  if (now.isNewLayout || preparedFor_ != now.h) prepareSprings(now);
   decay_ = std::exp(-now.controls.drag * now.h);
   setSum(now.particles.x, -now.h, now.particles.v, now.particles.start);
 }
@@ -81,7 +81,7 @@ void Xpbd::prepareSprings(Substep& now) {
   for (const std::int32_t held : now.kinematic.slots()) w[held] = kWeightless;
   now.springs.prepareProjection(w, now.h, now.isNewLayout);
   for (const std::int32_t held : now.kinematic.slots()) w[held] = 0.0;
-  springStep_ = now.h;
+  preparedFor_ = now.h;
   listAttachments(now);
   if (!bending_.empty()) bending_.setStep(now.h, retardation_, w);
 }

@@ -185,7 +185,7 @@ TEST(SpringSchedule, OfAMeshWhoseRowsAllDiffer) {
 }
 
 TEST(SpringSchedule, HalvesOfEveryColourGroupOfALargeGridAreTheSameHalvesOfTheCloth) {
-  // What one thread has moved in a group another one should not have to fetch in the next.
+  // Otherwise a thread would fetch from the other's cache what that has moved in the group before.
   const int rows = 96;
   const Scheduled grid(clothOf(96, rows, 1.0 / 95.0));
   const SpringSchedule& schedule = grid.schedule;
