@@ -203,7 +203,9 @@ class SceneFile:
         if entry['type'] == 'plane':
             ground = np.array([3.0, 3.0, 0.01])
             return [(box(ground, where - turn[:, 2] * ground[2] / 2, turn), BOARD)]
-        return []  # bounds have nothing to see
+        if entry['type'] == 'bounds':
+            return []  # invisible
+        sys.exit(f"error: cannot draw an obstacle of type {entry['type']}")
 
     def _clamp(self, clamp):
         size = np.array([*(self.plates.get(clamp.name) or (0.06, 0.06)), 0.008])

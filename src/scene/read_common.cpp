@@ -110,8 +110,7 @@ MaterialPath readPath(const SceneNode& node, const std::vector<ClothSpec>& cloth
 TearRatios readRatios(const SceneNode& node) {
   const double never = std::numeric_limits<double>::infinity();
   const Range range{1.0, never, true, true};
-  TearRatios ratios;
-  ratios.fill(never);
+  TearRatios ratios = infiniteRatios();
   if (node.isMap()) {
     const std::vector<std::string>& kinds = ratioKeys().names;
     node.expectKeys(kinds);

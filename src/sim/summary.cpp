@@ -28,16 +28,23 @@ Json phasesJson(const PhaseScript& script) {
 }
 
 Json brokenJson(const BrokenCounts& broken) {
-  return {{"total", broken.total},     {"structural", broken.byKind[0]},
-          {"shear", broken.byKind[1]}, {"bend", broken.byKind[2]},
-          {"torn", broken.torn},       {"cut", broken.cut}};
+  Json json;
+  json["total"] = broken.total;
+  for (int kind = 0; kind < kSpringKinds; ++kind) {
+    json[toString(static_cast<SpringKind>(kind))] = broken.byKind[static_cast<std::size_t>(kind)];
+  }
+  json["torn"] = broken.torn;
+  json["cut"] = broken.cut;
+  return json;
 }
 
 Json springsJson(const SpringNetwork& springs) {
-  return {{"active", springs.count()},
-          {"structural", springs.count(SpringKind::kStructural)},
-          {"shear", springs.count(SpringKind::kShear)},
-          {"bend", springs.count(SpringKind::kBend)}};
+  Json json;
+  json["active"] = springs.count();
+  for (int kind = 0; kind < kSpringKinds; ++kind) {
+    json[toString(static_cast<SpringKind>(kind))] = springs.count(static_cast<SpringKind>(kind));
+  }
+  return json;
 }
 
 Json piecesJson(const Simulation& simulation) {

@@ -23,10 +23,16 @@ struct Seam {
 /// Length over rest length at which a spring of each kind fails; infinity: never.
 using TearRatios = std::array<double, kSpringKinds>;
 
+/// Returns ratios at which no spring fails.
+inline TearRatios infiniteRatios() {
+  TearRatios ratios;
+  ratios.fill(std::numeric_limits<double>::infinity());
+  return ratios;
+}
+
 struct TearingSettings {
   bool enabled = false;
-  TearRatios ratio{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
-                   std::numeric_limits<double>::infinity()};
+  TearRatios ratio = infiniteRatios();
   std::optional<Seam> seam;  ///< absent: the cloth may tear everywhere
   double tipSpeed = 5.0;  ///< fastest that the tip of a tear runs through the material [m/s], > 0
   std::optional<Refinement> refineTip;  ///< around where it tears next
