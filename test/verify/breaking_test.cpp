@@ -407,7 +407,7 @@ class Breaking : public testing::TestWithParam<std::tuple<std::string, std::stri
   }
 
  protected:
-  static std::map<Pairing, Known> known_;  ///< NOLINT: shared by the trials of the suite
+  static std::map<Pairing, Known> known_;  ///< shared by the trials of the suite
 };
 
 std::map<Pairing, Known> Breaking::known_;
