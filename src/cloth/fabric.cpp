@@ -6,15 +6,16 @@ namespace cloth_sim {
 
 namespace {
 
-// What nobody measured on these cloths: chosen for all of them.
+// Values that no source gives for these fabrics, chosen for all of them.
 constexpr double kChosenDamping = 0.0;  // [s]
 constexpr double kChosenFriction = 0.3;
 
 const char* const kChosen = "; damping and friction chosen";
 
-/// Sorted by name.
+/// The built-in fabrics, sorted by name.
 const std::vector<Fabric>& presets() {
-  // Wang et al. give a stiffness C per strain direction; their solver applies 2 C, and so do we.
+  // Wang et al. give a stiffness C for each direction of strain. Their solver applies 2 C, so the
+  // tensile stiffness is 2 C.
   static const std::string wang =
       "Wang, O'Brien, Ramamoorthi 2011, Data-driven elastic models for cloth, ACM TOG 30(4):71, "
       "doi 10.1145/2010324.1964966, file ";

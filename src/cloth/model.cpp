@@ -3,8 +3,8 @@
 namespace cloth_sim {
 namespace {
 
-/// Whatever masses there are, if they are of this mesh, stay.
-void makeRoom(Model& model) {
+/// Allocates masses and areal densities unless they belong to this revision of the mesh already.
+void allocateMasses(Model& model) {
   const auto count = static_cast<std::size_t>(model.particleCount());
   const bool fits = model.mass.size() == count && model.mass.revision() == model.mesh.revision();
   if (fits) return;
@@ -15,7 +15,7 @@ void makeRoom(Model& model) {
 }  // namespace
 
 void lumpMasses(double arealDensity, std::size_t cloth, Model& model) {
-  makeRoom(model);
+  allocateMasses(model);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
     if (model.clothOf(v) != cloth) continue;
     model.arealDensity[v] = arealDensity;
@@ -26,7 +26,7 @@ void lumpMasses(double arealDensity, std::size_t cloth, Model& model) {
 void lumpMasses(double arealDensity, Model& model) { lumpMasses(arealDensity, 0, model); }
 
 void setParticleMasses(double particleMass, std::size_t cloth, Model& model) {
-  makeRoom(model);
+  allocateMasses(model);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
     if (model.clothOf(v) != cloth) continue;
     model.mass[v] = particleMass;
@@ -53,7 +53,7 @@ void applyMassChanges(const MeshChanges& changes, Model& model) {
     model.mass[v] = model.arealDensity[v] * areaAround(model.mesh, v) / 3.0;
     after[model.clothOf(v)] += model.mass[v];
   }
-  // Where neighbours differ in density, blending it does not keep the sum.
+  // Where neighbours differ in density, interpolated densities do not conserve the sum: rescale.
   for (VertexId v : changes.touched) {
     const std::size_t cloth = model.clothOf(v);
     const double ratio = before[cloth] / after[cloth];

@@ -9,17 +9,19 @@
 namespace cloth_sim {
 namespace {
 
-/// Singular values this much smaller than the largest say nothing about the curvature.
-constexpr double kBlind = 1e-3;
-/// Weights this much smaller than the largest are rounding.
+/// Singular values below this fraction of the largest count as zero: the points around the face do
+/// not determine the curvature in that direction.
+constexpr double kSingular = 1e-3;
+/// Weights below this fraction of the largest count as rounding errors of zero.
 constexpr double kRounding = 1e-10;
 
-/// The corners of a face, then the far corners of its neighbours.
+/// The points that determine the quadratic over a face.
 struct Patch {
-  std::array<VertexId, 6> vertex;
+  std::array<VertexId, 6> vertex;  ///< corners of the face, then the far corners of its neighbours
   int neighbours = 0;
 };
 
+/// Collects the patch of a face. Missing neighbours leave kNone at the end.
 Patch patchAround(const TriangleMesh& mesh, FaceId f) {
   const Face& face = mesh.face(f);
   Patch patch{{face[0], face[1], face[2], kNone, kNone, kNone}, 0};
@@ -35,7 +37,7 @@ Patch patchAround(const TriangleMesh& mesh, FaceId f) {
   return patch;
 }
 
-/// Barycentric coordinates of q in the triangle of the first three points of a patch.
+/// Returns the barycentric coordinates of q in the triangle of the first three points of a patch.
 Vec3 barycentric(const std::array<Vec2, 6>& p, const Vec2& q) {
   Eigen::Matrix2d edges;
   edges << p[1] - p[0], p[2] - p[0];
@@ -43,8 +45,9 @@ Vec3 barycentric(const std::array<Vec2, 6>& p, const Vec2& q) {
   return Vec3(1.0 - l.x() - l.y(), l.x(), l.y());
 }
 
-/// How u^2/2, v^2/2 and u v/sqrt(2) deviate at q from their linear interpolation over the face:
-/// how far q lies off the plane of the face at unit x_uu, x_vv and sqrt(2) x_uv.
+/// Evaluates u^2/2, v^2/2 and u v/sqrt(2) at q, less their linear interpolation over the face: the
+/// distance of q from the plane of the face per unit of x_uu, x_vv and sqrt(2) x_uv.
+/// \param l  barycentric coordinates of q in the face.
 Vec3 deviations(const std::array<Vec2, 6>& p, const Vec2& q, const Vec3& l) {
   const auto monomials = [](const Vec2& at) {
     return Vec3(0.5 * at.x() * at.x(), 0.5 * at.y() * at.y(), M_SQRT1_2 * at.x() * at.y());
@@ -52,8 +55,13 @@ Vec3 deviations(const std::array<Vec2, 6>& p, const Vec2& q, const Vec3& l) {
   return monomials(q) - l[0] * monomials(p[0]) - l[1] * monomials(p[1]) - l[2] * monomials(p[2]);
 }
 
-/// Rows: x_uu, x_vv and sqrt(2) x_uv as weights of the vertices of a patch; of all that fit, those
-/// of the least sum of squares.
+/// Expresses x_uu, x_vv and sqrt(2) x_uv as weighted sums of the points of a patch.
+///
+/// The distances of the neighbours' far corners from the plane of the face are linear in the three
+/// derivatives (`geometry`), and linear in the points (`offPlane`). The least-squares solution of
+/// least norm inverts the former; it is unique with three neighbours in general position, and else
+/// the one of least bending energy.
+/// \return one row of weights for each derivative, (3, 6) [1/m^2].
 Eigen::Matrix<double, 3, 6> curvatureWeights(const std::array<Vec2, 6>& p, int neighbours) {
   Eigen::MatrixXd geometry(neighbours, 3);
   Eigen::MatrixXd offPlane = Eigen::MatrixXd::Zero(neighbours, 6);
@@ -65,10 +73,12 @@ Eigen::Matrix<double, 3, 6> curvatureWeights(const std::array<Vec2, 6>& p, int n
     offPlane(k, 3 + k) = 1.0;
   }
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(geometry, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(kBlind);
+  svd.setThreshold(kSingular);
   return svd.solve(offPlane);
 }
 
+/// Makes an element of those vertices of a patch that have a weight, in ascending order.
+/// \param least  weights of this magnitude or less count as zero.
 PlateElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& weights,
                          double least, double stiffness) {
   PlateElement element;
@@ -82,7 +92,7 @@ PlateElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& 
     if (patch.vertex[k] == kNone || std::abs(weight) <= least) continue;
     const auto last = static_cast<std::size_t>(element.count - 1);
     if (element.count > 0 && element.vertex[last] == patch.vertex[k]) {
-      element.weight[last] += weight;  // two neighbours with one far corner
+      element.weight[last] += weight;  // two neighbours share their far corner
       continue;
     }
     element.vertex[static_cast<std::size_t>(element.count)] = patch.vertex[k];
@@ -94,14 +104,14 @@ PlateElement makeElement(const Patch& patch, const Eigen::Matrix<double, 1, 6>& 
 
 }  // namespace
 
-PlateBending::PlateBending(const TriangleMesh& mesh, double rigidity, double most)
-    : PlateBending(mesh, MaterialStrips(), {{rigidity, most}}) {}
+PlateBending::PlateBending(const TriangleMesh& mesh, double rigidity, double maxStiffness)
+    : PlateBending(mesh, MaterialStrips(), {{rigidity, maxStiffness}}) {}
 
 PlateBending::PlateBending(const TriangleMesh& mesh, MaterialStrips strips,
                            std::vector<Plate> plates)
     : strips_(std::move(strips)), plates_(std::move(plates)) {
   if (plates_.size() != strips_.count()) {
-    throw std::invalid_argument("bending needs one plate for each strip");
+    throw std::invalid_argument("bending needs one plate for each cloth");
   }
   derive(mesh);
 }
@@ -111,11 +121,12 @@ void PlateBending::derive(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) deriveOn(mesh, f);
 }
 
+/// Replaces the three elements of a face.
 void PlateBending::deriveOn(const TriangleMesh& mesh, FaceId f) {
   const Patch patch = patchAround(mesh, f);
   const Plate& plate = plates_[strips_.at(mesh.material(patch.vertex[0]))];
   std::array<Vec2, 6> p;
-  // Around the first corner: far from the origin, squares would lose digits.
+  // Coordinates relative to the first corner, as squares would lose digits far from the origin.
   const Vec2 origin = mesh.material(patch.vertex[0]);
   for (std::size_t k = 0; k < p.size(); ++k) {
     p[k] = patch.vertex[k] == kNone ? Vec2::Zero() : Vec2(mesh.material(patch.vertex[k]) - origin);
@@ -123,7 +134,7 @@ void PlateBending::deriveOn(const TriangleMesh& mesh, FaceId f) {
   Eigen::Matrix<double, 3, 6> weights = Eigen::Matrix<double, 3, 6>::Zero();
   if (patch.neighbours > 0 && plate.rigidity > 0.0) weights = curvatureWeights(p, patch.neighbours);
   const double stiffness = scale_ * plate.rigidity * mesh.restArea(f);
-  const double most = scale_ * plate.most;
+  const double most = scale_ * plate.maxStiffness;
   const double least = kRounding * weights.cwiseAbs().maxCoeff();
   for (std::size_t k = 0; k < kPerFace; ++k) {
     const auto row = static_cast<Eigen::Index>(k);
@@ -141,6 +152,8 @@ void PlateBending::applyChanges(const TriangleMesh& mesh, const MeshChanges& cha
     return;
   }
   elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
+  // Elements also depend on the far corners of the neighbours, so all faces around the corners of
+  // a reshaped face change.
   std::vector<VertexId> around = changes.touched;
   for (FaceId f : changes.reshapedFaces) {
     around.insert(around.end(), mesh.face(f).begin(), mesh.face(f).end());

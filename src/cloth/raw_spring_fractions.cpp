@@ -5,7 +5,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Index k of the corner or of the edge (k, k+1) of `face` that starts at one of {a, b}.
+/// Index k of the edge (k, k + 1) of `face` that joins a and b.
 int edgeIndex(const Face& face, VertexId a, VertexId b) {
   for (int k = 0; k < 3; ++k) {
     const VertexId from = face[k];
@@ -17,96 +17,105 @@ int edgeIndex(const Face& face, VertexId a, VertexId b) {
 
 int cornerIndex(const Face& face, VertexId v) { return face[0] == v ? 0 : (face[1] == v ? 1 : 2); }
 
-/// An edge as a face runs along it.
-using Directed = std::pair<VertexId, VertexId>;
+/// An edge in the orientation of a face, so that the two sides of an edge are told apart.
+using DirectedEdge = std::pair<VertexId, VertexId>;
 
-/// What the faces that an edit reshaped had before it.
-struct Inheritance {
-  std::map<Directed, RawSpringFraction> edges;
-  std::map<VertexId, double> corners;  ///< all together
+}  // namespace
 
-  /// Both parts of an edge that was split have the share of the whole.
+/// Fractions that the reshaped faces held before an edit, and pass on to those after it.
+struct RawSpringFractions::Inheritance {
+  std::map<DirectedEdge, RawSpringFraction> edges;
+  std::map<VertexId, double> corners;  ///< sum over all reshaped faces at the vertex
+
+  /// Gives both parts of a split edge the fraction of the whole.
   void split(const VertexEdit& edit) {
     const VertexId a = edit.from[0];
     const VertexId b = edit.from[1];
-    for (const auto& [from, to] : {Directed{a, b}, Directed{b, a}}) {
+    for (const auto& [from, to] : {DirectedEdge{a, b}, DirectedEdge{b, a}}) {
       const auto whole = edges.find({from, to});
       if (whole == edges.end()) continue;
-      const RawSpringFraction share = whole->second;
-      edges[{from, edit.id}] = edges[{edit.id, to}] = share;
+      const RawSpringFraction fraction = whole->second;
+      edges[{from, edit.id}] = edges[{edit.id, to}] = fraction;
     }
   }
 };
 
-}  // namespace
-
 RawSpringFractions::RawSpringFractions(const TriangleMesh& mesh) {
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) shares_.push_back(fresh(mesh, f));
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) fractions_.push_back(fractionsOf(mesh, f));
 }
 
-RawSpringFractions::Shares RawSpringFractions::fresh(const TriangleMesh& mesh, FaceId f) {
-  Shares shares;
-  shares.face = mesh.face(f);
+/// Fractions of a face in proportion to its rest area, as if the mesh had never been edited.
+RawSpringFractions::FaceFractions RawSpringFractions::fractionsOf(const TriangleMesh& mesh,
+                                                                  FaceId f) {
+  FaceFractions result;
+  result.face = mesh.face(f);
   for (int k = 0; k < 3; ++k) {
-    const VertexId a = shares.face[k];
-    const VertexId b = shares.face[(k + 1) % 3];
+    const VertexId a = result.face[k];
+    const VertexId b = result.face[(k + 1) % 3];
     double onEdge = 0.0;
     for (FaceId other : mesh.facesOnEdge(a, b)) {
       if (other != kNone) onEdge += mesh.restArea(other);
     }
-    shares.edge[k] = mesh.restArea(f) / onEdge;
-    shares.length[k] = (mesh.material(b) - mesh.material(a)).norm();
-    shares.corner[k] = mesh.restArea(f) / areaAround(mesh, a);
+    result.edge[k] = mesh.restArea(f) / onEdge;
+    result.restLength[k] = (mesh.material(b) - mesh.material(a)).norm();
+    result.corner[k] = mesh.restArea(f) / areaAround(mesh, a);
   }
-  return shares;
+  return result;
 }
 
-void RawSpringFractions::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
-  if (!changes.removedFaces.empty()) return applyRemoval(mesh, changes);
+RawSpringFractions::Inheritance RawSpringFractions::inheritanceOf(
+    const MeshChanges& changes) const {
   Inheritance old;
-  const auto known = static_cast<FaceId>(shares_.size());
+  const auto known = static_cast<FaceId>(fractions_.size());
   for (FaceId f : changes.reshapedFaces) {
-    if (f >= known) break;
-    const Shares& s = shares_[f];
+    if (f >= known) break;  // new, and so are all that come after it
+    const FaceFractions& held = fractions_[f];
     for (int k = 0; k < 3; ++k) {
-      old.edges[{s.face[k], s.face[(k + 1) % 3]}] = {s.edge[k], s.length[k]};
-      old.corners[s.face[k]] += s.corner[k];
+      old.edges[{held.face[k], held.face[(k + 1) % 3]}] = {held.edge[k], held.restLength[k]};
+      old.corners[held.face[k]] += held.corner[k];
     }
   }
   for (const VertexEdit& edit : changes.vertices) {
     const bool onEdge = edit.kind == VertexEdit::Kind::kInsert && edit.from[2] == kNone;
     if (onEdge) old.split(edit);
   }
-  std::map<VertexId, double> areas;  // of reshaped faces at their corners
+  return old;
+}
+
+void RawSpringFractions::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
+  if (!changes.removedFaces.empty()) return applyRemoval(mesh, changes);
+  const Inheritance old = inheritanceOf(changes);
+  std::map<VertexId, double> areas;  // of the reshaped faces around a vertex [m^2]
   for (FaceId f : changes.reshapedFaces) {
     for (VertexId v : mesh.face(f)) areas[v] += mesh.restArea(f);
   }
-  shares_.resize(mesh.faceCount());
+  fractions_.resize(mesh.faceCount());
   for (FaceId f : changes.reshapedFaces) {
-    Shares s = fresh(mesh, f);
-    s.remade = true;
+    FaceFractions held = fractionsOf(mesh, f);
+    held.reshaped = true;
     for (int k = 0; k < 3; ++k) {
-      const auto edge = old.edges.find({s.face[k], s.face[(k + 1) % 3]});
+      const auto edge = old.edges.find({held.face[k], held.face[(k + 1) % 3]});
       if (edge != old.edges.end()) {
-        s.edge[k] = edge->second.part;
-        s.length[k] = edge->second.length;
+        held.edge[k] = edge->second.fraction;
+        held.restLength[k] = edge->second.restLength;
       }
-      const auto corner = old.corners.find(s.face[k]);
+      const auto corner = old.corners.find(held.face[k]);
       if (corner != old.corners.end()) {
-        s.corner[k] = corner->second * mesh.restArea(f) / areas[s.face[k]];
+        held.corner[k] = corner->second * mesh.restArea(f) / areas[held.face[k]];
       }
     }
-    shares_[f] = s;
+    fractions_[f] = held;
   }
-  for (FaceId f : changes.changedFaces) shares_[f].face = mesh.face(f);
+  for (FaceId f : changes.changedFaces) fractions_[f].face = mesh.face(f);
 }
 
+/// Moves the fractions of the faces that took the places of removed ones.
 void RawSpringFractions::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
   for (FaceId f : changes.removedFaces) {
-    shares_[f] = shares_.back();
-    shares_.pop_back();
+    fractions_[f] = fractions_.back();
+    fractions_.pop_back();
   }
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) shares_[f].face = mesh.face(f);
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) fractions_[f].face = mesh.face(f);
 }
 
 RawSpringFraction RawSpringFractions::ofEdge(const TriangleMesh& mesh, const IndexSpan& on,
@@ -114,10 +123,10 @@ RawSpringFraction RawSpringFractions::ofEdge(const TriangleMesh& mesh, const Ind
   RawSpringFraction sum;
   for (FaceId f : on) {
     const int k = edgeIndex(mesh.face(f), a, b);
-    sum.part += shares_[f].edge[k];
-    sum.length += shares_[f].edge[k] * shares_[f].length[k];
+    sum.fraction += fractions_[f].edge[k];
+    sum.restLength += fractions_[f].edge[k] * fractions_[f].restLength[k];
   }
-  sum.length /= sum.part;
+  sum.restLength /= sum.fraction;
   return sum;
 }
 
@@ -125,8 +134,8 @@ RawSpringFraction RawSpringFractions::ofCorners(const TriangleMesh& mesh, const 
                                                 VertexId v) const {
   RawSpringFraction sum{0.0, 1.0};
   for (FaceId f : around) {
-    sum.part += shares_[f].corner[cornerIndex(mesh.face(f), v)];
-    if (shares_[f].remade) sum.length = 0.0;
+    sum.fraction += fractions_[f].corner[cornerIndex(mesh.face(f), v)];
+    if (fractions_[f].reshaped) sum.restLength = 0.0;
   }
   return sum;
 }

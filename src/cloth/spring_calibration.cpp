@@ -6,16 +6,20 @@
 namespace cloth_sim {
 namespace {
 
-/// Bend springs store the fabric's bending energy at this curvature [1/m]; see docs/model.md.
+/// Reference curvature, at which bend springs store the bending energy of the fabric [1/m]; see
+/// docs/model.md.
 constexpr double kBendCurvature = 50.0;
-/// ... but at no fold sharper than this [rad], where the spring law loses its meaning.
+/// Largest fold angle at the reference curvature [rad]. On coarse grids the reference is a gentler
+/// curve: the energy of a bend spring has no meaning for sharper folds.
 constexpr double kBendFoldLimit = 1.5;
-/// What structural springs keep of the tensile stiffness at least, whatever shear and bend springs
-/// already carry.
+/// Smallest fraction of the tensile stiffness that structural springs carry, however much shear and
+/// bend springs contribute.
 constexpr double kStructuralFloor = 0.01;
 
-/// Bending constant of a spring over two segments of length `l` that stands for one unit of area:
-/// 16 B / (l^4 theta^2) with theta the fold angle at the reference curvature.
+/// Stiffness of a bend spring per rest area that it represents, 16 B / (l^4 theta^2) [N/m^3].
+/// \param rigidity  B [N m].
+/// \param l         half of the rest length of the spring [m]; theta is the fold angle of two
+///                  segments of this length at the reference curvature.
 double bendStiffnessPerArea(double rigidity, double l) {
   const double theta = std::min(l * kBendCurvature, kBendFoldLimit);
   return 16.0 * rigidity / (l * l * l * l * theta * theta);
@@ -23,9 +27,11 @@ double bendStiffnessPerArea(double rigidity, double l) {
 
 }  // namespace
 
-/// With shear springs of stiffness G on both diagonals of square cells, the membrane has C11 = q1,
-/// C22 = q2, C12 = G, so that its uniaxial stiffness along u is q1 - G^2 / q2 and along v
-/// q2 - G^2 / q1. Here are the q that make them the fabric's.
+/// Solves for the structural constants. With shear springs of stiffness G on both diagonals of
+/// square cells, the membrane has C11 = q1, C22 = q2 and C12 = G. Its uniaxial stiffness is then
+/// K1 = q1 - G^2 / q2 along warp and K2 = q2 - G^2 / q1 along weft. Both follow for
+/// q1 = (K1 + sqrt(K1^2 + 4 G^2 K1 / K2)) / 2 and q2 = q1 K2 / K1. The shear springs contribute G
+/// to q1 and to q2; structural springs carry the rest.
 SpringCalibration::SpringCalibration(const Fabric& fabric, const SpringSelection& selection)
     : shear_(selection.shear ? fabric.shear : 0.0),
       bending_(selection.bend ? fabric.bending : 0.0),
@@ -43,20 +49,21 @@ double SpringCalibration::stiffness(const Spring& spring, const Vec2& d, double 
   const double squared = d.squaredNorm();
   switch (spring.kind) {
     case SpringKind::kStructural: {
+      // Bend springs resist stretch too; structural springs carry what is left.
       const double bends = std::min(
           4.0 * squared * bendStiffnessPerArea(bending_, spring.restLength), bendStretchCap_);
       const bool isWarp = spring.direction == ThreadDirection::kWarp;
       return ((isWarp ? structuralWarp_ : structuralWeft_) - bends) * area / squared;
     }
     case SpringKind::kShear: {
-      // Under a shear angle gamma a direction (c, s) stretches by gamma c s; both diagonals
-      // together store G gamma^2 / 2 per area.
+      // Under a shear angle gamma, a spring of direction (c, s) has the strain gamma c s. Both
+      // diagonals together store G gamma^2 / 2 per area.
       const double cs = d.x() * d.y() / squared;
       return shear_ * area / (2.0 * squared * cs * cs);
     }
     case SpringKind::kBend: {
       const double l = 0.5 * spring.restLength;
-      const double lumped = area / 3.0;
+      const double lumped = area / 3.0;  // of the vertex that the spring bridges
       return std::min(bendStiffnessPerArea(bending_, l), bendStretchCap_ / (4.0 * l * l)) * lumped;
     }
   }

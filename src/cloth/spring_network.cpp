@@ -8,13 +8,20 @@
 #include <utility>
 
 namespace cloth_sim {
+
+/// A spring before an edit and the derived spring that continues it.
+struct SpringMatch {
+  std::int32_t slot = kNone;     ///< of the spring before; kNone: the derived one is new
+  std::int32_t derived = kNone;  ///< index of the derived spring; kNone: the old one is gone
+};
+
 namespace {
 
-/// A thread passes straight through a vertex if it turns by less than this (cosine).
+/// A bend spring joins neighbours in the directions of a thread, if their cosines exceed this.
 constexpr double kStraight = 0.9;
-/// A mesh direction within 22.5 degrees of a thread direction counts as that thread's.
+/// Edges within 22.5 degrees of a thread direction belong to that thread.
 const double kThreadCosine = std::cos(M_PI / 8.0);
-/// Springs per vertex of a grid, but for its border.
+/// Springs per vertex in the interior of a grid.
 constexpr std::size_t kUsualSprings = 6;
 
 ThreadDirection threadDirection(const Vec2& d) {
@@ -31,16 +38,17 @@ double areaOf(const TriangleMesh& mesh, const Faces& faces) {
   return area;
 }
 
-/// What a spring stands on and joins, independent of the order of the ends: two vertices to a word.
+/// Identifies a spring by its support and its ends, each pair of vertices in one word and in
+/// ascending order.
 using SpringKey = std::array<std::uint64_t, 2>;
 
-std::uint64_t packed(VertexId p, VertexId q) {
+std::uint64_t packPair(VertexId p, VertexId q) {
   const auto low = static_cast<std::uint32_t>(std::min(p, q));
   const auto high = static_cast<std::uint32_t>(std::max(p, q));
   return (std::uint64_t{low} << 32U) | high;
 }
 
-std::array<VertexId, 4> unpacked(const std::array<std::uint64_t, 2>& key) {
+std::array<VertexId, 4> unpack(const std::array<std::uint64_t, 2>& key) {
   const auto low = [](std::uint64_t word) {
     return static_cast<VertexId>(static_cast<std::uint32_t>(word));
   };
@@ -48,24 +56,25 @@ std::array<VertexId, 4> unpacked(const std::array<std::uint64_t, 2>& key) {
 }
 
 SpringKey makeKey(VertexId s, VertexId t, VertexId a, VertexId b) {
-  return {packed(s, t), packed(a, b)};
+  return {packPair(s, t), packPair(a, b)};
 }
 
-SpringKey ownKey(const Spring& spring) {
+SpringKey keyOf(const Spring& spring) {
   return makeKey(spring.support[0], spring.support[1], spring.a, spring.b);
 }
 
-template <typename T>
+/// A spring, given by an index, and the key that it had before an edit.
+template <typename Index>
 struct Keyed {
   SpringKey key;
-  T value;
+  Index value;
   bool operator<(const Keyed& other) const {
     if (key[0] != other.key[0]) return key[0] < other.key[0];
     return key[1] != other.key[1] ? key[1] < other.key[1] : value < other.value;
   }
 };
 
-/// What vertices were called before an edit.
+/// Maps the copies of vertices that an edit made to the vertices that they are copies of.
 class Ancestors {
  public:
   explicit Ancestors(const MeshChanges& changes) {
@@ -85,9 +94,8 @@ class Ancestors {
   std::map<VertexId, VertexId> source_;
 };
 
-/// Of each vertex that has any: the slots of the springs that stand on it, ascending, in no more
-/// memory than that takes.
-IndexLists listStanding(const SpringSlots& slots) {
+/// Lists the slots of the springs that each vertex supports, ascending, without spare capacity.
+IndexLists listSupported(const SpringSlots& slots) {
   std::vector<std::int32_t> number;
   for (const Spring& spring : slots) {
     for (VertexId v : spring.support) {
@@ -96,15 +104,62 @@ IndexLists listStanding(const SpringSlots& slots) {
       ++number[v];
     }
   }
-  IndexLists standing(number);
+  IndexLists supported(number);
   std::int32_t slot = 0;
   for (const Spring& spring : slots) {
     for (VertexId v : spring.support) {
-      if (v != kNone) standing.append(v, slot);
+      if (v != kNone) supported.append(v, slot);
     }
     ++slot;
   }
-  return standing;
+  return supported;
+}
+
+/// Pairs old and derived springs of equal keys. Several derived springs have the key of one old
+/// spring where copies of its ends were made: the one with the lowest index continues it, which is
+/// the one that kept the original ends, if any did.
+/// \return every old and every derived spring once, ascending by key.
+std::vector<SpringMatch> matchByKey(std::vector<Keyed<std::int32_t>> old,
+                                    std::vector<Keyed<std::int32_t>> derived) {
+  std::sort(old.begin(), old.end());
+  std::sort(derived.begin(), derived.end());
+  std::vector<SpringMatch> matches;
+  matches.reserve(std::max(old.size(), derived.size()));
+  auto at = old.begin();
+  for (const auto& [key, k] : derived) {
+    for (; at != old.end() && at->key < key; ++at) matches.push_back({at->value, kNone});
+    const bool continues = at != old.end() && at->key == key;
+    matches.push_back({continues ? at->value : kNone, k});
+    if (continues) ++at;
+  }
+  for (; at != old.end(); ++at) matches.push_back({at->value, kNone});
+  return matches;
+}
+
+/// The ids that vertices have after a removal, by their ids before it; kNone for removed ones.
+std::vector<VertexId> newIdsAfter(const MeshChanges& changes, std::int32_t vertexCount) {
+  std::vector<VertexId> newId(static_cast<std::size_t>(vertexCount) + changes.vertices.size());
+  std::iota(newId.begin(), newId.end(), 0);
+  std::vector<VertexId> original = newId;  // by the id at the present edit
+  for (const VertexEdit& edit : changes.vertices) {
+    newId[original[edit.id]] = kNone;
+    if (edit.from[0] != edit.id) newId[original[edit.from[0]]] = edit.id;
+    original[edit.id] = original[edit.from[0]];
+  }
+  return newId;
+}
+
+/// The same spring between renumbered vertices; none if its first end was removed.
+Spring renumbered(Spring spring, const std::vector<VertexId>& newId) {
+  for (VertexId* v : {&spring.a, &spring.b, &spring.support[0], &spring.support[1]}) {
+    *v = *v == kNone ? kNone : newId[*v];
+  }
+  if (!spring.exists()) return spring;
+  if (spring.a > spring.b) std::swap(spring.a, spring.b);
+  if (spring.support[1] != kNone && spring.support[0] > spring.support[1]) {
+    std::swap(spring.support[0], spring.support[1]);
+  }
+  return spring;
 }
 
 }  // namespace
@@ -121,7 +176,7 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
                              const std::vector<SpringRecipe>& recipes)
     : strips_(std::move(strips)) {
   if (recipes.size() != strips_.count()) {
-    throw std::invalid_argument("springs need one recipe for each strip");
+    throw std::invalid_argument("springs need one recipe for each cloth");
   }
   cloths_.clear();
   for (const SpringRecipe& recipe : recipes) {
@@ -129,15 +184,16 @@ SpringNetwork::SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
         {recipe.selection, {recipe.fabric, recipe.selection}, recipe.raw, {0.0, 0.0}});
     anyRaw_ = anyRaw_ || recipe.raw;
   }
-  if (anyRaw_) rawShares_ = RawSpringFractions(mesh);
+  if (anyRaw_) rawFractions_ = RawSpringFractions(mesh);
   build(mesh);
   if (anyRaw_) measureRawBends(mesh);
 }
 
+/// Averages the rest lengths of the raw bend springs of each cloth and thread.
 void SpringNetwork::measureRawBends(const TriangleMesh& mesh) {
   std::vector<std::array<double, 2>> number(cloths_.size(), {0.0, 0.0});
   for (const Spring& spring : slots_) {
-    if (spring.kind != SpringKind::kBend) continue;
+    if (!traitsOf(spring.kind).bridgesAVertex) continue;
     const std::size_t cloth = strips_.at(mesh.material(spring.a));
     const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
     cloths_[cloth].rawBendLength[thread] += spring.restLength;
@@ -151,14 +207,15 @@ void SpringNetwork::measureRawBends(const TriangleMesh& mesh) {
   }
 }
 
-/// Springs over copies of what a cleared one stood on or joined stay away too.
-void SpringNetwork::applyClearedEdges(const MeshChanges& changes) {
+/// Extends the cleared keys by those between copies of their vertices, so that cleared springs do
+/// not return on a side of an opening.
+void SpringNetwork::copyCleared(const MeshChanges& changes) {
   if (cleared_.empty()) return;
   for (const VertexEdit& edit : changes.vertices) {
     if (edit.kind != VertexEdit::Kind::kCopy) continue;
     std::vector<SpringKey> more;
     for (const SpringKey& key : cleared_) {
-      std::array<VertexId, 4> v = unpacked(key);
+      std::array<VertexId, 4> v = unpack(key);
       if (std::find(v.begin(), v.end(), edit.from[0]) == v.end()) continue;
       std::replace(v.begin(), v.end(), edit.from[0], edit.id);
       more.push_back(makeKey(v[0], v[1], v[2], v[3]));
@@ -167,9 +224,21 @@ void SpringNetwork::applyClearedEdges(const MeshChanges& changes) {
   }
 }
 
+/// Renumbers the vertices of the cleared keys.
+void SpringNetwork::renameCleared(const std::vector<VertexId>& newId) {
+  std::set<SpringKey> renamed;
+  for (const SpringKey& key : cleared_) {
+    std::array<VertexId, 4> v = unpack(key);
+    for (VertexId& id : v) id = id == kNone ? kNone : newId[id];
+    renamed.insert(makeKey(v[0], v[1], v[2], v[3]));
+  }
+  cleared_ = std::move(renamed);
+}
+
+/// Derives the spring along an edge and, if the edge is an inner diagonal, the one across it.
 template <typename Sink>
-void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
-                               const Sink& sink) const {
+void SpringNetwork::deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
+                                 const Sink& sink) const {
   Spring edge;
   edge.a = a;
   edge.b = b;
@@ -194,36 +263,38 @@ void SpringNetwork::deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
   sink(across);
 }
 
+/// Derives the bend springs over a vertex: along warp and along weft, between the neighbours that
+/// lie most nearly in both directions of the thread.
 template <typename Sink>
 void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
                                 const std::vector<VertexId>& neighbours, const Sink& sink) const {
-  struct Straight {
+  struct Straightest {
     VertexId ahead = kNone;
     VertexId behind = kNone;
-    double bestAhead = kStraight;
-    double bestBehind = kStraight;
+    double cosineAhead = kStraight;
+    double cosineBehind = kStraight;
   };
-  std::array<Straight, 2> straight;  // along warp and weft
+  std::array<Straightest, 2> straightest;  // along warp and weft
   for (VertexId w : neighbours) {
     const Vec2 direction = (mesh.material(w) - mesh.material(v)).normalized();
     for (int axis = 0; axis < 2; ++axis) {
       const double cosine = direction[axis];
-      Straight& s = straight[static_cast<std::size_t>(axis)];
-      if (cosine > s.bestAhead) {
-        s.bestAhead = cosine;
-        s.ahead = w;
-      } else if (-cosine > s.bestBehind) {
-        s.bestBehind = -cosine;
-        s.behind = w;
+      Straightest& best = straightest[static_cast<std::size_t>(axis)];
+      if (cosine > best.cosineAhead) {
+        best.cosineAhead = cosine;
+        best.ahead = w;
+      } else if (-cosine > best.cosineBehind) {
+        best.cosineBehind = -cosine;
+        best.behind = w;
       }
     }
   }
   for (const ThreadDirection thread : {ThreadDirection::kWarp, ThreadDirection::kWeft}) {
-    const Straight& s = straight[thread == ThreadDirection::kWarp ? 0 : 1];
-    if (s.ahead == kNone || s.behind == kNone) continue;
+    const Straightest& best = straightest[thread == ThreadDirection::kWarp ? 0 : 1];
+    if (best.ahead == kNone || best.behind == kNone) continue;
     Spring bend;
-    bend.a = std::min(s.ahead, s.behind);
-    bend.b = std::max(s.ahead, s.behind);
+    bend.a = std::min(best.ahead, best.behind);
+    bend.b = std::max(best.ahead, best.behind);
     bend.kind = SpringKind::kBend;
     bend.direction = thread;
     bend.support = {v, kNone};
@@ -232,6 +303,7 @@ void SpringNetwork::deriveBends(const TriangleMesh& mesh, VertexId v,
   }
 }
 
+/// Derives the springs at and over each of `vertices`; one between two of them only once.
 template <typename Sink>
 void SpringNetwork::deriveAroundAll(const TriangleMesh& mesh, const std::vector<VertexId>& vertices,
                                     const Sink& sink) const {
@@ -242,7 +314,7 @@ void SpringNetwork::deriveAroundAll(const TriangleMesh& mesh, const std::vector<
     mesh.neighbours(v, neighbours);
     for (VertexId w : neighbours) {
       const bool foundThere = w < v && listed[w];
-      if (!foundThere) deriveEdge(mesh, std::min(v, w), std::max(v, w), sink);
+      if (!foundThere) deriveOnEdge(mesh, std::min(v, w), std::max(v, w), sink);
     }
     if (clothAt(mesh, v).selection.bend) deriveBends(mesh, v, neighbours, sink);
   }
@@ -261,94 +333,93 @@ void SpringNetwork::build(const TriangleMesh& mesh) {
   slots_.reserve(kUsualSprings * all.size());
   deriveAroundAll(mesh, all, [this](const Spring& spring) {
     slots_.append(spring);
-    ++count_[static_cast<int>(spring.kind)];
+    ++count_[static_cast<std::size_t>(spring.kind)];
   });
 }
 
+/// Sets rest length, stiffness and damping.
+/// \param on  the faces that the spring represents.
 void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
                                  Spring& spring) const {
   const Vec2 d = mesh.material(spring.b) - mesh.material(spring.a);
   spring.restLength = d.norm();
   const Cloth& cloth = clothAt(mesh, spring.a);
   if (cloth.raw) {
-    const RawSpringFraction share = rawShare(mesh, on, spring);
-    const double constant = cloth.raw->constant[static_cast<int>(spring.kind)];
+    const RawSpringFraction raw = rawFraction(mesh, on, spring);
+    const double constant = cloth.raw->constant[static_cast<std::size_t>(spring.kind)];
     // Half of a spring is twice as stiff.
-    const double perLength = cloth.raw->perStretch ? 1.0 : share.length;
-    spring.stiffness = scale_ * constant * share.part * perLength / spring.restLength;
-    spring.damping = cloth.raw->dashpot * share.part * share.length / spring.restLength;
+    const double perLength = cloth.raw->perStretch ? 1.0 : raw.restLength;
+    spring.stiffness = scale_ * constant * raw.fraction * perLength / spring.restLength;
+    spring.damping = cloth.raw->dashpot * raw.fraction * raw.restLength / spring.restLength;
   } else {
     spring.stiffness = scale_ * cloth.calibration.stiffness(spring, d, areaOf(mesh, on));
     spring.damping = cloth.calibration.damping() * spring.stiffness;
   }
 }
 
-RawSpringFraction SpringNetwork::rawShare(const TriangleMesh& mesh, const IndexSpan& on,
-                                          const Spring& spring) const {
-  if (spring.kind == SpringKind::kBend) {
-    RawSpringFraction share = rawShares_.ofCorners(mesh, on, spring.support[0]);
+RawSpringFraction SpringNetwork::rawFraction(const TriangleMesh& mesh, const IndexSpan& on,
+                                             const Spring& spring) const {
+  if (traitsOf(spring.kind).bridgesAVertex) {
+    RawSpringFraction result = rawFractions_.ofCorners(mesh, on, spring.support[0]);
     const std::size_t thread = spring.direction == ThreadDirection::kWarp ? 0 : 1;
     const double usual = clothAt(mesh, spring.a).rawBendLength[thread];
-    share.length = share.length == 0.0 && usual > 0.0 ? usual : spring.restLength;
-    return share;
+    result.restLength = result.restLength == 0.0 && usual > 0.0 ? usual : spring.restLength;
+    return result;
   }
   const bool isEdge = spring.support[0] == spring.a && spring.support[1] == spring.b;
   if (!isEdge) return {1.0, spring.restLength};
-  return rawShares_.ofEdge(mesh, on, spring.a, spring.b);
+  return rawFractions_.ofEdge(mesh, on, spring.a, spring.b);
 }
 
 SpringChanges SpringNetwork::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
   if (!changes.removedFaces.empty()) return applyRemoval(mesh, changes);
   const auto vertices = static_cast<std::size_t>(mesh.vertexCount());
-  for (std::size_t lists = standing().size(); lists < vertices; ++lists) standing_.addList();
-  if (anyRaw_) rawShares_.applyChanges(mesh, changes);
-  applyClearedEdges(changes);
-  const std::vector<std::int32_t> standing = springsOnAny(changes.touched);
+  for (std::size_t lists = supported().size(); lists < vertices; ++lists) supported_.addList();
+  if (anyRaw_) rawFractions_.applyChanges(mesh, changes);
+  copyCleared(changes);
+
+  std::vector<Keyed<std::int32_t>> old;
+  for (std::int32_t slot : springsOnAny(changes.touched)) {
+    old.push_back({keyOf(slots_[slot]), slot});
+  }
   std::vector<Spring> derived;
   derived.reserve(kUsualSprings * changes.touched.size());
   deriveAroundAll(mesh, changes.touched, [&](const Spring& spring) { derived.push_back(spring); });
-  std::vector<Keyed<std::size_t>> after;
+  std::vector<Keyed<std::int32_t>> after;
   after.reserve(derived.size());
   const Ancestors ancestors(changes);
   for (std::size_t k = 0; k < derived.size(); ++k) {
-    if (cleared_.count(ownKey(derived[k])) == 0) after.push_back({ancestors.key(derived[k]), k});
+    if (cleared_.count(keyOf(derived[k])) != 0) continue;
+    after.push_back({ancestors.key(derived[k]), static_cast<std::int32_t>(k)});
   }
-  std::vector<Keyed<std::int32_t>> old;
-  old.reserve(standing.size());
-  for (std::int32_t slot : standing) old.push_back({ownKey(slots_[slot]), slot});
-  std::sort(old.begin(), old.end());
-  std::sort(after.begin(), after.end());
+  return update(matchByKey(std::move(old), std::move(after)), derived);
+}
 
-  // Both are sorted by what the springs were called before the edit: the first of several copies
-  // (the one that kept its ends, if any did) goes on in the slot.
+/// Stores derived springs in the slots of those that they continue, or in new ones; removes old
+/// springs that nothing continues.
+SpringChanges SpringNetwork::update(const std::vector<SpringMatch>& matches,
+                                    const std::vector<Spring>& derived) {
   SpringChanges result;
-  std::vector<Spring> fresh;
-  fresh.reserve(after.size());
-  auto at = old.begin();
-  for (const auto& [key, k] : after) {
-    const Spring& spring = derived[k];
-    for (; at != old.end() && at->key < key; ++at) result.removed.push_back(at->value);
-    if (at != old.end() && at->key == key) {
-      const Spring before = slots_[at->value];
-      if (!(before == spring)) {
-        result.modified.push_back(at->value);
-        --count_[static_cast<std::size_t>(before.kind)];
-        ++count_[static_cast<std::size_t>(spring.kind)];
-        replace(at->value, spring);
-      }
-      ++at;
-    } else {
-      fresh.push_back(spring);
-    }
+  for (const auto& [slot, k] : matches) {
+    if (k == kNone) result.removed.push_back(slot);
+    if (k == kNone || slot == kNone) continue;
+    const Spring before = slots_[slot];
+    const Spring& after = derived[static_cast<std::size_t>(k)];
+    if (before == after) continue;
+    result.modified.push_back(slot);
+    --count_[static_cast<std::size_t>(before.kind)];
+    ++count_[static_cast<std::size_t>(after.kind)];
+    replace(slot, after);
   }
-  for (; at != old.end(); ++at) result.removed.push_back(at->value);
   std::sort(result.removed.begin(), result.removed.end());
   std::sort(result.modified.begin(), result.modified.end());
   for (std::int32_t slot : result.removed) {
     result.removedSprings.push_back(slots_[slot]);
     erase(slot);
   }
-  for (const Spring& spring : fresh) result.added.push_back(insert(spring));
+  for (const auto& [slot, k] : matches) {
+    if (slot == kNone) result.added.push_back(insert(derived[static_cast<std::size_t>(k)]));
+  }
   return result;
 }
 
@@ -357,55 +428,39 @@ SpringChanges SpringNetwork::clear(const std::vector<std::int32_t>& slots) {
   for (std::int32_t slot : slots) {
     result.removed.push_back(slot);
     result.removedSprings.push_back(slots_[slot]);
-    cleared_.insert(ownKey(slots_[slot]));
+    cleared_.insert(keyOf(slots_[slot]));
     erase(slot);
   }
   return result;
 }
 
+/// Renumbers the springs of what is left after connected components were removed.
 SpringChanges SpringNetwork::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
-  std::vector<VertexId> nameOf(static_cast<std::size_t>(mesh.vertexCount()) +
-                               changes.vertices.size());
-  std::iota(nameOf.begin(), nameOf.end(), 0);
-  std::vector<VertexId> original = nameOf;  // by present name
-  for (const VertexEdit& edit : changes.vertices) {
-    nameOf[original[edit.id]] = kNone;
-    if (edit.from[0] != edit.id) nameOf[original[edit.from[0]]] = edit.id;
-    original[edit.id] = original[edit.from[0]];
-  }
-  if (anyRaw_) rawShares_.applyChanges(mesh, changes);
-  std::set<SpringKey> cleared;
-  for (const SpringKey& key : cleared_) {
-    std::array<VertexId, 4> v = unpacked(key);
-    for (VertexId& end : v) end = end == kNone ? kNone : nameOf[end];
-    cleared.insert(makeKey(v[0], v[1], v[2], v[3]));
-  }
-  cleared_ = std::move(cleared);
+  const std::vector<VertexId> newId = newIdsAfter(changes, mesh.vertexCount());
+  if (anyRaw_) rawFractions_.applyChanges(mesh, changes);
+  renameCleared(newId);
   SpringChanges result;
-  const auto rename = [&](VertexId& v) { v = v == kNone ? kNone : nameOf[v]; };
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(slots_.size()); ++slot) {
     const Spring before = slots_[slot];
     if (!before.exists()) continue;
-    Spring spring = before;
-    for (VertexId* v : {&spring.a, &spring.b, &spring.support[0], &spring.support[1]}) rename(*v);
-    if (!spring.exists()) {
+    const Spring after = renumbered(before, newId);
+    if (after == before) continue;
+    if (after.exists()) {
+      slots_.set(slot, after);
+      result.modified.push_back(slot);
+    } else {
       result.removed.push_back(slot);
       result.removedSprings.push_back(before);
-      --count_[static_cast<int>(before.kind)];
+      --count_[static_cast<std::size_t>(before.kind)];
       slots_.set(slot, Spring{});
-      continue;
     }
-    if (spring.a > spring.b) std::swap(spring.a, spring.b);
-    const bool bend = spring.kind == SpringKind::kBend;
-    if (!bend && spring.support[0] > spring.support[1]) {
-      std::swap(spring.support[0], spring.support[1]);
-    }
-    if (spring == before) continue;
-    slots_.set(slot, spring);
-    result.modified.push_back(slot);
   }
-  standing_ = IndexLists();
+  supported_ = IndexLists();
   return result;
+}
+
+std::int32_t SpringNetwork::count() const {
+  return std::accumulate(count_.begin(), count_.end(), 0);
 }
 
 std::vector<std::int32_t> SpringNetwork::springsOnAny(const std::vector<VertexId>& vertices) const {
@@ -420,35 +475,35 @@ std::vector<std::int32_t> SpringNetwork::springsOnAny(const std::vector<VertexId
 }
 
 IndexSpan SpringNetwork::springsOn(VertexId v) const {
-  if (static_cast<std::size_t>(v) >= standing().size()) return {nullptr, nullptr};
-  return standing()[v];
+  if (static_cast<std::size_t>(v) >= supported().size()) return {nullptr, nullptr};
+  return supported()[v];
 }
 
-const IndexLists& SpringNetwork::standing() const {
-  if (standing_.size() == 0) standing_ = listStanding(slots_);
-  return standing_;
+const IndexLists& SpringNetwork::supported() const {
+  if (supported_.size() == 0) supported_ = listSupported(slots_);
+  return supported_;
 }
 
 std::int32_t SpringNetwork::insert(const Spring& spring) {
   const auto slot = static_cast<std::int32_t>(slots_.size());
   slots_.append(Spring{});
   replace(slot, spring);
-  ++count_[static_cast<int>(spring.kind)];
+  ++count_[static_cast<std::size_t>(spring.kind)];
   return slot;
 }
 
 void SpringNetwork::erase(std::int32_t slot) {
-  --count_[static_cast<int>(slots_[slot].kind)];
+  --count_[static_cast<std::size_t>(slots_[slot].kind)];
   replace(slot, Spring{});
 }
 
 void SpringNetwork::replace(std::int32_t slot, const Spring& spring) {
-  if (standing_.size() > 0) {
+  if (supported_.size() > 0) {
     for (VertexId v : slots_[slot].support) {
-      if (v != kNone) standing_.erase(v, slot);
+      if (v != kNone) supported_.erase(v, slot);
     }
     for (VertexId v : spring.support) {
-      if (v != kNone) standing_.insertSorted(v, slot);
+      if (v != kNone) supported_.insertSorted(v, slot);
     }
   }
   slots_.set(slot, spring);

@@ -8,14 +8,16 @@
 namespace cloth_sim {
 namespace {
 
+/// Power iterations. More gain little beyond the margin.
 constexpr int kIterations = 60;
-/// On omega^2: for what the iterations have not found yet.
+/// Factor on omega^2 for the part that the iterations have not found yet.
 constexpr double kMargin = 1.1;
 
+/// A vector per particle, (particleCount,).
 using Field = std::vector<Vec3>;
 
-/// Rows of the bending energy's stiffness, summed without signs [N/m].
-std::vector<double> bendingRows(const Model& model) {
+/// Returns the absolute row sums of the stiffness matrix of the bending energy [N/m].
+std::vector<double> bendingRowSums(const Model& model) {
   std::vector<double> rows(static_cast<std::size_t>(model.particleCount()), 0.0);
   for (const PlateElement& element : model.bending.elements()) {
     double sum = 0.0;
@@ -39,9 +41,9 @@ double largestRetardation(const Model& model) {
   return largest;
 }
 
-/// out = K v, with the springs linearised at x; their compression does not count (it slows down).
-void multiply(const Model& model, const VertexData<Vec3>& x, const Field& v, Field& out) {
-  std::fill(out.begin(), out.end(), Vec3::Zero());
+/// Adds K v of the springs, linearised at x. The geometric stiffness of compressed springs is
+/// negative and would reduce omega, so it is left out.
+void multiplySprings(const Model& model, const VertexData<Vec3>& x, const Field& v, Field& out) {
   for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
     const Vec3 d = x[spring.b] - x[spring.a];
@@ -57,6 +59,10 @@ void multiply(const Model& model, const VertexData<Vec3>& x, const Field& v, Fie
     out[a] += f;
     out[b] -= f;
   }
+}
+
+/// Adds K v of the bending elements, whose stiffness is constant.
+void multiplyBending(const Model& model, const Field& v, Field& out) {
   for (const PlateElement& element : model.bending.elements()) {
     Vec3 curvature = Vec3::Zero();
     for (int k = 0; k < element.count; ++k) {
@@ -71,7 +77,14 @@ void multiply(const Model& model, const VertexData<Vec3>& x, const Field& v, Fie
   }
 }
 
-/// Square root of sum m v^2.
+/// Computes out = K v.
+void multiply(const Model& model, const VertexData<Vec3>& x, const Field& v, Field& out) {
+  std::fill(out.begin(), out.end(), Vec3::Zero());
+  multiplySprings(model, x, v, out);
+  multiplyBending(model, v, out);
+}
+
+/// Returns the mass norm of a field: the square root of sum m |v|^2.
 double massNorm(const Model& model, const Field& v) {
   double sum = 0.0;
   for (VertexId k = 0; k < model.particleCount(); ++k) {
@@ -80,8 +93,8 @@ double massNorm(const Model& model, const Field& v) {
   return std::sqrt(sum);
 }
 
-/// The same on every platform.
-Field anyField(std::size_t size) {
+/// Returns the start of the power iteration: random, and the same bits on every platform.
+Field startField(std::size_t size) {
   std::mt19937_64 generator(1);
   Field field(size);
   for (Vec3& v : field) {
@@ -101,7 +114,7 @@ FastestMode boundFastestMode(const Model& model) {
     stiffness[static_cast<std::size_t>(spring.a)] += spring.stiffness;
     stiffness[static_cast<std::size_t>(spring.b)] += spring.stiffness;
   }
-  const std::vector<double> bending = bendingRows(model);
+  const std::vector<double> bending = bendingRowSums(model);
   double squared = 0.0;
   for (VertexId v = 0; v < model.particleCount(); ++v) {
     const auto k = static_cast<std::size_t>(v);
@@ -112,7 +125,7 @@ FastestMode boundFastestMode(const Model& model) {
 
 FastestMode estimateFastestMode(const Model& model, const State& state) {
   const FastestMode bound = boundFastestMode(model);
-  Field v = anyField(static_cast<std::size_t>(model.particleCount()));
+  Field v = startField(static_cast<std::size_t>(model.particleCount()));
   Field image(v.size());
   double squared = 0.0;
   for (int k = 0; k < kIterations; ++k) {

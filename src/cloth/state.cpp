@@ -12,13 +12,13 @@
 namespace cloth_sim {
 namespace {
 
-static_assert(sizeof(Vec3) == 3 * sizeof(double), "coordinates lie one after the other");
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "coordinates are contiguous");
 
+/// Returns whether all values are finite. A sum is finite only if every term is, and needs no
+/// branch per term; several independent sums hide the latency of the additions.
 bool allFinite(const VertexData<Vec3>& data) {
-  // A sum is finite only if every term is, and costs no branch per term; several sums do not wait
-  // for each other.
   constexpr std::size_t kSums = 12;
-  static_assert(kSums % 3 == 0, "whole particles");
+  static_assert(kSums % 3 == 0, "each block has whole particles");
   std::array<double, kSums> sums{};
   const std::vector<Vec3>& values = data.values();
   std::size_t k = 0;
@@ -31,7 +31,7 @@ bool allFinite(const VertexData<Vec3>& data) {
 }
 
 void copyData(const VertexData<Vec3>& from, VertexData<Vec3>& to) {
-  constexpr std::int32_t kGrain = 8192;  // so many are worth a second thread
+  constexpr std::int32_t kGrain = 8192;  // particles for which a second thread pays
   if (to.size() != from.size() || to.revision() != from.revision()) {
     to = from;
     return;
@@ -100,7 +100,7 @@ double stretch(const Spring& spring, const State& state) {
 double maxStretch(const Model& model, const State& state) {
   double largest = 0.0;
   for (const Spring& spring : model.springs.slots()) {
-    if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
+    if (!spring.exists() || !traitsOf(spring.kind).isMembrane) continue;
     const double squared = (state.x[spring.b] - state.x[spring.a]).squaredNorm();
     largest = std::max(largest, squared / (spring.restLength * spring.restLength));
   }

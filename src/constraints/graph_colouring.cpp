@@ -13,7 +13,7 @@ constexpr double kGridTolerance = 1e-6;
 /// into a group are numbered one after the other: first those within rows, then those between rows
 /// 2k and 2k + 1, then those between rows 2k + 1 and 2k + 2, then those over two rows.
 int colourOf(const Model& model, const Spring& spring, int parity) {
-  const bool bend = spring.kind == SpringKind::kBend;
+  const bool bend = traitsOf(spring.kind).bridgesAVertex;
   const Vec2 d = model.mesh.material(spring.b) - model.mesh.material(spring.a);
   switch (spring.direction) {
     case ThreadDirection::kWarp:

@@ -5,18 +5,19 @@
 namespace cloth_sim {
 namespace {
 
-/// A part of a side, rounded so that its multiples are exact up to eight sides: further cloths lie
-/// beside the first one in material coordinates.
-double cellOf(double side, int cells) {
+/// Divides a side [m] into cells and rounds the result to a multiple of the precision of eight
+/// sides, so that its multiples are exact up to there. Eight, because further cloths lie beside the
+/// first one in material coordinates.
+double cellSize(double side, int cells) {
   const double far = 8.0 * side;
   return (far + side / cells) - far;
 }
 
 }  // namespace
 
-double Grid::spacingU() const { return cellOf(width, columns - 1); }
+double Grid::spacingU() const { return cellSize(width, columns - 1); }
 
-double Grid::spacingV() const { return cellOf(height, rows - 1); }
+double Grid::spacingV() const { return cellSize(height, rows - 1); }
 
 TriangleMesh makeGridMesh(const Grid& grid) {
   if (grid.columns < 2 || grid.rows < 2) {

@@ -5,7 +5,8 @@
 namespace cloth_sim {
 namespace {
 
-/// Sets a flag, and tells whether it was not set before.
+/// Sets a flag.
+/// \return whether it was not set before.
 bool raise(std::vector<bool>& flags, std::int32_t k) {
   if (flags.size() <= static_cast<std::size_t>(k)) flags.resize(static_cast<std::size_t>(k) + 1);
   if (flags[k]) return false;
@@ -23,11 +24,12 @@ void sortUnique(std::vector<T>& values) {
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-/// Index of `v` among the corners of `face`.
+/// Returns the index of `v` among the corners of `face`.
 int cornerOf(const Face& face, VertexId v) {
   return static_cast<int>(std::find(face.begin(), face.end(), v) - face.begin());
 }
 
+// Bit k of a face's boundary bits: see TriangleMesh::isOriginalBoundary.
 bool hasBit(std::uint8_t bits, int k) { return ((bits >> k) & 1U) != 0; }
 std::uint8_t bitIf(bool set, int k) { return static_cast<std::uint8_t>(set ? 1U << k : 0U); }
 
@@ -41,7 +43,7 @@ bool MeshEditor::splitVertex(VertexId v, const std::vector<FaceId>& detach) {
   if (detach.empty() || detach.size() >= mesh_.facesAround(v).size()) return false;
   const std::vector<VertexId> reached = mesh_.neighbours(v);
   const VertexId copy = copyVertex(v);
-  for (FaceId f : detach) rename(f, v, copy);
+  for (FaceId f : detach) replaceCorner(f, v, copy);
   separateFans(v);
   separateFans(copy);
   for (VertexId neighbour : reached) separateFans(neighbour);
@@ -61,39 +63,43 @@ VertexId MeshEditor::splitEdge(VertexId a, VertexId b, double t) {
   return middle;
 }
 
-/// `f` keeps the half that has `a`, or rather the first end in its orientation.
+/// Replaces `f` by its two halves. It keeps its number for the half at the first end of the edge in
+/// its own orientation.
 void MeshEditor::halveFace(FaceId f, VertexId a, VertexId b, VertexId middle) {
   const Face face = mesh_.faces_[f];
-  const std::uint8_t rim = mesh_.rim_[f];
+  const std::uint8_t boundaryBits = mesh_.boundaryBits_[f];
   int k = cornerOf(face, a);
   if (face[(k + 1) % 3] != b) k = cornerOf(face, b);
   const VertexId first = face[k];
   const VertexId second = face[(k + 1) % 3];
   const VertexId apex = face[(k + 2) % 3];
-  const bool onRim = hasBit(rim, k);
+  const bool onBoundary = hasBit(boundaryBits, k);
   setFace(f, {first, middle, apex},
-          static_cast<std::uint8_t>(bitIf(onRim, 0) | bitIf(hasBit(rim, (k + 2) % 3), 2)));
-  addFace({middle, second, apex},
-          static_cast<std::uint8_t>(bitIf(onRim, 0) | bitIf(hasBit(rim, (k + 1) % 3), 1)), f);
+          static_cast<std::uint8_t>(bitIf(onBoundary, 0) |
+                                    bitIf(hasBit(boundaryBits, (k + 2) % 3), 2)));
+  addFace(
+      {middle, second, apex},
+      static_cast<std::uint8_t>(bitIf(onBoundary, 0) | bitIf(hasBit(boundaryBits, (k + 1) % 3), 1)),
+      f);
 }
 
 VertexId MeshEditor::splitFace(FaceId f, const std::array<double, 3>& weight) {
   const Face face = mesh_.faces_[f];
-  const std::uint8_t rim = mesh_.rim_[f];
+  const std::uint8_t boundaryBits = mesh_.boundaryBits_[f];
   VertexEdit edit;
   edit.kind = VertexEdit::Kind::kInsert;
   edit.from = face;
   edit.weight = weight;
   const VertexId middle = addVertex(edit);
-  setFace(f, {face[0], face[1], middle}, bitIf(hasBit(rim, 0), 0));
-  addFace({face[1], face[2], middle}, bitIf(hasBit(rim, 1), 0), f);
-  addFace({face[2], face[0], middle}, bitIf(hasBit(rim, 2), 0), f);
+  setFace(f, {face[0], face[1], middle}, bitIf(hasBit(boundaryBits, 0), 0));
+  addFace({face[1], face[2], middle}, bitIf(hasBit(boundaryBits, 1), 0), f);
+  addFace({face[2], face[0], middle}, bitIf(hasBit(boundaryBits, 2), 0), f);
   return middle;
 }
 
 void MeshEditor::flipEdge(VertexId a, VertexId b) {
   const auto [f, g] = mesh_.facesOnEdge(a, b);
-  // Rotate so that f runs from a to b.
+  // Exchange the ends if necessary, so that f runs from a to b.
   if (mesh_.faces_[f][(cornerOf(mesh_.faces_[f], a) + 1) % 3] != b) std::swap(a, b);
   const Face left = mesh_.faces_[f];
   const Face right = mesh_.faces_[g];
@@ -101,17 +107,17 @@ void MeshEditor::flipEdge(VertexId a, VertexId b) {
   const int inRight = cornerOf(right, b);
   const VertexId c = left[(inLeft + 2) % 3];
   const VertexId d = right[(inRight + 2) % 3];
-  const std::uint8_t leftRim = mesh_.rim_[f];
-  const std::uint8_t rightRim = mesh_.rim_[g];
+  const std::uint8_t leftBits = mesh_.boundaryBits_[f];
+  const std::uint8_t rightBits = mesh_.boundaryBits_[g];
   const std::uint8_t generation = std::max(mesh_.generation_[f], mesh_.generation_[g]);
   setFace(f, {a, d, c},
-          static_cast<std::uint8_t>(bitIf(hasBit(rightRim, (inRight + 1) % 3), 0) |
-                                    bitIf(hasBit(leftRim, (inLeft + 2) % 3), 2)));
+          static_cast<std::uint8_t>(bitIf(hasBit(rightBits, (inRight + 1) % 3), 0) |
+                                    bitIf(hasBit(leftBits, (inLeft + 2) % 3), 2)));
   setFace(g, {d, b, c},
-          static_cast<std::uint8_t>(bitIf(hasBit(rightRim, (inRight + 2) % 3), 0) |
-                                    bitIf(hasBit(leftRim, (inLeft + 1) % 3), 1)));
+          static_cast<std::uint8_t>(bitIf(hasBit(rightBits, (inRight + 2) % 3), 0) |
+                                    bitIf(hasBit(leftBits, (inLeft + 1) % 3), 1)));
   mesh_.generation_[f] = mesh_.generation_[g] = generation;
-  // What stood on the edge is gone for its ends too.
+  // The edge is gone: its ends are touched, though they are in one of the faces still.
   for (VertexId v : {a, b, c, d}) touch(v);
 }
 
@@ -138,11 +144,12 @@ void MeshEditor::removeComponents(const std::vector<FaceId>& faces) {
     vertices.insert(vertices.end(), face.begin(), face.end());
   }
   sortUnique(vertices);
-  // From the end, so that what takes a place does not have to go itself.
+  // From the last one, so that no face or vertex that fills a gap is to be removed itself.
   for (auto f = faces.rbegin(); f != faces.rend(); ++f) removeFace(*f);
   for (auto v = vertices.rbegin(); v != vertices.rend(); ++v) removeVertex(*v);
 }
 
+/// Removes a face; the last face takes its place.
 void MeshEditor::removeFace(FaceId f) {
   for (VertexId v : mesh_.faces_[f]) unlink(f, v);
   const FaceId last = mesh_.faceCount() - 1;
@@ -152,15 +159,16 @@ void MeshEditor::removeFace(FaceId f) {
       link(f, v);
     }
     mesh_.faces_[f] = mesh_.faces_[last];
-    mesh_.rim_[f] = mesh_.rim_[last];
+    mesh_.boundaryBits_[f] = mesh_.boundaryBits_[last];
     mesh_.generation_[f] = mesh_.generation_[last];
   }
   mesh_.faces_.pop_back();
-  mesh_.rim_.pop_back();
+  mesh_.boundaryBits_.pop_back();
   mesh_.generation_.pop_back();
   changes_.removedFaces.push_back(f);
 }
 
+/// Removes a vertex without faces; the last vertex takes its place.
 void MeshEditor::removeVertex(VertexId v) {
   const VertexId last = mesh_.vertexCount() - 1;
   for (FaceId f : mesh_.incident_[last]) {
@@ -217,7 +225,7 @@ VertexId MeshEditor::copyVertex(VertexId v) {
   return addVertex(edit);
 }
 
-void MeshEditor::rename(FaceId f, VertexId from, VertexId to) {
+void MeshEditor::replaceCorner(FaceId f, VertexId from, VertexId to) {
   Face& face = mesh_.faces_[f];
   touch(face);
   touch(to);
@@ -227,18 +235,19 @@ void MeshEditor::rename(FaceId f, VertexId from, VertexId to) {
   recordChanged(f);
 }
 
+/// Copies a vertex until each copy has a single fan of faces.
 void MeshEditor::separateFans(VertexId v) {
   const std::vector<std::vector<FaceId>> fans = fansAround(mesh_, v);
   for (std::size_t k = 1; k < fans.size(); ++k) {
     const VertexId copy = copyVertex(v);
-    for (FaceId f : fans[k]) rename(f, v, copy);
+    for (FaceId f : fans[k]) replaceCorner(f, v, copy);
   }
 }
 
-FaceId MeshEditor::addFace(const Face& face, std::uint8_t rim, FaceId parent) {
+FaceId MeshEditor::addFace(const Face& face, std::uint8_t boundaryBits, FaceId parent) {
   const FaceId f = mesh_.faceCount();
   mesh_.faces_.push_back(face);
-  mesh_.rim_.push_back(rim);
+  mesh_.boundaryBits_.push_back(boundaryBits);
   mesh_.generation_.push_back(std::uint8_t{mesh_.generation_[parent]});
   for (VertexId v : face) link(f, v);
   recordChanged(f);
@@ -246,7 +255,7 @@ FaceId MeshEditor::addFace(const Face& face, std::uint8_t rim, FaceId parent) {
   return f;
 }
 
-void MeshEditor::setFace(FaceId f, const Face& face, std::uint8_t rim) {
+void MeshEditor::setFace(FaceId f, const Face& face, std::uint8_t boundaryBits) {
   const Face before = mesh_.faces_[f];
   for (VertexId v : before) {
     if (std::find(face.begin(), face.end(), v) == face.end()) unlink(f, v);
@@ -256,7 +265,7 @@ void MeshEditor::setFace(FaceId f, const Face& face, std::uint8_t rim) {
   }
   touch(before);
   mesh_.faces_[f] = face;
-  mesh_.rim_[f] = rim;
+  mesh_.boundaryBits_[f] = boundaryBits;
   recordChanged(f);
   recordReshaped(f);
 }

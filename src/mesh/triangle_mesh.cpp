@@ -11,14 +11,15 @@ namespace {
 
 bool contains(const Face& face, VertexId v) { return face[0] == v || face[1] == v || face[2] == v; }
 
-/// The vertices of `face` after and before `v` in its orientation.
+/// Returns the corners of `face` after and before `v`.
 std::pair<VertexId, VertexId> around(const Face& face, VertexId v) {
   if (face[0] == v) return {face[1], face[2]};
   if (face[1] == v) return {face[2], face[0]};
   return {face[0], face[1]};
 }
 
-std::string validateFace(const TriangleMesh& mesh, FaceId f) {
+/// Returns one sentence about what is wrong with a face; empty if nothing is.
+std::string faceError(const TriangleMesh& mesh, FaceId f) {
   const Face& face = mesh.face(f);
   for (VertexId v : face) {
     if (v < 0 || v >= mesh.vertexCount()) {
@@ -35,11 +36,11 @@ std::string validateFace(const TriangleMesh& mesh, FaceId f) {
   return "";
 }
 
-/// The faces around a vertex, and the vertices after and before it in each of them.
-class Ring {
+/// The one-ring of a vertex: the neighbours after and before it in each of its faces.
+class OneRing {
  public:
-  /// \param v  whose faces all have it.
-  void lookAround(const TriangleMesh& mesh, VertexId v) {
+  /// Reads the ring of `v`, reusing the memory of the last one.
+  void read(const TriangleMesh& mesh, VertexId v) {
     next_.clear();
     previous_.clear();
     for (const FaceId f : mesh.facesAround(v)) {
@@ -49,10 +50,12 @@ class Ring {
     }
   }
 
-  /// Whether the edge from the vertex in the k-th of the faces is in no other one.
-  bool isOriginalBoundary(std::size_t k) const { return to(next_[k]) < 0; }
+  /// Whether the edge that leaves the vertex in its k-th face is on the border.
+  bool isBorder(std::size_t k) const { return to(next_[k]) < 0; }
 
-  std::string describeDoubleEdge(VertexId v) const {
+  /// Returns one sentence about an edge at `v` that two faces run along in the same direction;
+  /// empty if there is none.
+  std::string doubleEdgeError(VertexId v) const {
     const auto describe = [](VertexId from, VertexId to) {
       return "edge " + std::to_string(from) + " -> " + std::to_string(to) +
              " is run through twice in the same direction";
@@ -64,12 +67,12 @@ class Ring {
     return "";
   }
 
-  /// Whether the faces, no two of which run along an edge in the same direction, can be gone
-  /// through from edge to edge. As `fansAround`, but it needs no memory.
+  /// Whether the faces form a single fan, provided that `doubleEdgeError` is empty. Walks from face
+  /// to face across their common edges; unlike `fansAround` it allocates nothing.
   bool isOneFan() const {
-    int first = 0;  // any, if they close around it
+    int first = 0;  // any face, if the fan is closed
     for (std::size_t k = 0; k < next_.size(); ++k) {
-      if (isOriginalBoundary(k)) first = static_cast<int>(k);
+      if (isBorder(k)) first = static_cast<int>(k);
     }
     std::size_t count = 0;
     int at = first;
@@ -81,11 +84,11 @@ class Ring {
   }
 
  private:
-  /// Which of the faces has the edge from the vertex to `w`, or -1.
-  int from(VertexId w) const { return placeOf(next_, w); }
-  /// ... from `w` to the vertex.
-  int to(VertexId w) const { return placeOf(previous_, w); }
-  static int placeOf(const std::vector<VertexId>& list, VertexId w) {
+  /// Index of the face with the directed edge from the vertex to `w`, or -1.
+  int from(VertexId w) const { return indexOf(next_, w); }
+  /// Index of the face with the directed edge from `w` to the vertex, or -1.
+  int to(VertexId w) const { return indexOf(previous_, w); }
+  static int indexOf(const std::vector<VertexId>& list, VertexId w) {
     for (std::size_t k = 0; k < list.size(); ++k) {
       if (list[k] == w) return static_cast<int>(k);
     }
@@ -95,8 +98,9 @@ class Ring {
   std::vector<VertexId> next_, previous_;
 };
 
-/// \param ring  where the vertex will have looked around, if the vertex is valid.
-std::string validateVertex(const TriangleMesh& mesh, VertexId v, Ring& ring) {
+/// Returns one sentence about what is wrong around a vertex; empty if nothing is.
+/// \param ring  receives the one-ring of the vertex if its faces are valid.
+std::string vertexError(const TriangleMesh& mesh, VertexId v, OneRing& ring) {
   const IndexSpan faces = mesh.facesAround(v);
   if (faces.empty()) return "vertex " + std::to_string(v) + " has no face";
   if (!std::is_sorted(faces.begin(), faces.end())) {
@@ -108,8 +112,8 @@ std::string validateVertex(const TriangleMesh& mesh, VertexId v, Ring& ring) {
              ", which does not have it";
     }
   }
-  ring.lookAround(mesh, v);
-  const std::string edge = ring.describeDoubleEdge(v);
+  ring.read(mesh, v);
+  const std::string edge = ring.doubleEdgeError(v);
   if (!edge.empty()) return edge;
   if (!ring.isOneFan()) {
     return "vertex " + std::to_string(v) + " joins faces at a single point";
@@ -121,28 +125,34 @@ std::string validateVertex(const TriangleMesh& mesh, VertexId v, Ring& ring) {
 
 TriangleMesh::TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces)
     : material_(std::move(material)), faces_(std::move(faces)) {
+  listIncidentFaces();
+  generation_.assign(faces_.size(), 0);
+  boundaryBits_.assign(faces_.size(), 0);
+  OneRing ring;
+  for (VertexId v = 0; v < vertexCount(); ++v) {
+    const std::string error = vertexError(*this, v, ring);
+    if (!error.empty()) throw std::invalid_argument(error);
+    const IndexSpan around = facesAround(v);
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      const Face& face = faces_[around[k]];
+      const auto corner = std::find(face.begin(), face.end(), v) - face.begin();
+      if (ring.isBorder(k)) boundaryBits_[around[k]] |= 1U << corner;
+    }
+  }
+}
+
+/// Fills `incident_`.
+/// \throws std::invalid_argument if a face is not valid.
+void TriangleMesh::listIncidentFaces() {
   std::vector<std::int32_t> facesOf(material_.size(), 0);
   for (FaceId f = 0; f < faceCount(); ++f) {
-    const std::string error = validateFace(*this, f);
+    const std::string error = faceError(*this, f);
     if (!error.empty()) throw std::invalid_argument(error);
     for (VertexId v : faces_[f]) ++facesOf[v];
   }
   incident_ = IndexLists(facesOf);
   for (FaceId f = 0; f < faceCount(); ++f) {
     for (VertexId v : faces_[f]) incident_.append(v, f);
-  }
-  generation_.assign(faces_.size(), 0);
-  rim_.assign(faces_.size(), 0);
-  Ring ring;
-  for (VertexId v = 0; v < vertexCount(); ++v) {
-    const std::string error = validateVertex(*this, v, ring);
-    if (!error.empty()) throw std::invalid_argument(error);
-    const IndexSpan around = facesAround(v);
-    for (std::size_t k = 0; k < around.size(); ++k) {
-      const Face& face = faces_[around[k]];
-      const auto corner = std::find(face.begin(), face.end(), v) - face.begin();
-      if (ring.isOriginalBoundary(k)) rim_[around[k]] |= 1U << corner;
-    }
   }
 }
 
@@ -200,7 +210,7 @@ std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v
 }
 
 std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v,
-                                            const std::function<bool(VertexId)>& isWall) {
+                                            const std::function<bool(VertexId)>& isCut) {
   const IndexSpan faces = mesh.facesAround(v);
   std::vector<std::vector<FaceId>> fans;
   std::vector<bool> taken(faces.size(), false);
@@ -217,8 +227,8 @@ std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v
       for (std::size_t other = 0; other < faces.size(); ++other) {
         const Face& candidate = mesh.face(faces[other]);
         if (taken[other]) continue;
-        const bool joined = (contains(candidate, next) && !isWall(next)) ||
-                            (contains(candidate, previous) && !isWall(previous));
+        const bool joined = (contains(candidate, next) && !isCut(next)) ||
+                            (contains(candidate, previous) && !isCut(previous));
         if (joined) {
           taken[other] = true;
           open.push_back(other);
@@ -238,7 +248,7 @@ double areaAround(const TriangleMesh& mesh, VertexId v) {
 }
 
 ConnectedComponents connectedComponents(const TriangleMesh& mesh) {
-  // On a manifold, faces that share a vertex are joined by edges around it: join vertices.
+  // Union-find over the vertices: on a manifold, faces that share a vertex are connected by edges.
   std::vector<VertexId> parent(static_cast<std::size_t>(mesh.vertexCount()));
   std::iota(parent.begin(), parent.end(), 0);
   const auto rootOf = [&parent](VertexId v) {
@@ -252,25 +262,25 @@ ConnectedComponents connectedComponents(const TriangleMesh& mesh) {
     const VertexId root = std::min({a, b, c});
     parent[a] = parent[b] = parent[c] = root;
   }
-  ConnectedComponents pieces;
-  pieces.ofFace.reserve(mesh.faces().size());
+  ConnectedComponents components;
+  components.ofFace.reserve(mesh.faces().size());
   std::vector<std::int32_t> ofRoot(parent.size(), kNone);
   for (const Face& face : mesh.faces()) {
-    std::int32_t& piece = ofRoot[rootOf(face[0])];
-    if (piece == kNone) piece = pieces.count++;
-    pieces.ofFace.push_back(piece);
+    std::int32_t& component = ofRoot[rootOf(face[0])];
+    if (component == kNone) component = components.count++;
+    components.ofFace.push_back(component);
   }
-  return pieces;
+  return components;
 }
 
 std::string validationError(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const std::string error = validateFace(mesh, f);
+    const std::string error = faceError(mesh, f);
     if (!error.empty()) return error;
   }
-  Ring ring;
+  OneRing ring;
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
-    const std::string error = validateVertex(mesh, v, ring);
+    const std::string error = vertexError(mesh, v, ring);
     if (!error.empty()) return error;
   }
   return "";

@@ -67,8 +67,9 @@ TearRatios scaledRatios(const TearRatios& ratio, double strain) {
   if (std::isfinite(before)) {
     for (double& value : result) value = 1.0 + (value - 1.0) * (strain / before);
   } else {
-    result[static_cast<std::size_t>(SpringKind::kStructural)] = 1.0 + strain;
-    result[static_cast<std::size_t>(SpringKind::kShear)] = 1.0 + strain;
+    for (const SpringKindTraits& traits : kSpringKindTraits) {
+      if (traits.isMembrane) result[static_cast<std::size_t>(traits.kind)] = 1.0 + strain;
+    }
   }
   return result;
 }

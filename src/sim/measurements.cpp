@@ -11,7 +11,7 @@ namespace {
 std::vector<Topology::Link> linksOf(const SpringNetwork& springs) {
   std::vector<Topology::Link> links;
   for (const Spring& spring : springs.slots()) {
-    if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
+    if (!spring.exists() || !traitsOf(spring.kind).isMembrane) continue;
     links.push_back({spring.a, spring.b, spring.restLength});
   }
   return links;

@@ -115,7 +115,7 @@ FaceInterval connected(const std::vector<FaceInterval>& intervals, double at) {
 }  // namespace
 
 std::vector<FaceId> facesUnder(const TriangleMesh& mesh, const Spring& spring) {
-  if (spring.kind == SpringKind::kBend) return mesh.facesAround(spring.support[0]);
+  if (traitsOf(spring.kind).bridgesAVertex) return mesh.facesAround(spring.support[0]);
   std::vector<FaceId> faces;
   for (FaceId f : mesh.facesOnEdge(spring.support[0], spring.support[1])) {
     if (f != kNone) faces.push_back(f);

@@ -1,13 +1,13 @@
 #pragma once
-/// \file What a cloth is made of, in SI units that do not depend on the mesh.
+/// \file Fabrics: the material parameters of cloth, in SI units that do not depend on the mesh.
 
 #include <string>
 #include <vector>
 
 namespace cloth_sim {
 
-/// A woven or knitted fabric as a linear orthotropic membrane with bending and Kelvin-Voigt
-/// damping. Defaults are those of the preset "cotton".
+/// Parameters of a woven or knitted fabric, modelled as a linear orthotropic membrane with bending
+/// and Kelvin-Voigt damping. Defaults are those of the preset "cotton".
 struct Fabric {
   std::string name = "custom";
   double arealDensity = 0.1036;  ///< mass per area [kg/m^2], > 0
@@ -18,13 +18,14 @@ struct Fabric {
   double damping = 0.0;          ///< retardation time: dashpot over stiffness [s], >= 0
   double friction = 0.3;         ///< Coulomb coefficient where an obstacle names none, >= 0
   double thickness = 0.18e-3;    ///< [m]; particles rest half of it above a surface, >= 0
-  std::string source;            ///< where the values come from
+  std::string source;            ///< reference for the values
 };
 
-/// Names of the built-in fabrics, sorted.
+/// Returns the names of the built-in fabrics, sorted.
 std::vector<std::string> fabricPresetNames();
 
-/// \throws std::invalid_argument naming the known presets if `name` is none of them.
+/// Returns a built-in fabric.
+/// \throws std::invalid_argument that lists the presets if `name` is not one of them.
 Fabric fabricPreset(const std::string& name);
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The cloth, or several: everything that is constant during a step.
+/// \file The model: everything about one or several cloths that is constant during a step.
 
 #include "cloth_sim/cloth/plate_bending.h"
 #include "cloth_sim/cloth/spring_network.h"
@@ -10,32 +10,33 @@
 
 namespace cloth_sim {
 
-/// One cloth of a model. Several do not know of each other: they are pieces of one mesh.
+/// One cloth of a model. Several cloths are connected components of one mesh.
 struct ClothPart {
   std::string name = "cloth";
   Fabric fabric;
-  std::optional<Grid> grid;     ///< how its mesh came to be, if it was a grid
-  VertexId firstVertex = 0;     ///< of the undamaged mesh
-  std::int32_t vertices = 0;    ///< of the undamaged mesh
-  double materialOffset = 0.0;  ///< where its own u = 0 lies in the material plane [m]
+  std::optional<Grid> grid;     ///< the grid that its mesh was made from, if any
+  VertexId firstVertex = 0;     ///< of its vertices in the undamaged mesh
+  std::int32_t vertices = 0;    ///< number of its vertices in the undamaged mesh
+  double materialOffset = 0.0;  ///< u of its own origin in the material plane [m]
 };
 
+/// Mesh, springs, bending elements and masses of one or several cloths.
 struct Model {
   TriangleMesh mesh;
   SpringNetwork springs;
-  PlateBending bending;     ///< empty: bending is none, or of springs
+  PlateBending bending;     ///< empty if bend springs resist bending, or nothing does
   VertexData<double> mass;  ///< lumped [kg], > 0
-  /// Mass over a third of the rest area around each vertex [kg/m^2]: the fabric's, unless the scene
-  /// gave the particles masses of their own.
+  /// Mass per third of the rest area around each vertex [kg/m^2]. It is that of the fabric unless
+  /// the scene specifies the mass of a particle.
   VertexData<double> arealDensity;
   std::vector<ClothPart> cloths{ClothPart()};  ///< at least one
   MaterialStrips strips;                       ///< of the cloths, in their order
 
   std::int32_t particleCount() const { return mesh.vertexCount(); }
-  /// Number of the cloth that a vertex is of.
+  /// Returns the index into `cloths` of the cloth that a vertex belongs to.
   std::size_t clothOf(VertexId v) const { return strips.at(mesh.material(v)); }
-  /// Dashpot over stiffness of every bending element [s]: cloths with bending elements have the
-  /// same.
+  /// Retardation time of every bending element, dashpot over stiffness [s]. All cloths with bending
+  /// elements have the same.
   double bendRetardation() const { return cloths.front().fabric.damping; }
 
   /// Brings masses, springs and bending up to date after an edit of the mesh.
@@ -48,26 +49,26 @@ struct Model {
   }
 };
 
-/// One edit of a model, for everything that keeps data about it.
+/// The changes that one edit made to a model, for everything that keeps data about it.
 struct ModelChanges {
   MeshChanges mesh;
   SpringChanges springs;
 };
 
-/// Masses and areal densities of a cloth of one areal density [kg/m^2]: a third of that times the
-/// rest area of every face goes to each of its corners.
+/// Sets masses and areal densities of a cloth: each face gives a third of its mass to each corner.
+/// \param arealDensity  [kg/m^2]
 void lumpMasses(double arealDensity, std::size_t cloth, Model& model);
-/// Of a model of one cloth.
+/// Sets masses and areal densities of the only cloth of a model.
 void lumpMasses(double arealDensity, Model& model);
-/// Masses and areal densities of a cloth whose particles all have the same mass [kg].
+/// Sets masses and areal densities of a cloth whose particles all have the same mass [kg].
 void setParticleMasses(double particleMass, std::size_t cloth, Model& model);
 
-/// Lumps the masses again around the vertices that an edit touched, at their areal densities. The
-/// total of each cloth is kept to round-off, whatever the densities (but for pieces that were taken
-/// away).
+/// Lumps the masses of the vertices that an edit touched again, at their areal densities. The total
+/// mass of each cloth stays the same up to rounding, except for removed components.
 void applyMassChanges(const MeshChanges& changes, Model& model);
 
-/// Summed in ascending order of vertices, so it is the same bits for the same model.
+/// Returns the sum of all masses [kg], added in ascending order of vertices, so that equal models
+/// give equal bits.
 double totalMass(const Model& model);
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Bending as an energy of curvature, in SI bending rigidity: an alternative to bend springs.
+/// \file Bending as the energy of a thin plate: an alternative to bend springs.
 
 #include <array>
 #include <limits>
@@ -10,12 +10,12 @@
 
 namespace cloth_sim {
 
-/// A quadratic energy 1/2 stiffness |sum over k of weight[k] x[vertex[k]]|^2 [J]. The sum is one
-/// component of the second derivative of the position by the material coordinates [1/m].
+/// One quadratic term of the bending energy, 1/2 stiffness |sum_k weight[k] x[vertex[k]]|^2 [J].
+/// The sum is one second derivative of the position by the material coordinates [1/m].
 struct PlateElement {
   static constexpr int kMostVertices = 6;
   std::array<VertexId, kMostVertices> vertex;  ///< ascending, then kNone
-  std::array<double, kMostVertices> weight;    ///< [1/m^2]; they sum to zero
+  std::array<double, kMostVertices> weight;    ///< [1/m^2]; sums to zero
   double stiffness = 0.0;                      ///< rigidity times area [N m^3]; 0: no element
   int count = 0;                               ///< of vertices: 3 to 6, or 0
 
@@ -25,65 +25,70 @@ struct PlateElement {
   }
 };
 
-/// The bending energy of a plate without Poisson effect, 1/2 B (|x_uu|^2 + 2 |x_uv|^2 + |x_vv|^2)
-/// per area, B the rigidity [N m]. As cloth hardly stretches, |x_uu| is the curvature of a thread;
-/// the energy is then quadratic in the positions, with constant stiffness (Bergou, Wardetzky,
-/// Harmon, Zorin & Grinspun 2006, A quadratic bending model for inextensible surfaces).
+/// The bending energy of a plate without Poisson effect: per rest area it is
+/// 1/2 B (|x_uu|^2 + 2 |x_uv|^2 + |x_vv|^2) with the rigidity B [N m]. Cloth hardly stretches, so
+/// |x_uu| is the curvature of a thread, and the energy is quadratic in the positions with a
+/// constant stiffness matrix (Bergou, Wardetzky, Harmon, Zorin & Grinspun 2006, A quadratic bending
+/// model for inextensible surfaces).
 ///
 /// The second derivatives are constant on each face: those of the quadratic through its corners and
 /// the far corners of its three neighbours, as in rotation-free shell triangles (Onate & Zarate
-/// 2000). Where a neighbour is missing, the quadratic of least energy: a free edge bears no moment.
-/// On a grid the stencils are those of finite differences, three points along a thread and four
-/// around a cell, whichever way the diagonals run; on any mesh they are exact for quadratics
-/// wherever six points determine one, which energies of single hinges are not.
+/// 2000). Where a neighbour is missing, the quadratic of least energy is taken, so a free edge
+/// bears no moment. On a grid the stencils are those of finite differences, three points along a
+/// thread and four around a cell, whichever way the diagonals run. On any mesh they are exact for
+/// quadratics wherever six points determine one; energies of single hinges are not.
 class PlateBending {
  public:
-  /// What the elements of one cloth are made from.
+  /// The bending parameters of one cloth.
   struct Plate {
-    double rigidity = 0.0;  ///< [N m], >= 0; 0: there are none
-    /// Stiffness that an element may put between particles [N/m], > 0. With the membrane's tensile
-    /// stiffness K, faces below sqrt(2 rigidity / K) in size (a millimetre or less: about the
-    /// thickness of the fabric) bend more easily, so that slivers beside cuts do not need shorter
-    /// steps for their bending than for their threads.
-    double most = std::numeric_limits<double>::infinity();
+    double rigidity = 0.0;  ///< B [N m], >= 0; 0: no elements
+    /// Largest stiffness that an element may put between particles [N/m], > 0. Without a limit, the
+    /// slivers beside cuts would force shorter steps for bending than for stretch. With the tensile
+    /// stiffness K of the membrane as the limit, faces smaller than sqrt(2 B / K) bend more easily
+    /// than the fabric. That is a millimetre or less, about the thickness of the fabric.
+    double maxStiffness = std::numeric_limits<double>::infinity();
   };
 
   PlateBending() = default;
-  /// Of one cloth; see Plate.
+  /// Makes the elements of a single cloth; see Plate.
   PlateBending(const TriangleMesh& mesh, double rigidity,
-               double most = std::numeric_limits<double>::infinity());
-  /// \param plates  one for each strip.
+               double maxStiffness = std::numeric_limits<double>::infinity());
+  /// Makes the elements of several cloths.
+  /// \param plates  one for each cloth.
+  /// \throws std::invalid_argument if their number is not that of the cloths.
   PlateBending(const TriangleMesh& mesh, MaterialStrips strips, std::vector<Plate> plates);
 
   bool empty() const { return elements_.empty(); }
-  /// Three per face, of which some may be without stiffness.
+  /// The elements, three for each face; those without stiffness have no vertices.
   const std::vector<PlateElement>& elements() const { return elements_; }
 
-  /// Derives the elements anew on the faces that an edit touched and beside them.
+  /// Derives the elements again on the faces that an edit touched and on their neighbours.
+  /// \param mesh  after the edit.
   void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
-  /// Multiplies the rigidity of every element, there now or made later.
+  /// Multiplies the rigidity of every element, present and future.
   /// \param factor  > 0.
   void scaleBy(double factor);
 
-  /// Sum of the energies of all elements [J].
+  /// Returns the sum of the energies of all elements [J].
+  /// \param x  positions, (vertexCount,) [m].
   double energy(const std::vector<Vec3>& x) const;
 
  private:
   friend class cereal::access;
-  /// What commands and edits change; the rest is as the scene has it.
+  /// Archives what commands and edits change; the rest follows from the scene.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(scale_, elements_);
   }
 
-  static constexpr std::size_t kPerFace = 3;
+  static constexpr std::size_t kPerFace = 3;  // x_uu, x_vv, x_uv
   void deriveOn(const TriangleMesh& mesh, FaceId f);
   void derive(const TriangleMesh& mesh);
 
   MaterialStrips strips_;
   std::vector<Plate> plates_;  ///< by strip
-  double scale_ = 1.0;         ///< of every stiffness
+  double scale_ = 1.0;         ///< factor on every stiffness
   std::vector<PlateElement> elements_;
 };
 

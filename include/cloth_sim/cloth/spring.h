@@ -1,5 +1,5 @@
 #pragma once
-/// \file A spring, and many of them in little memory.
+/// \file A spring between two vertices, and compact storage for many of them.
 
 #include <array>
 #include <cstddef>
@@ -7,19 +7,16 @@
 #include <iterator>
 #include <vector>
 
+#include "cloth_sim/cloth/spring_kind.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
 namespace cloth_sim {
 
-enum class SpringKind : std::uint8_t { kStructural, kShear, kBend };
-constexpr int kSpringKinds = 3;
-/// "structural", "shear" or "bend".
-const char* toString(SpringKind kind);
-
 /// Direction of a spring in the weave.
 enum class ThreadDirection : std::uint8_t { kWarp, kWeft, kBias };
 
-/// How a spring pulls: f = -(k (l - l0) + c dl/dt).
+/// Parameters of a damped linear spring. Its force along the line between its ends is
+/// f = -(k (l - l0) + c dl/dt).
 struct SpringParameters {
   double restLength = 0.0;  ///< l0 [m]
   double stiffness = 0.0;   ///< k [N/m]
@@ -31,13 +28,15 @@ struct SpringParameters {
   }
 };
 
+/// A damped linear spring between two vertices.
 struct Spring {
   VertexId a = kNone;
   VertexId b = kNone;
   SpringKind kind = SpringKind::kStructural;
   ThreadDirection direction = ThreadDirection::kWarp;
-  /// The vertices whose faces the spring stands on: its own ends if it is a mesh edge, the ends of
-  /// the edge that it crosses, or (bend) the vertex that it bridges and kNone.
+  /// The vertices whose faces the spring represents: its own ends if it is a mesh edge, the ends of
+  /// the edge that it crosses if it is the other diagonal of a cell, and the vertex that it bridges
+  /// and kNone if it is a bend spring.
   std::array<VertexId, 2> support{kNone, kNone};
   double restLength = 0.0;  ///< [m]
   double stiffness = 0.0;   ///< [N/m]
@@ -53,15 +52,16 @@ struct Spring {
   }
 };
 
-/// A spring that must not be longer.
+/// A length that the distance between two vertices must not exceed.
 struct LengthLimit {
   VertexId a = kNone;
   VertexId b = kNone;
   double length = 0.0;  ///< [m]
 };
 
-/// Springs in slots. What many of them have in common, as on a grid, is there once: a slot takes 20
-/// bytes, and 32 more for every kind of spring that no other one is of.
+/// Springs in numbered slots, stored compactly (the flyweight pattern). Springs with the same
+/// parameters, kind and direction, as on a regular grid, share one `Type`. A slot takes 20 bytes,
+/// and each type 32 more.
 class SpringSlots {
  public:
   class const_iterator {
@@ -87,14 +87,16 @@ class SpringSlots {
   };
 
   std::size_t size() const { return slots_.size(); }
-  /// What slots take their springs from; at least as many as there are different ones.
-  std::size_t typeCount() const { return makes_.size() - unused_.size(); }
+  /// Number of types in use. It can exceed the number of distinct types: the search for an equal
+  /// one is limited, see `acquireType`.
+  std::size_t typeCount() const { return types_.size() - unused_.size(); }
+  /// The spring in a slot; one that does not exist if the slot is empty.
   Spring operator[](std::int32_t slot) const {
     const Slot& at = slots_[static_cast<std::size_t>(slot)];
-    if (at.make == kNone) return {};
-    const Make& make = makes_[static_cast<std::size_t>(at.make)];
-    const SpringParameters& p = make.parameters;
-    return {at.a,       at.b,         make.kind,   make.direction,
+    if (at.type == kNone) return {};
+    const Type& type = types_[static_cast<std::size_t>(at.type)];
+    const SpringParameters& p = type.parameters;
+    return {at.a,       at.b,         type.kind,   type.direction,
             at.support, p.restLength, p.stiffness, p.damping};
   }
   const_iterator begin() const { return {*this, 0}; }
@@ -103,6 +105,7 @@ class SpringSlots {
 
   void reserve(std::size_t slots) { slots_.reserve(slots); }
   void append(const Spring& spring);
+  /// Replaces the spring in a slot.
   /// \param spring  empties the slot if it does not exist.
   void set(std::int32_t slot, const Spring& spring);
 
@@ -119,26 +122,28 @@ class SpringSlots {
   }
 
  private:
-  /// What springs may have in common.
-  struct Make {
+  /// The properties that springs can share.
+  struct Type {
     SpringParameters parameters;
     SpringKind kind;
     ThreadDirection direction;
-    std::int32_t springs;  ///< that are of it
+    std::int32_t users;  ///< number of springs of this type
   };
+  /// The properties that each spring has for itself.
   struct Slot {
     VertexId a = kNone;
     VertexId b = kNone;
     std::array<VertexId, 2> support{kNone, kNone};
-    std::int32_t make = kNone;
+    std::int32_t type = kNone;  ///< index into types_
   };
-  std::int32_t enter(const Spring& spring);
-  void leave(std::int32_t make);
+  std::int32_t acquireType(const Spring& spring);
+  void releaseType(std::int32_t type);
 
   std::vector<Slot> slots_;
-  std::vector<Make> makes_;
-  std::vector<std::int32_t> unused_;  ///< makes that no spring is of
-  std::vector<std::int32_t> known_;   ///< a make that was entered lately, or kNone, by its hash
+  std::vector<Type> types_;
+  std::vector<std::int32_t> unused_;  ///< indices of types without users
+  /// Hash table of recently added types, with open addressing: indices into types_, or kNone.
+  std::vector<std::int32_t> recent_;
 };
 
 }  // namespace cloth_sim

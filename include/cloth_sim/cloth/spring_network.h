@@ -1,5 +1,5 @@
 #pragma once
-/// \file Springs derived from a mesh: which there are, and how stiff each is.
+/// \file The springs of a mesh: where they are, and how stiff each is.
 
 #include <array>
 #include <optional>
@@ -14,79 +14,91 @@
 namespace cloth_sim {
 
 /// Constants per spring instead of a fabric, for reproducing published mass-spring demos. Each
-/// holds for a whole spring of the undamaged mesh; where the surface opens, the parts share it.
+/// applies to a whole spring of the undamaged mesh; where the surface opens, the parts of a spring
+/// divide it among themselves.
 struct RawSprings {
-  /// Per kind: [N/m] if `perStretch` is false; else force per stretch ratio, f = c (l/l0 - 1) [N].
-  std::array<double, kSpringKinds> constant{0.0, 0.0, 0.0};
+  /// By kind: stiffness [N/m] if `perStretch` is false; otherwise force per stretch ratio,
+  /// f = c (l / l0 - 1), c in [N].
+  std::array<double, kSpringKinds> constant{};
   bool perStretch = false;
   double dashpot = 0.0;  ///< along every spring [N s/m]
 };
 
-/// What the springs of one cloth are made from.
+/// The material from which the springs of one cloth are derived.
 struct SpringRecipe {
   Fabric fabric;
   SpringSelection selection;
   std::optional<RawSprings> raw;  ///< instead of the fabric
 };
 
-/// How springs changed when the network followed an edit of its mesh. Slots are stable and are not
-/// used again; a spring whose end was split goes on in its slot, as `modified`.
+/// The effect of an edit of the mesh on its springs. Slots are stable and never reused; a spring
+/// one of whose ends was split continues in its slot, as `modified`.
 struct SpringChanges {
-  std::vector<std::int32_t> added;     ///< slots that came to be, ascending
+  std::vector<std::int32_t> added;     ///< slots of new springs, ascending
   std::vector<std::int32_t> modified;  ///< slots whose constants or ends changed, ascending
   std::vector<std::int32_t> removed;   ///< slots that are empty now, ascending
-  std::vector<Spring> removedSprings;  ///< what was in `removed`, in the same order
+  std::vector<Spring> removedSprings;  ///< the former contents of `removed`, in the same order
 };
 
-/// Springs of a mesh: every edge, the other diagonal across every bias edge, and bend springs over
-/// vertices that a thread passes straight through. On a grid this is the classic stencil of
+struct SpringMatch;
+
+/// The springs of a mesh. Every edge has one (structural along a thread, shear otherwise), every
+/// interior shear edge has a second one across it, and bend springs join the two neighbours of a
+/// vertex through which a thread passes straight. On a grid this is the classic stencil of
 /// 4 structural, 4 shear and 4 bend neighbours (Provot 1995).
+///
+/// The springs around a vertex are a function of the faces around it, so an edit of the mesh
+/// derives only those around the vertices that it touched.
 class SpringNetwork {
  public:
   SpringNetwork() = default;
+  /// Derives the springs of one cloth from its fabric.
   SpringNetwork(const TriangleMesh& mesh, const Fabric& fabric, const SpringSelection& selection);
+  /// Derives the springs of one cloth from constants per spring.
   SpringNetwork(const TriangleMesh& mesh, const RawSprings& raw, const SpringSelection& selection);
-  /// \param recipes  one for each strip.
+  /// Derives the springs of several cloths.
+  /// \param recipes  one for each cloth.
+  /// \throws std::invalid_argument if their number is not that of the cloths.
   SpringNetwork(const TriangleMesh& mesh, MaterialStrips strips,
                 const std::vector<SpringRecipe>& recipes);
 
   /// All slots; some may be empty (`!exists()`) after edits.
   const SpringSlots& slots() const { return slots_; }
-  /// As if every one of them had been modified: for who begins to follow a network that has been
-  /// edited.
+  /// The changes that modify every slot, for initialising what is otherwise updated by changes.
   SpringChanges allModified() const;
   Spring operator[](std::int32_t slot) const { return slots_[slot]; }
-  /// Slots of the springs that stand on the faces around `v` (see Spring::support).
+  /// Slots of the springs that have `v` as a support (see Spring::support), ascending.
   IndexSpan springsOn(VertexId v) const;
-  /// The same around any of `vertices`, ascending, unique. Vertices that the network does not know
-  /// have none.
+  /// Slots of the springs that have any of `vertices` as a support, ascending, unique. Vertices
+  /// that are newer than the network have none.
   std::vector<std::int32_t> springsOnAny(const std::vector<VertexId>& vertices) const;
-  std::int32_t count() const { return count_[0] + count_[1] + count_[2]; }
-  std::int32_t count(SpringKind kind) const { return count_[static_cast<int>(kind)]; }
+  /// Number of springs.
+  std::int32_t count() const;
+  std::int32_t count(SpringKind kind) const { return count_[static_cast<std::size_t>(kind)]; }
 
-  /// Rebuilds the springs around the vertices that an edit touched.
+  /// Derives the springs around the touched vertices again after an edit of the mesh.
+  /// \param mesh  after the edit.
   SpringChanges applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
-  /// Takes springs away for good: they do not come back when the network follows an opening (but
-  /// refining the mesh there makes new ones).
+  /// Removes springs for good: they do not return when the surface opens there, though refinement
+  /// of the mesh there makes new ones.
   /// \param slots  ascending.
   SpringChanges clear(const std::vector<std::int32_t>& slots);
 
-  /// Multiplies the stiffness of every spring, there now or made later, by `scale` against that of
-  /// the fabric or the raw constants. Dashpots of a fabric keep their retardation time, raw ones
-  /// their constant.
-  /// \param mesh   what the springs stand on.
-  /// \param scale  > 0; not on top of an earlier one.
+  /// Sets a factor on the stiffness of every spring, present and future, relative to that of the
+  /// fabric or the raw constants. Dashpots of a fabric keep their retardation time, raw ones their
+  /// constant.
+  /// \param scale  > 0; replaces an earlier factor.
   SpringChanges setScale(const TriangleMesh& mesh, double scale);
   double scale() const { return scale_; }
 
  private:
-  /// A recipe, worked out.
+  /// What the springs of one cloth are computed from.
   struct Cloth {
     SpringSelection selection;
     SpringCalibration calibration;  ///< of the fabric
     std::optional<RawSprings> raw;
-    /// Usual rest lengths of raw bend springs along warp and weft at first [m].
+    /// Mean rest lengths of raw bend springs of the undamaged mesh, along warp and weft [m].
     std::array<double, 2> rawBendLength{0.0, 0.0};
   };
   const Cloth& clothAt(const TriangleMesh& mesh, VertexId v) const {
@@ -94,41 +106,45 @@ class SpringNetwork {
   }
   void build(const TriangleMesh& mesh);
   void measureRawBends(const TriangleMesh& mesh);
-  void applyClearedEdges(const MeshChanges& changes);
+  void copyCleared(const MeshChanges& changes);
+  void renameCleared(const std::vector<VertexId>& newId);
+  SpringChanges update(const std::vector<SpringMatch>& matches, const std::vector<Spring>& derived);
   SpringChanges applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
+  // A sink is called with each derived spring.
   template <typename Sink>
-  void deriveEdge(const TriangleMesh& mesh, VertexId a, VertexId b, const Sink& sink) const;
+  void deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId b, const Sink& sink) const;
   template <typename Sink>
   void deriveBends(const TriangleMesh& mesh, VertexId v, const std::vector<VertexId>& neighbours,
                    const Sink& sink) const;
-  void setConstants(const TriangleMesh& mesh, const IndexSpan& on, Spring& spring) const;
-  RawSpringFraction rawShare(const TriangleMesh& mesh, const IndexSpan& on,
-                             const Spring& spring) const;
   template <typename Sink>
   void deriveAroundAll(const TriangleMesh& mesh, const std::vector<VertexId>& vertices,
                        const Sink& sink) const;
-  const IndexLists& standing() const;
+  void setConstants(const TriangleMesh& mesh, const IndexSpan& on, Spring& spring) const;
+  RawSpringFraction rawFraction(const TriangleMesh& mesh, const IndexSpan& on,
+                                const Spring& spring) const;
+  const IndexLists& supported() const;
   std::int32_t insert(const Spring& spring);
   void erase(std::int32_t slot);
   void replace(std::int32_t slot, const Spring& spring);
 
   friend class cereal::access;
-  /// What edits change; the rest is as the scene has it.
+  /// Archives what edits and commands change; the rest follows from the scene.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rawShares_, slots_, standing_, count_, cleared_, scale_);
+    archive(rawFractions_, slots_, supported_, count_, cleared_, scale_);
   }
 
   MaterialStrips strips_;
   std::vector<Cloth> cloths_{Cloth()};  ///< by strip
   bool anyRaw_ = false;
-  double scale_ = 1.0;            ///< of every stiffness
-  RawSpringFractions rawShares_;  ///< kept if `anyRaw_`
+  double scale_ = 1.0;               ///< factor on every stiffness
+  RawSpringFractions rawFractions_;  ///< up to date only if `anyRaw_`
   SpringSlots slots_;
-  /// By vertex; made when it is first asked for: a cloth that nobody cuts does without.
-  mutable IndexLists standing_;
-  std::array<std::int32_t, kSpringKinds> count_{0, 0, 0};
-  std::set<std::array<std::uint64_t, 2>> cleared_;  ///< keys of springs that were cleared
+  /// Slots of supported springs, by vertex. Built at the first request: a cloth that is never cut
+  /// does without the memory.
+  mutable IndexLists supported_;
+  std::array<std::int32_t, kSpringKinds> count_{};  ///< by kind
+  std::set<std::array<std::uint64_t, 2>> cleared_;  ///< keys of springs that `clear` removed
 };
 
 }  // namespace cloth_sim

@@ -1,16 +1,17 @@
 #pragma once
-/// \file The moving part of a cloth.
+/// \file The state of a cloth: positions and velocities, and quantities computed from them.
 
 #include "cloth_sim/cloth/model.h"
 
 namespace cloth_sim {
 
+/// Positions, velocities and time.
 struct State {
   VertexData<Vec3> x;  ///< positions in the world [m]
   VertexData<Vec3> v;  ///< velocities [m/s]
   double t = 0.0;      ///< [s]
 
-  /// New vertices take the position and velocity of what they came from.
+  /// Copies and interpolates positions and velocities to new vertices, and drops removed ones.
   void applyChanges(const MeshChanges& changes) {
     x.applyChanges(changes);
     v.applyChanges(changes);
@@ -22,17 +23,19 @@ struct State {
   }
 };
 
-/// Whether every coordinate and velocity is a finite number.
+/// Returns whether every position and velocity is finite.
 bool isFinite(const State& state);
 
-/// to = from, on several threads where that pays.
+/// Copies a state, on several threads where that pays.
 void copyState(const State& from, State& to);
 
+/// The parts of the mechanical energy.
 struct Energies {
   double kinetic = 0.0;  ///< [J]
-  double elastic = 0.0;  ///< of all springs [J]
-  double gravity = 0.0;  ///< against the world's origin [J]
+  double elastic = 0.0;  ///< of all springs and bending elements [J]
+  double gravity = 0.0;  ///< relative to the origin of the world [J]
 };
+/// \param gravity  acceleration, (3,) [m/s^2].
 Energies energies(const Model& model, const State& state, const Vec3& gravity);
 
 Vec3 linearMomentum(const Model& model, const State& state);                      ///< [kg m/s]
@@ -40,12 +43,13 @@ Vec3 angularMomentum(const Model& model, const State& state, const Vec3& about);
 Vec3 centreOfMass(const Model& model, const State& state);                        ///< [m]
 double meanSpeed(const State& state);                                             ///< [m/s]
 
-/// Length over rest length of one spring.
+/// Returns the length of a spring over its rest length.
 double stretch(const Spring& spring, const State& state);
-/// Largest `stretch` of all structural and shear springs (1 for a cloth at rest).
+/// Returns the largest `stretch` of all membrane springs: structural and shear. It is 1 at rest.
 double maxStretch(const Model& model, const State& state);
 
-/// Over time, positions, velocities and faces: equal hashes mean equal bits (see hash.h).
+/// Returns a hash over time, positions, velocities and faces. Equal hashes mean equal bits, see
+/// support/hash.h.
 std::uint64_t stateHash(const Model& model, const State& state);
 
 }  // namespace cloth_sim

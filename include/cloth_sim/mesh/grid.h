@@ -5,26 +5,27 @@
 
 namespace cloth_sim {
 
-/// A grid of `columns` x `rows` vertices, `width` x `height` metres in material coordinates.
-/// Column i runs along u (warp), row j along v (weft).
+/// A rectangular grid of `columns` x `rows` vertices. Index i counts columns along u (warp), index
+/// j counts rows along v (weft).
 struct Grid {
   int columns = 0;
   int rows = 0;
   double width = 0.0;   ///< [m] along u
   double height = 0.0;  ///< [m] along v
 
-  /// Vertices are numbered row by row.
+  /// Returns the id of a vertex; vertices are numbered row by row.
   VertexId vertex(int i, int j) const { return j * columns + i; }
-  /// Material coordinates of a vertex [m].
+  /// Returns the material coordinates of a vertex [m].
   Vec2 material(int i, int j) const { return Vec2(i * spacingU(), j * spacingV()); }
-  /// Between neighbours [m]: what divides the sides evenly, but for a few parts in 10^16 of them,
-  /// so that its multiples are exact. Then all cells are the same, to the last bit, and so are the
-  /// springs in them. The sides are longer or shorter by as many parts in 10^16 a cell.
+  /// Distances between neighbours [m]. They are rounded so that their multiples are exact in double
+  /// precision. Then all cells are equal to the last bit, and so are the springs in them. The sides
+  /// differ from `width` and `height` by a few parts in 10^16 per cell.
   double spacingU() const;
   double spacingV() const;
 };
 
-/// Every cell is cut into two triangles along its rising diagonal, (i, j) to (i+1, j+1).
+/// Makes a triangle mesh of a grid, each cell divided along its diagonal from (i, j) to
+/// (i + 1, j + 1).
 /// \throws std::invalid_argument unless both counts are >= 2 and both lengths are positive.
 TriangleMesh makeGridMesh(const Grid& grid);
 

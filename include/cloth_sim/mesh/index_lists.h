@@ -1,5 +1,5 @@
 #pragma once
-/// \file Many short lists of indices in one piece of memory.
+/// \file Many short lists of indices in one array.
 
 #include <cstddef>
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace cloth_sim {
 
-/// One of IndexLists, to be looked at: until lists change.
+/// A read-only view of a list of indices; one of `IndexLists` is valid until the lists change.
 class IndexSpan {
  public:
   using value_type = std::int32_t;
@@ -33,14 +33,16 @@ bool operator==(const IndexSpan& a, const std::vector<std::int32_t>& b);
 bool operator==(const std::vector<std::int32_t>& a, const IndexSpan& b);
 bool operator!=(const IndexSpan& a, const std::vector<std::int32_t>& b);
 
-/// A list of indices for each of a number of items. Where none of them grew they take four bytes an
-/// entry and eight a list; a list that grows moves to the end.
+/// Lists of indices in one pool, like the rows of a compressed sparse matrix, but growing. Each
+/// takes four bytes per entry and eight per list. A list that outgrows its capacity moves to the
+/// end of the pool.
 class IndexLists {
  public:
   IndexLists() = default;
-  /// Empty lists.
-  /// \param room  entries that there will be in each.
-  explicit IndexLists(const std::vector<std::int32_t>& room);
+  /// Makes empty lists.
+  /// \param capacity  number of entries that each will have; fewer than 2^16.
+  /// \throws std::length_error if that is too many for one list or for the pool.
+  explicit IndexLists(const std::vector<std::int32_t>& capacity);
 
   std::size_t size() const { return lists_.size(); }
   IndexSpan operator[](std::int32_t list) const {
@@ -49,16 +51,17 @@ class IndexLists {
     return {first, first + at.count};
   }
 
-  /// At the end of a list.
+  /// Appends to a list.
   void append(std::int32_t list, std::int32_t value) { insert(list, (*this)[list].size(), value); }
-  /// Into a list that is ascending, and stays so.
+  /// Inserts into an ascending list, which stays ascending.
   void insertSorted(std::int32_t list, std::int32_t value);
-  /// The first `value` of a list that has it; what is behind it moves up.
+  /// Removes the first `value` of a list; later entries move up.
+  /// \throws std::logic_error if the list does not have it.
   void erase(std::int32_t list, std::int32_t value);
 
-  /// One more list, which is empty.
+  /// Appends an empty list.
   void addList() { lists_.emplace_back(); }
-  /// The last list goes into the place of this one (which may be itself).
+  /// Removes a list; the last list takes its place.
   void replaceByLast(std::int32_t list);
 
   template <class Archive>
@@ -78,20 +81,20 @@ class IndexLists {
 
  private:
   struct List {
-    std::uint32_t first = 0;  ///< in pool_
+    std::uint32_t first = 0;  ///< index of its first entry in pool_
     std::uint16_t count = 0;
-    std::uint16_t room = 0;
+    std::uint16_t capacity = 0;
   };
 
-  void insert(std::int32_t list, std::size_t place, std::int32_t value);
-  void grow(std::int32_t which);
+  void insert(std::int32_t list, std::size_t index, std::int32_t value);
+  void makeRoom(std::int32_t full);
   void compact();
   void flatten(std::vector<std::int32_t>& counts, std::vector<std::int32_t>& values) const;
   void unflatten(const std::vector<std::int32_t>& counts, const std::vector<std::int32_t>& values);
 
   std::vector<List> lists_;
   std::vector<std::int32_t> pool_;
-  std::size_t left_ = 0;  ///< entries of the pool that no list has any more
+  std::size_t abandoned_ = 0;  ///< entries of the pool that belong to no list any more
 };
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Where several cloths lie in the material plane.
+/// \file The arrangement of several cloths in the material plane.
 
 #include <utility>
 #include <vector>
@@ -8,17 +8,17 @@
 
 namespace cloth_sim {
 
-/// The material plane, cut into strips along u: each cloth of a model has one for itself, so a
-/// point of the plane says which cloth it is of, also where edits made it.
+/// Strips of the material plane, divided along u, one for each cloth of a model. So the material
+/// coordinates of a vertex tell its cloth, also for vertices that edits created.
 class MaterialStrips {
  public:
-  /// One strip.
+  /// Makes a single strip, the whole plane.
   MaterialStrips() = default;
-  /// \param bounds  u between the strips [m], ascending.
+  /// \param bounds  values of u between the strips [m], ascending.
   explicit MaterialStrips(std::vector<double> bounds) : bounds_(std::move(bounds)) {}
 
   std::size_t count() const { return bounds_.size() + 1; }
-  /// The number of the strip that a point lies in.
+  /// Returns the index of the strip in which a point lies.
   std::size_t at(const Vec2& material) const {
     std::size_t strip = 0;
     while (strip < bounds_.size() && material.x() >= bounds_[strip]) ++strip;

@@ -1,6 +1,5 @@
 #pragma once
-/// \file What one edit of a mesh did, as a value: consumers follow it, logs print it, tests assert
-/// on it.
+/// \file The record of an edit of a mesh. Everything that keeps data about the mesh applies it.
 
 #include <array>
 #include <utility>
@@ -10,34 +9,34 @@
 
 namespace cloth_sim {
 
-/// One edit of the list of vertices.
+/// One change to the list of vertices.
 struct VertexEdit {
   enum class Kind : std::uint8_t {
-    kCopy,    ///< a new last vertex, equal to from[0]: the surface opened there
-    kInsert,  ///< a new last vertex: the weighted sum of up to three others
-    kMove,    ///< `id` becomes the weighted sum of up to three vertices, itself perhaps among them
-    kRemove,  ///< `id` goes; the last vertex, from[0], takes its place
+    kCopy,    ///< appends a copy of from[0]: the surface opened there
+    kInsert,  ///< appends the weighted sum of up to three vertices
+    kMove,    ///< `id` becomes the weighted sum of up to three vertices, itself possibly included
+    kRemove,  ///< removes `id`; the last vertex, from[0], takes its place
   };
   Kind kind = Kind::kCopy;
   VertexId id = kNone;
-  std::array<VertexId, 3> from{kNone, kNone, kNone};  ///< those that count come first
-  std::array<double, 3> weight{1.0, 0.0, 0.0};        ///< sums to one
+  std::array<VertexId, 3> from{kNone, kNone, kNone};  ///< kNone behind those that count
+  std::array<double, 3> weight{1.0, 0.0, 0.0};        ///< sum to one
 
   bool isNew() const { return kind == Kind::kCopy || kind == Kind::kInsert; }
 };
 
-/// The difference between two revisions of a mesh. Applying it to anything that was up to date at
-/// `fromRevision` brings that thing to `toRevision`.
+/// The difference between two revisions of a mesh. Applying it to data of `fromRevision` gives data
+/// of `toRevision`.
 struct MeshChanges {
   std::uint64_t fromRevision = 0;
   std::uint64_t toRevision = 0;
   std::vector<VertexEdit> vertices;  ///< in the order of the edits
-  /// Where vertices were that moved, in the order of the edits: material coordinates [m].
+  /// Former material coordinates of moved vertices [m], in the order of the edits.
   std::vector<std::pair<VertexId, Vec2>> movedFrom;
-  std::vector<FaceId> changedFaces;   ///< new, or with other vertices than before; ascending
-  std::vector<FaceId> reshapedFaces;  ///< new, or with another shape at rest; ascending, unique
+  std::vector<FaceId> changedFaces;   ///< new faces and those with other vertices; ascending
+  std::vector<FaceId> reshapedFaces;  ///< new faces and those with another rest shape; ascending
   std::vector<FaceId> removedFaces;   ///< in order; the last face took the place of each
-  std::vector<VertexId> touched;  ///< vertices whose surrounding faces changed, ascending, unique
+  std::vector<VertexId> touched;      ///< vertices whose incident faces changed; ascending
 
   bool empty() const { return fromRevision == toRevision; }
 };

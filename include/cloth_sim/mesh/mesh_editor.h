@@ -1,65 +1,72 @@
 #pragma once
-/// \file The only writer of a mesh.
+/// \file Elementary edits of a mesh.
 
 #include "cloth_sim/mesh/mesh_changes.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
 namespace cloth_sim {
 
-/// Edits a mesh and records what it did. Each edit leaves a valid manifold, and (but for
-/// `removeComponents`) keeps the rest area and the orientation of the faces.
+/// Edits a mesh and records the changes. No other class modifies a mesh after construction. Each
+/// edit leaves a valid manifold and, except for `removeComponents`, keeps the rest area and the
+/// orientation of the faces.
 ///
 ///     MeshEditor editor(mesh);
 ///     editor.splitVertex(v, facesOnOneSide);
-///     MeshChanges changes = editor.finish();   // springs, state, clamps and solvers follow it
+///     MeshChanges changes = editor.finish();   // applied by state, springs, clamps, solvers
 ///
-/// The editor does not judge shapes: see surgery/remesher.h for what may be done without slivers.
+/// The editor does not prevent slivers; `Remesher` does.
 class MeshEditor {
  public:
   explicit MeshEditor(TriangleMesh& mesh);
 
   const TriangleMesh& mesh() const { return mesh_; }
 
-  /// Opens the surface at `v`: the faces in `detach` let go of `v` and hold on to a copy of it.
-  /// Where that leaves faces joined at a single point (at `v`, its copy, or a neighbour that the
-  /// opening reached), the point is split too, so that the result is a manifold.
-  /// \param detach  some, not all, of the faces around `v`.
-  /// \return whether anything changed: false, and no edit, if `detach` is empty or all of them.
+  /// Opens the surface at `v`: the faces in `detach` get a copy of `v` as their corner. Where that
+  /// leaves faces joined at a single point (at `v`, at its copy, or at a neighbour), that point is
+  /// copied too, so that the result is a manifold.
+  /// \param detach  some of the faces around `v`.
+  /// \return false, without an edit, if `detach` is empty or has all faces around `v`.
   bool splitVertex(VertexId v, const std::vector<FaceId>& detach);
 
-  /// Puts a vertex on the edge {a, b}, at a + t (b - a), 0 < t < 1, and splits the faces on it.
+  /// Splits the edge {a, b} at a + t (b - a), 0 < t < 1, and halves the faces on it.
+  /// \return the new vertex.
   VertexId splitEdge(VertexId a, VertexId b, double t);
-  /// Puts a vertex into a face, at positive barycentric weights, and splits the face in three.
+  /// Splits a face in three at a point inside it.
+  /// \param weight  barycentric coordinates of the point, all positive.
+  /// \return the new vertex.
   VertexId splitFace(FaceId f, const std::array<double, 3>& weight);
-  /// Replaces the edge between two faces by the other diagonal of their (convex) quadrilateral.
+  /// Replaces the inner edge {a, b} by the other diagonal of its two faces, which must form a
+  /// convex quadrilateral.
   void flipEdge(VertexId a, VertexId b);
-  /// Moves `v` within the surface, to the point of `f` at `weight`. A vertex on the border may only
-  /// move along a straight border, or the rest area is not kept.
+  /// Moves `v` within the surface, to a point of a face around it. A vertex on the border must move
+  /// along a straight part of the border, or the rest area changes.
+  /// \param weight  barycentric coordinates of the point in `f`.
   void moveVertex(VertexId v, FaceId f, const std::array<double, 3>& weight);
-  /// Raises the generation of a face: how many bisections it is from the original mesh.
+  /// Increments the generation of a face, see `TriangleMesh::generation`.
   void raiseGeneration(FaceId f);
 
-  /// Takes whole pieces away. Vertices and faces change their numbers: no other edit may share the
-  /// changes with this one.
-  /// \param faces  every face of the pieces, ascending.
+  /// Removes connected components. Vertices and faces are renumbered, so the same `MeshChanges`
+  /// must not contain any other edit.
+  /// \param faces  all faces of the components, ascending.
   void removeComponents(const std::vector<FaceId>& faces);
 
-  /// The edits of the list of vertices so far.
+  /// The vertex edits since construction or the last `finish`.
   const std::vector<VertexEdit>& edits() const { return changes_.vertices; }
 
-  /// Faces that have been made or have changed their shape so far, in no order.
+  /// New and reshaped faces since construction or the last `finish`, unordered.
   const std::vector<FaceId>& reshaped() const { return changes_.reshapedFaces; }
 
-  /// The changes since construction or the last call; raises the mesh's revision if there are any.
+  /// Returns the changes since construction or the last call, and increments the revision of the
+  /// mesh if there are any.
   MeshChanges finish();
 
  private:
   VertexId addVertex(const VertexEdit& edit);
   VertexId copyVertex(VertexId v);
-  void rename(FaceId f, VertexId from, VertexId to);
+  void replaceCorner(FaceId f, VertexId from, VertexId to);
   void separateFans(VertexId v);
-  FaceId addFace(const Face& face, std::uint8_t rim, FaceId parent);
-  void setFace(FaceId f, const Face& face, std::uint8_t rim);
+  FaceId addFace(const Face& face, std::uint8_t boundaryBits, FaceId parent);
+  void setFace(FaceId f, const Face& face, std::uint8_t boundaryBits);
   void link(FaceId f, VertexId v);
   void unlink(FaceId f, VertexId v);
   void recordReshaped(FaceId f);
@@ -74,7 +81,7 @@ class MeshEditor {
 
   TriangleMesh& mesh_;
   MeshChanges changes_;
-  // Whether a vertex or face is in the lists of changes_ already.
+  // Flags of the vertices and faces that the lists of changes_ have already.
   std::vector<bool> isTouched_;
   std::vector<bool> isChanged_;
   std::vector<bool> isReshaped_;

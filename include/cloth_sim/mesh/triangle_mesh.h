@@ -1,5 +1,5 @@
 #pragma once
-/// \file Oriented triangle mesh with material coordinates: connectivity only, no dynamics.
+/// \file Oriented triangle meshes with material coordinates.
 
 #include <array>
 #include <functional>
@@ -11,19 +11,21 @@
 
 namespace cloth_sim {
 
+/// The corners of a triangle, counter-clockwise in material coordinates.
 using Face = std::array<VertexId, 3>;
 
-/// An oriented 2-manifold with boundary, as triangles plus a vertex -> faces incidence.
+/// An oriented 2-manifold with boundary: triangles, and the faces around each vertex.
 ///
-/// Only `MeshEditor` changes it after construction; every edit raises `revision()`. Edges are not
-/// stored: at a vertex degree of about six, looking through the faces around one end is as quick
-/// as a map and cannot go stale.
+/// Only `MeshEditor` changes a mesh after construction; every finished edit increments
+/// `revision()`. Edges are not stored: at about six faces per vertex, a search through the faces
+/// around one end is as fast as a map, and there is nothing to keep up to date.
 class TriangleMesh {
  public:
   TriangleMesh() = default;
 
-  /// \param material  material coordinates (u, v) per vertex [m]; warp runs along u, weft along v.
-  /// \param faces     vertex triples, counter-clockwise in material coordinates.
+  /// \param material  material coordinates (u, v), (vertexCount,) [m]; warp runs along u, weft
+  ///                  along v.
+  /// \param faces     corners, (faceCount,), counter-clockwise in material coordinates.
   /// \throws std::invalid_argument if the result is not a valid oriented manifold.
   TriangleMesh(std::vector<Vec2> material, std::vector<Face> faces);
 
@@ -36,25 +38,28 @@ class TriangleMesh {
   const std::vector<Vec2>& material() const { return material_; }
   const Vec2& material(VertexId v) const { return material_[v]; }
 
-  /// Faces around `v`, ascending by id; to be looked at until the mesh is edited.
+  /// Faces around `v`, ascending; valid until the mesh is edited.
   IndexSpan facesAround(VertexId v) const { return incident_[v]; }
-  /// The one or two faces with the edge {a, b} (kNone where there is none).
+  /// The faces on the edge {a, b}: two, or one and kNone on the border; {kNone, kNone} if there is
+  /// no such edge.
   std::array<FaceId, 2> facesOnEdge(VertexId a, VertexId b) const;
-  /// The vertex of `f` that is neither `a` nor `b`.
+  /// The corner of `f` that is neither `a` nor `b`.
   VertexId oppositeVertex(FaceId f, VertexId a, VertexId b) const;
-  /// Vertices joined to `v` by an edge, ascending by id.
+  /// Vertices joined to `v` by an edge, ascending.
   std::vector<VertexId> neighbours(VertexId v) const;
-  /// The same, in `out`.
+  /// Same, written to `out` to reuse its memory.
   void neighbours(VertexId v, std::vector<VertexId>& out) const;
+  /// Whether `v` is on the border of the mesh.
   bool isBoundary(VertexId v) const;
-  /// Whether the edge from corner k to the next one of `f` is part of the border that the mesh was
-  /// made with. Border edges that are not are where it came apart since.
-  bool isOriginalBoundary(FaceId f, int k) const { return ((rim_[f] >> k) & 1U) != 0; }
-  /// How many bisections a face is from the original mesh.
+  /// Whether the edge from corner k of `f` to the next corner belongs to the border of the
+  /// undamaged mesh. Other border edges are where cuts and tears opened the surface.
+  bool isOriginalBoundary(FaceId f, int k) const { return ((boundaryBits_[f] >> k) & 1U) != 0; }
+  /// Number of bisections between a face of the original mesh and `f`.
   int generation(FaceId f) const { return generation_[f]; }
 
   /// Rest area of a face, in material coordinates [m^2].
   double restArea(FaceId f) const;
+  /// Sum of all rest areas [m^2].
   double totalRestArea() const;
 
  private:
@@ -63,37 +68,40 @@ class TriangleMesh {
   friend class cereal::access;
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(material_, faces_, incident_, rim_, generation_, revision_);
+    archive(material_, faces_, incident_, boundaryBits_, generation_, revision_);
   }
+
+  void listIncidentFaces();
 
   std::vector<Vec2> material_;
   std::vector<Face> faces_;
-  IndexLists incident_;
-  std::vector<std::uint8_t> rim_;  ///< by face: bit k for the edge from corner k
-  std::vector<std::uint8_t> generation_;
+  IndexLists incident_;                     ///< faces around each vertex, ascending
+  std::vector<std::uint8_t> boundaryBits_;  ///< by face: bit k is `isOriginalBoundary` of edge k
+  std::vector<std::uint8_t> generation_;    ///< by face
   std::uint64_t revision_ = 0;
 };
 
-/// Faces around `v` grouped by connection across edges at `v`: one group per fan, ordered by the
-/// smallest face id in it. A manifold vertex has exactly one.
+/// Groups the faces around `v` into fans: sets of faces that are connected across edges at `v`. A
+/// manifold vertex has exactly one fan.
+/// \return ascending faces of each fan; fans are ordered by their smallest face.
 std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v);
-/// The same, where edges {v, w} for which `isWall(w)` holds do not connect.
+/// Same, where edges {v, w} with `isCut(w)` do not connect their faces.
 std::vector<std::vector<FaceId>> fansAround(const TriangleMesh& mesh, VertexId v,
-                                            const std::function<bool(VertexId)>& isWall);
+                                            const std::function<bool(VertexId)>& isCut);
 
-/// Rest areas around `v`, summed [m^2].
+/// Returns the sum of the rest areas of the faces around `v` [m^2].
 double areaAround(const TriangleMesh& mesh, VertexId v);
 
-/// Connected pieces by shared edges: a piece number per face, and how many there are.
-/// They are numbered by their smallest face id.
+/// The connected components of a mesh, numbered in the order of their smallest faces.
 struct ConnectedComponents {
   std::int32_t count = 0;
-  std::vector<std::int32_t> ofFace;
+  std::vector<std::int32_t> ofFace;  ///< number of the component of each face, (faceCount,)
 };
 ConnectedComponents connectedComponents(const TriangleMesh& mesh);
 
-/// Empty if `mesh` is a valid oriented 2-manifold with boundary whose tables agree and whose faces
-/// have positive rest area; otherwise one sentence that names the first error.
+/// Checks that a mesh is an oriented 2-manifold with boundary, that its tables agree, and that its
+/// faces have positive rest area.
+/// \return one sentence about the first error; empty if there is none.
 std::string validationError(const TriangleMesh& mesh);
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Per-vertex data that follows the edits of its mesh.
+/// \file Data per vertex that is updated with the edits of its mesh.
 
 #include <stdexcept>
 #include <utility>
@@ -8,8 +8,8 @@
 
 namespace cloth_sim {
 
-/// One value per vertex. It knows the mesh revision that it belongs to, so a forgotten
-/// `applyChanges` throws at the next one instead of leaving stale rows behind.
+/// One value per vertex, with the revision of the mesh that it belongs to: after a forgotten
+/// `applyChanges`, the next one throws instead of working on stale values.
 template <typename T>
 class VertexData {
  public:
@@ -31,8 +31,8 @@ class VertexData {
   const std::vector<T>& values() const { return values_; }
   std::uint64_t revision() const { return revision_; }
 
-  /// Copies, blends and removes values as the edits say.
-  /// \throws std::logic_error if `changes` does not start at this data's revision.
+  /// Copies, interpolates and removes values as the vertex edits say.
+  /// \throws std::logic_error if `changes` does not start from the revision of this data.
   void applyChanges(const MeshChanges& changes) {
     if (changes.fromRevision != revision_) {
       throw std::logic_error("vertex data is at another mesh revision than the changes start from");
@@ -41,7 +41,7 @@ class VertexData {
     revision_ = changes.toRevision;
   }
 
-  /// One of the edits that `applyChanges` would apply.
+  /// Applies a single vertex edit, without changing the revision.
   void apply(const VertexEdit& edit) {
     switch (edit.kind) {
       case VertexEdit::Kind::kCopy:
@@ -65,6 +65,7 @@ class VertexData {
     archive(values_, revision_);
   }
 
+  /// Returns the weighted sum that an edit names.
   T blend(const VertexEdit& edit) const {
     if (edit.from[1] == kNone) return (*this)[edit.from[0]];
     T sum = (*this)[edit.from[0]] * edit.weight[0];
