@@ -9,22 +9,26 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kTolerance = 1e-9;  // [m]
-constexpr std::size_t kBoxed = 16;   // segments in a box of PathIndex
+/// Distances up to this count as zero [m].
+constexpr double kTolerance = 1e-9;
+/// Segments per bounding box of a PathIndex.
+constexpr std::size_t kSegmentsPerBox = 16;
 
+/// Returns the squared distance of p from the segment a-b [m^2].
 double squaredDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
   const Vec2 d = b - a;
   const double t = std::clamp(d.dot(p - a) / d.squaredNorm(), 0.0, 1.0);
   return (a + t * d - p).squaredNorm();
 }
 
-/// Signed distance of p from the line a-b, positive to the right of it.
+/// Returns the signed distance of p from the line through a and b [m], positive to the right.
 double offLine(const Vec2& a, const Vec2& b, const Vec2& p) {
   const Vec2 d = b - a;
   return -cross(d, p - a) / d.norm();
 }
 
-/// Whether the boxes around two segments meet: decides for segments on one line.
+/// Returns whether the bounding boxes of two segments meet. Decides whether collinear segments
+/// meet.
 bool boxesMeet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
   const auto apart = [](double a0, double a1, double p0, double p1) {
     return std::max(a0, a1) < std::min(p0, p1) - kTolerance;
@@ -33,14 +37,23 @@ bool boxesMeet(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
          !apart(a.y(), b.y(), p.y(), q.y()) && !apart(p.y(), q.y(), a.y(), b.y());
 }
 
+/// Returns whether p and q lie on both sides of the line through a and b, or on it.
+bool straddles(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
+  const double first = offLine(a, b, p);
+  const double second = offLine(a, b, q);
+  return std::min(first, second) <= kTolerance && std::max(first, second) >= -kTolerance;
+}
+
+/// Returns whether p and q lie strictly on both sides of the line through a and b.
+bool straddlesStrictly(const Vec2& a, const Vec2& b, const Vec2& p, const Vec2& q) {
+  const double first = offLine(a, b, p);
+  const double second = offLine(a, b, q);
+  return std::min(first, second) < -kTolerance && std::max(first, second) > kTolerance;
+}
+
 bool segmentSeparates(const Vec2& from, const Vec2& to, const Vec2& p, const Vec2& q) {
-  if (!boxesMeet(from, to, p, q)) return false;
-  const double a = offLine(from, to, p);
-  const double b = offLine(from, to, q);
-  const double c = offLine(p, q, from);
-  const double d = offLine(p, q, to);
-  return std::min(a, b) < -kTolerance && std::max(a, b) > kTolerance &&
-         std::min(c, d) <= kTolerance && std::max(c, d) >= -kTolerance;
+  return boxesMeet(from, to, p, q) && straddlesStrictly(from, to, p, q) &&
+         straddles(p, q, from, to);
 }
 
 }  // namespace
@@ -53,7 +66,7 @@ VertexData<Vec3> inMaterialPlane(const TriangleMesh& mesh) {
 }
 
 double sideOf(const MaterialPath& path, const Vec2& point) {
-  // Where two segments are equally near (beyond a corner), the one whose line is farther decides.
+  // Beyond a corner, two segments are equally near. Then the one whose line is farther decides.
   double nearest = std::numeric_limits<double>::infinity();
   double side = 0.0;
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
@@ -83,9 +96,9 @@ bool separates(const MaterialPath& path, const Vec2& p, const Vec2& q) {
 }
 
 PathIndex::PathIndex(MaterialPath path) : path_(std::move(path)) {
-  for (std::size_t first = 0; first + 1 < path_.size(); first += kBoxed) {
+  for (std::size_t first = 0; first + 1 < path_.size(); first += kSegmentsPerBox) {
     Eigen::AlignedBox2d& box = boxes_.emplace_back();
-    const std::size_t last = std::min(first + kBoxed, path_.size() - 1);
+    const std::size_t last = std::min(first + kSegmentsPerBox, path_.size() - 1);
     for (std::size_t k = first; k <= last; ++k) box.extend(path_[k]);
     box.extend((box.min().array() - kTolerance).matrix().eval());
     box.extend((box.max().array() + kTolerance).matrix().eval());
@@ -96,8 +109,8 @@ bool PathIndex::separates(const Vec2& p, const Vec2& q) const {
   const Eigen::AlignedBox2d own(p.cwiseMin(q), p.cwiseMax(q));
   for (std::size_t box = 0; box < boxes_.size(); ++box) {
     if (!boxes_[box].intersects(own)) continue;
-    const std::size_t last = std::min((box + 1) * kBoxed, path_.size() - 1);
-    for (std::size_t k = box * kBoxed; k < last; ++k) {
+    const std::size_t last = std::min((box + 1) * kSegmentsPerBox, path_.size() - 1);
+    for (std::size_t k = box * kSegmentsPerBox; k < last; ++k) {
       if (segmentSeparates(path_[k], path_[k + 1], p, q)) return true;
     }
   }
@@ -106,15 +119,10 @@ bool PathIndex::separates(const Vec2& p, const Vec2& q) const {
 
 bool crosses(const MaterialPath& path, const Vec2& p, const Vec2& q) {
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
-    const double a = offLine(path[k], path[k + 1], p);
-    const double b = offLine(path[k], path[k + 1], q);
-    const double c = offLine(p, q, path[k]);
-    const double d = offLine(p, q, path[k + 1]);
-    if (boxesMeet(path[k], path[k + 1], p, q) && std::min(a, b) <= kTolerance &&
-        std::max(a, b) >= -kTolerance && std::min(c, d) <= kTolerance &&
-        std::max(c, d) >= -kTolerance) {
-      return true;
-    }
+    const bool meets = boxesMeet(path[k], path[k + 1], p, q) &&
+                       straddles(path[k], path[k + 1], p, q) &&
+                       straddles(p, q, path[k], path[k + 1]);
+    if (meets) return true;
   }
   return false;
 }

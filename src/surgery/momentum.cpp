@@ -6,17 +6,19 @@
 namespace cloth_sim {
 namespace {
 
-/// Rounding leaves a rest after the first correction; the second one takes it too.
+/// Number of corrections. The second removes what rounding left of the first.
 constexpr int kPasses = 2;
-/// Moments of inertia this much smaller than the largest count as zero ...
+/// Moments of inertia below this fraction of the largest count as zero.
 constexpr double kFlat = 1e-12;
-/// ... and so do those of particles within this part of their distance from the origin: rounding.
+/// So do those of particles that are nearer to each other than this fraction of their distance from
+/// the origin, where rounding errors dominate.
 constexpr double kSamePlace = 1e-12;
 
+/// Inertia of a set of particles as a rigid body.
 struct RigidFrame {
   double mass = 0.0;
   Vec3 centre = Vec3::Zero();
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< about the centre [kg m^2]
 };
 
 RigidFrame frameOf(const std::vector<VertexId>& vertices, const VertexData<double>& mass,
@@ -34,17 +36,18 @@ RigidFrame frameOf(const std::vector<VertexId>& vertices, const VertexData<doubl
   return frame;
 }
 
-/// The rotation that has a given angular momentum; none about axes without inertia.
-Vec3 rotationFor(const RigidFrame& frame, const Vec3& angular) {
+/// Returns the angular velocity of a given angular momentum about the centre [rad/s]. Its
+/// components along principal axes without inertia are zero.
+Vec3 angularVelocity(const RigidFrame& frame, const Vec3& angular) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(frame.inertia);
   const Vec3& moments = axes.eigenvalues();
   const double least = std::max(kFlat * moments[2],
                                 frame.mass * kSamePlace * kSamePlace * frame.centre.squaredNorm());
-  Vec3 rotation = axes.eigenvectors().transpose() * angular;
+  Vec3 omega = axes.eigenvectors().transpose() * angular;
   for (int k = 0; k < 3; ++k) {
-    rotation[k] = moments[k] > least ? rotation[k] / moments[k] : 0.0;
+    omega[k] = moments[k] > least ? omega[k] / moments[k] : 0.0;
   }
-  return axes.eigenvectors() * rotation;
+  return axes.eigenvectors() * omega;
 }
 
 }  // namespace
@@ -69,9 +72,9 @@ void restoreMomentum(const Momentum& wanted, const std::vector<VertexId>& vertic
     const Momentum now = momentumOf(vertices, mass, state);
     const Vec3 linear = wanted.linear - now.linear;
     const Vec3 angular = wanted.angular - now.angular - frame.centre.cross(linear);
-    const Vec3 push = linear / frame.mass;
-    const Vec3 spin = rotationFor(frame, angular);
-    for (VertexId v : vertices) state.v[v] += push + spin.cross(state.x[v] - frame.centre);
+    const Vec3 velocity = linear / frame.mass;
+    const Vec3 omega = angularVelocity(frame, angular);
+    for (VertexId v : vertices) state.v[v] += velocity + omega.cross(state.x[v] - frame.centre);
   }
 }
 

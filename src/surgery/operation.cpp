@@ -11,7 +11,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Vertices that a path of some points can make, at most, for each of them.
+/// Upper bound on the vertices that embedding a path creates per point of the path.
 constexpr double kVerticesPerPoint = 8.0;
 
 /// Brings model and state up to date after an edit of the mesh, and keeps the momentum of the
@@ -39,33 +39,37 @@ std::vector<Vec3> pointsOf(const SurfacePath& path) {
   return points;
 }
 
-std::vector<EmbeddedPath> prepare(const CutPlan& plan, std::int32_t maxVertices,
-                                  Remesher& remesher) {
-  if (plan.refine) {
-    for (const SurfacePath& path : plan.paths) {
-      const Neighbourhood near(pointsOf(path), plan.refine->radius);
-      std::vector<FaceId> seeds;
-      for (const SurfacePoint& p : path.points) seeds.push_back(locate(remesher.mesh(), p));
-      refineNear(near, *plan.refine, inMaterialPlane(remesher.mesh()), seeds, maxVertices,
-                 remesher);
-    }
+/// Refines the mesh along the paths of a plan if it asks for that.
+void refineAlong(const CutPlan& plan, std::int32_t maxVertices, Remesher& remesher) {
+  if (!plan.refine) return;
+  for (const SurfacePath& path : plan.paths) {
+    const Neighbourhood near(pointsOf(path), plan.refine->radius);
+    std::vector<FaceId> seeds;
+    for (const SurfacePoint& p : path.points) seeds.push_back(locate(remesher.mesh(), p));
+    refineNear(near, *plan.refine, inMaterialPlane(remesher.mesh()), seeds, maxVertices, remesher);
   }
+}
+
+/// Edits the mesh so that the paths of a plan run along marked edges.
+std::vector<EmbeddedPath> embedPaths(const CutPlan& plan, std::int32_t maxVertices,
+                                     Remesher& remesher) {
+  refineAlong(plan, maxVertices, remesher);
   std::vector<EmbeddedPath> embedded;
   for (const SurfacePath& path : plan.paths) {
     embedded.push_back(embedPath(path, plan.end, remesher));
   }
-  remesher.improve();
+  remesher.improveAngles();
   return embedded;
 }
 
-void refuse(std::int32_t wanted, std::int32_t allowed) {
+[[noreturn]] void refuse(std::int32_t wanted, std::int32_t allowed) {
   throw TooManyParticles(
       "this would make " + std::to_string(wanted) +
       " particles or more, and cloth.surgery.max_particles = " + std::to_string(allowed));
 }
 
-/// Far more vertices than the plan can possibly make.
-double mostVertices(const CutPlan& plan, const TriangleMesh& mesh) {
+/// Returns a generous upper bound on the number of vertices that a plan creates.
+double vertexBound(const CutPlan& plan, const TriangleMesh& mesh) {
   double points = 0.0;
   double area = 0.0;
   for (const SurfacePath& path : plan.paths) {
@@ -78,17 +82,18 @@ double mostVertices(const CutPlan& plan, const TriangleMesh& mesh) {
     area += 8.0 * r * r;
   }
   const double refined = plan.refine ? std::exp2(plan.refine->generations) : 1.0;
-  const double facePer = mesh.faceCount() / mesh.totalRestArea();
-  return refined * (kVerticesPerPoint * points + 4.0 * facePer * area);
+  const double facesPerArea = mesh.faceCount() / mesh.totalRestArea();
+  return refined * (kVerticesPerPoint * points + 4.0 * facesPerArea * area);
 }
 
-/// Tries a plan on a copy of the mesh if it could make too many particles.
+/// Throws TooManyParticles if a plan creates too many particles. Where the bound does not rule that
+/// out, it tries the plan on a copy of the mesh.
 void checkCount(const CutPlan& plan, const SurgeryLimits& limits, const TriangleMesh& mesh) {
   const std::int32_t most = limits.maxParticles;
-  if (mesh.vertexCount() + mostVertices(plan, mesh) <= most) return;
+  if (mesh.vertexCount() + vertexBound(plan, mesh) <= most) return;
   TriangleMesh trial = mesh;
   Remesher remesher(trial, limits.shape, {});
-  prepare(plan, most, remesher);
+  embedPaths(plan, most, remesher);
   const auto opened = static_cast<std::int32_t>(2 * remesher.marks().size());
   if (trial.vertexCount() + opened > most) refuse(trial.vertexCount() + opened, most);
 }
@@ -99,11 +104,12 @@ MaterialPath materialOf(const EmbeddedPath& path, const TriangleMesh& mesh) {
   return points;
 }
 
-/// Where vertices were at rest before an edit of a mesh.
+/// Material coordinates of vertices before an edit of the mesh.
 class MaterialBefore {
  public:
   MaterialBefore(const TriangleMesh& mesh, const MeshChanges& changes) : mesh_(mesh) {
-    for (const auto& [v, from] : changes.movedFrom) from_.emplace(v, from);  // the first one counts
+    for (const auto& [v, from] : changes.movedFrom)
+      from_.emplace(v, from);  // only the first one is stored
   }
   const Vec2& operator[](VertexId v) const {
     const auto found = from_.find(v);
@@ -115,7 +121,7 @@ class MaterialBefore {
   std::unordered_map<VertexId, Vec2> from_;
 };
 
-/// Springs whose middle is within `distance` of a line go.
+/// Removes the springs with a midpoint within `distance` of a line [m].
 SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance, Model& model) {
   std::vector<std::int32_t> slots;
   const auto count = static_cast<std::int32_t>(model.springs.slots().size());
@@ -131,7 +137,8 @@ SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance,
   return model.springs.clear(slots);
 }
 
-/// A cut at work. The mesh is made to fit the paths, then opens along them.
+/// A cut in progress: embeds the paths as mesh edges, opens the mesh along them, and updates model
+/// and state.
 class CutOperation {
  public:
   CutOperation(const CutPlan& plan, Model& model, State& state)
@@ -139,8 +146,8 @@ class CutOperation {
 
   SurgeryResult run(const ShapeLimits& shape, const std::vector<VertexId>& held) {
     Remesher remesher(model_.mesh, shape, held);
-    note(prepare(plan_, std::numeric_limits<std::int32_t>::max(), remesher));
-    remesher.openMarks();
+    noteEmbedded(embedPaths(plan_, std::numeric_limits<std::int32_t>::max(), remesher));
+    remesher.openMarkedEdges();
     result_.changes.mesh = remesher.finish();
     if (!result_.changes.mesh.empty()) {
       reportSevered();
@@ -151,7 +158,7 @@ class CutOperation {
   }
 
  private:
-  void note(const std::vector<EmbeddedPath>& embedded) {
+  void noteEmbedded(const std::vector<EmbeddedPath>& embedded) {
     for (const EmbeddedPath& path : embedded) {
       lines_.push_back(materialOf(path, model_.mesh));
       result_.length += path.length;
@@ -160,9 +167,10 @@ class CutOperation {
     }
   }
 
-  /// Springs that the cut crosses have failed, also where a vertex moves onto it and what is left
-  /// of its spring goes on. Refinement exchanges others, which have not. To be called while springs
-  /// and state are still those of the cloth as it was.
+  /// Reports the springs that the cut crosses as failed, by the positions of their ends before the
+  /// edit: a spring has failed also if one of its ends then moved onto the cut and it continues as
+  /// a shorter one. Springs that refinement replaces have not failed. Call this before springs and
+  /// state are updated.
   void reportSevered() {
     const MaterialBefore before(model_.mesh, result_.changes.mesh);
     const std::vector<PathIndex> lines(lines_.begin(), lines_.end());
@@ -179,10 +187,11 @@ class CutOperation {
     }
   }
 
+  /// Removes the springs near the cut, and reports those that are not reported yet.
   void clear() {
     const SpringChanges cleared = clearNear(lines_, plan_.clearWithin, model_);
     for (std::size_t k = 0; k < cleared.removed.size(); ++k) {
-      if (contains(severed_, cleared.removed[k])) continue;  // told of already
+      if (contains(severed_, cleared.removed[k])) continue;  // reported already
       report(cleared.removed[k], cleared.removedSprings[k]);
     }
     result_.cleared = static_cast<int>(cleared.removed.size());
@@ -199,8 +208,8 @@ class CutOperation {
   const CutPlan& plan_;
   Model& model_;
   State& state_;
-  std::vector<MaterialPath> lines_;    ///< of the cut, along mesh edges
-  std::vector<std::int32_t> severed_;  ///< slots of springs that paths crossed, ascending
+  std::vector<MaterialPath> lines_;    ///< the cuts along mesh edges
+  std::vector<std::int32_t> severed_;  ///< slots of springs that the cuts cross, ascending
   SurgeryResult result_;
 };
 

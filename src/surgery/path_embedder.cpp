@@ -12,66 +12,77 @@
 namespace cloth_sim {
 namespace {
 
-/// A corner of a path that turns by more than this becomes a vertex [cosine].
+/// Cosine of the angle (15 degrees) by which a path must turn at a point for that point to become a
+/// vertex.
 constexpr double kCornerCosine = 0.966;
-/// Parts of something that are no more than this are none: parameters of crossings are then 0 or 1.
+/// Fractions of a length up to which two points count as one, and a point as on a line.
 constexpr double kNegligible = 1e-9;
-/// Faces with angles from here on are good enough not to look for better ones [rad].
+/// Smallest angle from which a face is good enough, so that no other placement is considered [rad].
 constexpr double kGoodAngle = 0.17;
-/// Where a path ends on the border, a vertex of the border this near slides there [edge lengths].
+/// Snapping distance for the ends of a path on the border, where vertices only slide along it, as a
+/// fraction of the edge length.
 constexpr double kSlide = 0.45;
-/// Faces that `locate` looks at.
-constexpr std::size_t kSearched = 400;
-/// Vertices that a detour may pass.
-constexpr int kDetour = 64;
+/// Largest number of faces that `locate` visits.
+constexpr std::size_t kMaxVisited = 400;
+/// Largest number of vertices that the search for a way around visits.
+constexpr std::size_t kMaxSearched = 64;
 
-/// One way of making a vertex at a point of a path, and what it is worth.
-struct Choice {
-  enum class Kind { kBend, kMove, kSplitEdge, kSplitFace } kind = Kind::kBend;
-  std::array<VertexId, 2> at{kNone, kNone};
+/// One way to place a vertex at a point of a path.
+struct Placement {
+  enum class Kind {
+    kUseVertex,  ///< none: take an existing vertex as it is
+    kMove,       ///< move vertex[0] to the point
+    kSplitEdge,  ///< split the edge {vertex[0], vertex[1]} at the point
+    kSplitFace,  ///< split the face at the point
+  };
+  Kind kind = Kind::kUseVertex;
+  std::array<VertexId, 2> vertex{kNone, kNone};
   FaceId face = kNone;
-  double angle = -1.0;  ///< smallest of the faces that it makes [rad]
+  double angle = -1.0;  ///< smallest of the faces that it creates [rad]; negative: not allowed
 };
 
-void consider(const Choice& choice, Choice& best) {
-  if (choice.angle > best.angle) best = choice;
+/// Keeps the placement with the larger angle.
+void keepBetter(const Placement& candidate, Placement& best) {
+  if (candidate.angle > best.angle) best = candidate;
 }
 
-/// The first that makes good faces; or else of those that are allowed the one that makes the best;
-/// or else the last.
-Choice choose(const Choice& first, const Choice& second, const Choice& third,
-              const Choice& otherwise) {
-  for (const Choice& choice : {first, second}) {
-    if (choice.angle >= kGoodAngle) return choice;
+/// Chooses the first of two placements that makes good faces. If neither does, it chooses the one
+/// of three with the largest angle, and `fallback` if none of them is allowed.
+Placement choose(const Placement& first, const Placement& second, const Placement& third,
+                 const Placement& fallback) {
+  for (const Placement& placement : {first, second}) {
+    if (placement.angle >= kGoodAngle) return placement;
   }
-  Choice best;
-  for (const Choice& choice : {first, second, third}) consider(choice, best);
-  return best.angle < 0.0 ? otherwise : best;
+  Placement best;
+  for (const Placement& placement : {first, second, third}) keepBetter(placement, best);
+  return best.angle < 0.0 ? fallback : best;
 }
 
-VertexId carryOut(const Choice& choice, const Vec2& at, Remesher& remesher) {
-  switch (choice.kind) {
-    case Choice::Kind::kBend:
-      return choice.at[0];
-    case Choice::Kind::kMove:
-      remesher.moveVertex(choice.at[0], at);
-      return choice.at[0];
-    case Choice::Kind::kSplitEdge:
-      return remesher.splitEdge(choice.at[0], choice.at[1], at);
-    case Choice::Kind::kSplitFace:
-      return remesher.splitFace(choice.face, at);
+/// Edits the mesh as a placement says. \return the vertex at the point.
+VertexId apply(const Placement& placement, const Vec2& at, Remesher& remesher) {
+  switch (placement.kind) {
+    case Placement::Kind::kUseVertex:
+      return placement.vertex[0];
+    case Placement::Kind::kMove:
+      remesher.moveVertex(placement.vertex[0], at);
+      return placement.vertex[0];
+    case Placement::Kind::kSplitEdge:
+      return remesher.splitEdge(placement.vertex[0], placement.vertex[1], at);
+    case Placement::Kind::kSplitFace:
+      return remesher.splitFace(placement.face, at);
   }
   return kNone;
 }
 
-/// Where a polyline leaves the faces around a vertex.
+/// The point at which a path leaves the faces around a vertex.
 struct Exit {
-  std::array<VertexId, 2> edge{kNone, kNone};
-  double along = 0.0;       ///< of the edge, 0 ... 1
-  Vec2 at = Vec2::Zero();   ///< [m]
-  std::size_t segment = 0;  ///< of the polyline that crosses there
+  std::array<VertexId, 2> edge{kNone, kNone};  ///< an outer edge of those faces
+  double along = 0.0;                          ///< position on the edge, 0 ... 1
+  Vec2 at = Vec2::Zero();                      ///< material coordinates [m]
+  std::size_t segment = 0;                     ///< segment of the path that crosses the edge
 };
 
+/// The embedding of one path.
 class Embedding {
  public:
   Embedding(const SurfacePath& path, PathEnd end, Remesher& remesher)
@@ -80,15 +91,23 @@ class Embedding {
   EmbeddedPath run() {
     placeAnchors();
     result_.vertices.push_back(anchors_.front().vertex);
-    for (std::size_t k = 0; k + 1 < anchors_.size(); ++k) walk(anchors_[k], anchors_[k + 1]);
+    for (std::size_t k = 0; k + 1 < anchors_.size(); ++k) trace(anchors_[k], anchors_[k + 1]);
     return std::move(result_);
   }
 
  private:
-  /// A point of the path that becomes a vertex.
+  /// A point of the path that becomes a vertex: an end or a corner.
   struct Anchor {
-    std::size_t point = 0;
-    VertexId vertex = kNone;
+    std::size_t point = 0;    ///< index into the points of the path
+    VertexId vertex = kNone;  ///< kNone for a last point where the path need not end exactly
+  };
+  /// The ways to place an anchor in a face.
+  struct AnchorPlacements {
+    Placement nearest;        ///< use the nearest corner as it is
+    Placement snap;           ///< move a corner within the snapping distance
+    Placement split;          ///< split an edge or the face
+    Placement pull;           ///< move a corner from farther away
+    bool isAtCorner = false;  ///< the point coincides with the nearest corner
   };
 
   const Vec2& point(std::size_t k) const { return path_.points[k].material; }
@@ -97,16 +116,17 @@ class Embedding {
   bool isOnBorder(FaceId f, const Vec2& at) const;
   bool isOn(VertexId v, VertexId w, const Vec2& at) const;
   VertexId placeAnchor(const SurfacePoint& where);
-  void walk(const Anchor& from, const Anchor& to);
+  AnchorPlacements anchorPlacements(FaceId f, const Vec2& at) const;
+  void trace(const Anchor& from, const Anchor& to);
   std::optional<Exit> findExit(VertexId centre, std::size_t segment, const Vec2& at,
                                std::size_t last) const;
   std::optional<Exit> crossing(VertexId centre, FaceId f, const Vec2& from, const Vec2& to,
                                double& nearest) const;
   VertexId makeVertex(const Exit& exit);
-  void step(VertexId to);
-  void detour(VertexId to);
+  void append(VertexId to);
+  void appendShortestWay(VertexId to);
   double distanceFromPath(VertexId v) const;
-  void bent(VertexId to, const Vec2& from) {
+  void noteDeviation(VertexId to, const Vec2& from) {
     result_.deviation = std::max(result_.deviation, (mesh_.material(to) - from).norm());
   }
 
@@ -118,12 +138,14 @@ class Embedding {
   EmbeddedPath result_;
 };
 
+/// Returns whether the path turns sharply at an inner point.
 bool Embedding::isCorner(std::size_t k) const {
   const Vec2 before = point(k) - point(k - 1);
   const Vec2 after = point(k + 1) - point(k);
   return before.dot(after) < kCornerCosine * before.norm() * after.norm();
 }
 
+/// Makes vertices of the ends and corners of the path.
 void Embedding::placeAnchors() {
   const std::size_t last = path_.points.size() - 1;
   for (std::size_t k = 0; k <= last; ++k) {
@@ -140,6 +162,7 @@ void Embedding::placeAnchors() {
   }
 }
 
+/// Returns whether a point of a face is on a border edge of the face.
 bool Embedding::isOnBorder(FaceId f, const Vec2& at) const {
   for (int k = 0; k < 3; ++k) {
     const VertexId v = mesh_.face(f)[k];
@@ -149,22 +172,28 @@ bool Embedding::isOnBorder(FaceId f, const Vec2& at) const {
   return false;
 }
 
-/// Whether a point is on an edge, or the line that it is part of.
+/// Returns whether a point is on the line of an edge.
 bool Embedding::isOn(VertexId v, VertexId w, const Vec2& at) const {
   const double beside = std::abs(doubleArea(mesh_.material(v), mesh_.material(w), at));
   return beside <= kNegligible * (mesh_.material(w) - mesh_.material(v)).squaredNorm();
 }
 
 VertexId Embedding::placeAnchor(const SurfacePoint& where) {
-  const FaceId f = locate(mesh_, where);
   const Vec2& at = where.material;
-  Choice bend;   // to the nearest corner
-  Choice snap;   // moves a corner that is near
-  Choice split;  // keeps all corners
-  Choice pull;   // moves a corner from farther away
-  const bool onBorder = isOnBorder(f, at);
+  const AnchorPlacements ways = anchorPlacements(locate(mesh_, where), at);
+  const VertexId v =
+      apply(ways.isAtCorner ? ways.nearest : choose(ways.snap, ways.split, ways.pull, ways.nearest),
+            at, remesher_);
+  noteDeviation(v, at);
+  remesher_.hold(v);
+  return v;
+}
+
+Embedding::AnchorPlacements Embedding::anchorPlacements(FaceId f, const Vec2& at) const {
+  AnchorPlacements ways;
+  const double snap = isOnBorder(f, at) ? kSlide : remesher_.limits().snap;
   double nearest = std::numeric_limits<double>::infinity();
-  double reach = 0.0;
+  double edgeAtNearest = 0.0;
   for (int k = 0; k < 3; ++k) {
     const VertexId v = mesh_.face(f)[k];
     const VertexId w = mesh_.face(f)[(k + 1) % 3];
@@ -174,42 +203,44 @@ VertexId Embedding::placeAnchor(const SurfacePoint& where) {
                                    (mesh_.material(u) - mesh_.material(v)).norm());
     if (distance < nearest) {
       nearest = distance;
-      reach = length;
-      bend.at[0] = v;
+      edgeAtNearest = length;
+      ways.nearest.vertex[0] = v;
     }
-    const Choice move{Choice::Kind::kMove, {v, kNone}, kNone, remesher_.angleIfMoved(v, at)};
-    const double part = onBorder ? kSlide : remesher_.limits().snap;
-    consider(move, distance < part * length ? snap : pull);
-    // An edge on the border or on another cut must be split where it is, others may also bend.
-    const bool free = mesh_.facesOnEdge(v, w)[1] != kNone && !remesher_.isMarked(v, w);
-    if (free || isOn(v, w, at)) {
-      consider({Choice::Kind::kSplitEdge, {v, w}, kNone, remesher_.angleIfSplit(v, w, at)}, split);
+    const Placement move{Placement::Kind::kMove, {v, kNone}, kNone, remesher_.angleIfMoved(v, at)};
+    keepBetter(move, distance < snap * length ? ways.snap : ways.pull);
+    // A split may leave the line of an inner edge, but not that of a border or a marked edge.
+    const bool mayBend = mesh_.facesOnEdge(v, w)[1] != kNone && !remesher_.isMarked(v, w);
+    if (mayBend || isOn(v, w, at)) {
+      keepBetter({Placement::Kind::kSplitEdge, {v, w}, kNone, remesher_.angleIfSplit(v, w, at)},
+                 ways.split);
     }
   }
-  consider({Choice::Kind::kSplitFace, {}, f, remesher_.angleIfSplit(f, at)}, split);
-  const bool there = nearest <= kNegligible * reach;
-  const VertexId v = carryOut(there ? bend : choose(snap, split, pull, bend), at, remesher_);
-  bent(v, at);
-  remesher_.hold(v);
-  return v;
+  keepBetter({Placement::Kind::kSplitFace, {}, f, remesher_.angleIfSplit(f, at)}, ways.split);
+  ways.isAtCorner = nearest <= kNegligible * edgeAtNearest;
+  return ways;
 }
 
-void Embedding::walk(const Anchor& from, const Anchor& to) {
+/// Appends the vertices of the path from one anchor to the next.
+void Embedding::trace(const Anchor& from, const Anchor& to) {
   std::size_t segment = from.point;
   Vec2 at = point(segment);
-  // Every step gets farther along the path, so there is an end to it.
+  // Each exit is farther along the path than the last one, so the loop ends.
   while (true) {
     const VertexId centre = result_.vertices.back();
     if (centre == to.vertex && result_.vertices.size() > 1 && segment + 1 >= to.point) break;
     const std::optional<Exit> exit = findExit(centre, segment, at, to.point);
     if (!exit) break;
-    step(makeVertex(*exit));
+    append(makeVertex(*exit));
     segment = exit->segment;
     at = exit->at;
   }
-  if (to.vertex != kNone && result_.vertices.back() != to.vertex) detour(to.vertex);
+  if (to.vertex != kNone && result_.vertices.back() != to.vertex) appendShortestWay(to.vertex);
 }
 
+/// Finds the first exit of the path from the faces around `centre`.
+/// \param segment  segment of the path at which the search starts.
+/// \param at       point on that segment.
+/// \param last     index of the last point of the path that counts.
 std::optional<Exit> Embedding::findExit(VertexId centre, std::size_t segment, const Vec2& at,
                                         std::size_t last) const {
   Vec2 from = at;
@@ -228,7 +259,8 @@ std::optional<Exit> Embedding::findExit(VertexId centre, std::size_t segment, co
   return std::nullopt;
 }
 
-/// Where from-to leaves `f` through the edge opposite `centre`, if nearer to `from` than `nearest`.
+/// Intersects from-to with the edge of `f` opposite `centre`, where it leaves `f`.
+/// \param nearest  parameter along from-to below which the exit counts; set to that of the exit.
 std::optional<Exit> Embedding::crossing(VertexId centre, FaceId f, const Vec2& from, const Vec2& to,
                                         double& nearest) const {
   const Face& face = mesh_.face(f);
@@ -239,7 +271,7 @@ std::optional<Exit> Embedding::crossing(VertexId centre, FaceId f, const Vec2& f
   const Vec2& b = mesh_.material(exit.edge[1]);
   const Vec2 d = to - from;
   const Vec2 e = b - a;
-  const double outward = cross(d, e);  // e runs counter-clockwise about centre
+  const double outward = cross(d, e);  // positive if from-to leaves, as e runs counter-clockwise
   if (outward <= kNegligible * d.norm() * e.norm()) return std::nullopt;
   const Vec2 r = a - from;
   const double along = cross(r, e) / outward;
@@ -253,25 +285,27 @@ std::optional<Exit> Embedding::crossing(VertexId centre, FaceId f, const Vec2& f
   return exit;
 }
 
+/// Places a vertex at an exit.
 VertexId Embedding::makeVertex(const Exit& exit) {
   const auto [a, b] = exit.edge;
   const VertexId nearer = exit.along < 0.5 ? a : b;
-  const double part = std::min(exit.along, 1.0 - exit.along);
-  const Choice bend{Choice::Kind::kBend, {nearer, kNone}, kNone, 0.0};
-  if (part <= kNegligible) return nearer;
-  const Choice move{
-      Choice::Kind::kMove, {nearer, kNone}, kNone, remesher_.angleIfMoved(nearer, exit.at)};
-  const Choice split{
-      Choice::Kind::kSplitEdge, {a, b}, kNone, remesher_.angleIfSplit(a, b, exit.at)};
-  const bool snaps = part < remesher_.limits().snap;
-  const Choice none;
-  const Choice best = snaps ? choose(move, split, none, bend) : choose(none, split, move, bend);
-  const VertexId v = carryOut(best, exit.at, remesher_);
-  if (best.kind == Choice::Kind::kBend) bent(v, exit.at);
+  const double fraction = std::min(exit.along, 1.0 - exit.along);
+  if (fraction <= kNegligible) return nearer;
+  const Placement bend{Placement::Kind::kUseVertex, {nearer, kNone}, kNone, 0.0};
+  const Placement move{
+      Placement::Kind::kMove, {nearer, kNone}, kNone, remesher_.angleIfMoved(nearer, exit.at)};
+  const Placement split{
+      Placement::Kind::kSplitEdge, {a, b}, kNone, remesher_.angleIfSplit(a, b, exit.at)};
+  const bool snaps = fraction < remesher_.limits().snap;
+  const Placement none;
+  const Placement best = snaps ? choose(move, split, none, bend) : choose(none, split, move, bend);
+  const VertexId v = apply(best, exit.at, remesher_);
+  if (best.kind == Placement::Kind::kUseVertex) noteDeviation(v, exit.at);
   return v;
 }
 
-void Embedding::step(VertexId to) {
+/// Appends a neighbour of the last vertex, and marks the edge between them.
+void Embedding::append(VertexId to) {
   const VertexId from = result_.vertices.back();
   remesher_.mark(from, to);
   result_.vertices.push_back(to);
@@ -284,26 +318,32 @@ double Embedding::distanceFromPath(VertexId v) const {
   return distanceTo(line, mesh_.material(v));
 }
 
-/// The shortest way along edges, where the last vertex is not next to the one before it.
-void Embedding::detour(VertexId to) {
+/// Appends the way with the fewest edges from the last vertex to `to`, found by a breadth-first
+/// search; nothing if that is too far. Only needed where a path bent so that its last vertex is not
+/// a neighbour of the one before.
+void Embedding::appendShortestWay(VertexId to) {
+  struct Visit {
+    VertexId vertex;
+    std::int32_t previous;  ///< index of the visit from which it was reached
+  };
   const VertexId from = result_.vertices.back();
-  std::vector<std::pair<VertexId, VertexId>> reached{{from, kNone}};  // vertex, where it came from
+  std::vector<Visit> visits{{from, kNone}};
   std::set<VertexId> seen{from};
-  for (std::size_t k = 0; k < reached.size() && seen.count(to) == 0; ++k) {
-    for (VertexId w : mesh_.neighbours(reached[k].first)) {
-      if (seen.insert(w).second) reached.emplace_back(w, static_cast<VertexId>(k));
+  for (std::size_t k = 0; k < visits.size() && seen.count(to) == 0; ++k) {
+    for (VertexId w : mesh_.neighbours(visits[k].vertex)) {
+      if (seen.insert(w).second) visits.push_back({w, static_cast<std::int32_t>(k)});
     }
-    if (k > static_cast<std::size_t>(kDetour)) break;
+    if (k > kMaxSearched) break;
   }
   if (seen.count(to) == 0) return;
-  std::vector<VertexId> way;
-  auto at = std::find_if(reached.begin(), reached.end(), [to](auto& r) { return r.first == to; });
-  while (at->second != kNone) {
-    way.push_back(at->first);
-    at = reached.begin() + at->second;
+  std::vector<VertexId> way;  // from `to` backwards
+  auto at = std::find_if(visits.begin(), visits.end(), [to](auto& v) { return v.vertex == to; });
+  while (at->previous != kNone) {
+    way.push_back(at->vertex);
+    at = visits.begin() + at->previous;
   }
   for (auto v = way.rbegin(); v != way.rend(); ++v) {
-    step(*v);
+    append(*v);
     if (*v != to) result_.deviation = std::max(result_.deviation, distanceFromPath(*v));
   }
 }
@@ -318,17 +358,17 @@ FaceId locate(const TriangleMesh& mesh, const SurfacePoint& point) {
   std::deque<FaceId> open{point.face};
   std::set<FaceId> seen{point.face};
   FaceId best = point.face;
-  double inside = -std::numeric_limits<double>::infinity();
-  while (!open.empty() && seen.size() < kSearched) {
+  double largest = -std::numeric_limits<double>::infinity();  // smallest barycentric coordinate
+  while (!open.empty() && seen.size() < kMaxVisited) {
     const FaceId f = open.front();
     open.pop_front();
     const std::array<double, 3> weight = barycentric(mesh, f, point.material);
-    const double now = *std::min_element(weight.begin(), weight.end());
-    if (now > inside) {
-      inside = now;
+    const double smallest = *std::min_element(weight.begin(), weight.end());
+    if (smallest > largest) {
+      largest = smallest;
       best = f;
     }
-    if (inside >= -1e-12) break;
+    if (largest >= -1e-12) break;
     const Face& face = mesh.face(f);
     for (int k = 0; k < 3; ++k) {
       for (FaceId other : mesh.facesOnEdge(face[k], face[(k + 1) % 3])) {

@@ -5,19 +5,13 @@
 #include <deque>
 
 #include "mesh/quality.h"
+#include "nearest_point.h"
 
 namespace cloth_sim {
 namespace {
 
-/// Samples of a path per radius.
+/// Number of samples of a path per radius of its neighbourhood.
 constexpr double kSamplesPerRadius = 2.0;
-
-Vec3 nearestOnSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const Vec3 d = b - a;
-  const double squared = d.squaredNorm();
-  if (squared == 0.0) return a;
-  return a + std::clamp(d.dot(p - a) / squared, 0.0, 1.0) * d;
-}
 
 std::array<Vec3, 3> cornersOf(const Face& face, const VertexData<Vec3>& coordinates) {
   return {coordinates[face[0]], coordinates[face[1]], coordinates[face[2]]};
@@ -42,29 +36,14 @@ std::string validationError(const RefineNear& request) {
   return "";
 }
 
-Vec3 nearestPoint(const std::array<Vec3, 3>& triangle, const Vec3& p) {
-  const auto& [a, b, c] = triangle;
-  const Vec3 normal = (b - a).cross(c - a);
-  const double squared = normal.squaredNorm();
-  const bool inside = squared > 0.0 && (b - a).cross(p - a).dot(normal) >= 0.0 &&
-                      (c - b).cross(p - b).dot(normal) >= 0.0 &&
-                      (a - c).cross(p - c).dot(normal) >= 0.0;
-  if (inside) return p - normal * (normal.dot(p - a) / squared);
-  Vec3 best = nearestOnSegment(a, b, p);
-  for (const Vec3& other : {nearestOnSegment(b, c, p), nearestOnSegment(c, a, p)}) {
-    if ((other - p).squaredNorm() < (best - p).squaredNorm()) best = other;
-  }
-  return best;
-}
-
 Neighbourhood::Neighbourhood(const std::vector<Vec3>& path, double radius) : radius_(radius) {
   const double spacing = radius / kSamplesPerRadius;
   samples_.push_back(path.front());
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {
     const Vec3 d = path[k + 1] - path[k];
-    const auto pieces = static_cast<int>(std::ceil(d.norm() / spacing));
-    for (int piece = 1; piece <= pieces; ++piece) {
-      samples_.emplace_back(path[k] + d * (static_cast<double>(piece) / pieces));
+    const auto count = static_cast<int>(std::ceil(d.norm() / spacing));
+    for (int sample = 1; sample <= count; ++sample) {
+      samples_.emplace_back(path[k] + d * (static_cast<double>(sample) / count));
     }
   }
   Eigen::AlignedBox3d box;
@@ -83,7 +62,7 @@ bool Neighbourhood::reaches(const std::array<Vec3, 3>& triangle) const {
     return std::lower_bound(samples_.begin(), samples_.end(), value,
                             [&](const Vec3& p, double v) { return p[axis_] < v; });
   };
-  // Most triangles that are near are near by their middle.
+  // A quick test first: most of the near triangles have their centroid near a sample.
   const Vec3 middle = (a + b + c) / 3.0;
   const auto beside = from(middle[axis_]);
   if (beside != samples_.end() && (middle - *beside).squaredNorm() <= radius_ * radius_)
@@ -94,41 +73,76 @@ bool Neighbourhood::reaches(const std::array<Vec3, 3>& triangle) const {
   return false;
 }
 
+namespace {
+
+/// A breadth-first search over faces near a path, which grows with the mesh while it is refined.
+class RefinementFront {
+ public:
+  RefinementFront(const TriangleMesh& mesh, const std::vector<FaceId>& seeds)
+      : mesh_(mesh),
+        open_(seeds.begin(), seeds.end()),
+        seen_(static_cast<std::size_t>(mesh.faceCount()), false) {
+    for (FaceId f : seeds) seen_[f] = true;
+  }
+
+  bool empty() const { return open_.empty(); }
+
+  FaceId takeNext() {
+    const FaceId f = open_.front();
+    open_.pop_front();
+    return f;
+  }
+
+  /// Appends the faces around the corners of `f` that have not been seen.
+  void addNeighbours(FaceId f) {
+    for (VertexId v : mesh_.face(f)) {
+      for (FaceId other : mesh_.facesAround(v)) {
+        if (!seen_[other]) open_.push_back(other);
+        seen_[other] = true;
+      }
+    }
+  }
+
+  /// Appends the faces around the vertices from `first` on, also those seen before: what bisections
+  /// have created may have to be bisected again.
+  void addFacesOfNewVertices(VertexId first) {
+    seen_.resize(static_cast<std::size_t>(mesh_.faceCount()), false);
+    for (VertexId v = first; v < mesh_.vertexCount(); ++v) {
+      for (FaceId f : mesh_.facesAround(v)) {
+        seen_[f] = true;
+        open_.push_back(f);
+      }
+    }
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::deque<FaceId> open_;
+  std::vector<bool> seen_;  ///< by face
+};
+
+}  // namespace
+
 void refineNear(const Neighbourhood& near, const Refinement& refinement,
                 VertexData<Vec3> coordinates, const std::vector<FaceId>& seeds,
                 std::int32_t maxVertices, Remesher& remesher) {
   const TriangleMesh& mesh = remesher.mesh();
   const double minEdge = std::max(refinement.minEdge, remesher.limits().minEdge);
-  std::deque<FaceId> open(seeds.begin(), seeds.end());
-  std::vector<bool> seen(static_cast<std::size_t>(mesh.faceCount()), false);
-  for (FaceId f : seeds) seen[f] = true;
-  std::size_t edits = remesher.edits().size();  // that the coordinates know
-  const auto look = [&](FaceId f) {
-    if (!seen[f]) open.push_back(f);
-    seen[f] = true;
-  };
-  while (!open.empty() && mesh.vertexCount() <= maxVertices) {
-    const FaceId f = open.front();
-    open.pop_front();
+  RefinementFront front(mesh, seeds);
+  std::size_t applied = remesher.edits().size();  // edits that the coordinates have
+  while (!front.empty() && mesh.vertexCount() <= maxVertices) {
+    const FaceId f = front.takeNext();
     if (!near.reaches(cornersOf(mesh.face(f), coordinates))) continue;
-    for (VertexId v : mesh.face(f)) {
-      for (FaceId other : mesh.facesAround(v)) look(other);
-    }
-    const bool fine =
+    front.addNeighbours(f);
+    const bool isFine =
         mesh.generation(f) >= refinement.generations || 0.5 * longestEdge(mesh, f) < minEdge;
-    if (fine) continue;
-    // Even one that is refused may have halved others on its way.
-    const VertexId known = mesh.vertexCount();
-    remesher.bisect(f);
-    for (; edits < remesher.edits().size(); ++edits) coordinates.apply(remesher.edits()[edits]);
-    seen.resize(static_cast<std::size_t>(mesh.faceCount()), false);
-    // What a bisection made may have to be halved again.
-    for (VertexId v = known; v < mesh.vertexCount(); ++v) {
-      for (FaceId part : mesh.facesAround(v)) {
-        seen[part] = true;
-        open.push_back(part);
-      }
+    if (isFine) continue;
+    const VertexId firstNew = mesh.vertexCount();
+    remesher.bisect(f);  // even if it fails, it may have bisected neighbours
+    for (; applied < remesher.edits().size(); ++applied) {
+      coordinates.apply(remesher.edits()[applied]);
     }
+    front.addFacesOfNewVertices(firstNew);
   }
 }
 

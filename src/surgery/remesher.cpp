@@ -9,18 +9,20 @@
 namespace cloth_sim {
 namespace {
 
-/// Angles below this are worth a flip [rad].
+/// Faces with an angle below this are candidates for a flip [rad].
 constexpr double kPoorAngle = 0.35;
-/// ... if it gains this much [rad].
-constexpr double kWorthwhile = 0.02;
+/// Smallest increase of the smallest angle for which an edge is flipped [rad].
+constexpr double kMinGain = 0.02;
+/// Passes over the faces that the last pass flipped.
 constexpr int kImprovePasses = 4;
-/// A border counts as straight, and a point as on it, within this [m].
+/// Distance from a line up to which a point counts as on it [m].
 constexpr double kOnBorder = 1e-14;
-/// Edges this near in relative length count as equally long.
+/// Relative difference up to which edges count as equally long.
 constexpr double kSameLength = 1e-9;
-/// Deepest chain of bisections that one may call for.
-constexpr int kDeepest = 64;
+/// Number of faces on a longest-edge propagation path from which on bisection gives up.
+constexpr int kLongestPath = 64;
 
+/// Returns the distance of p from the line through a and b [m], or from a if they coincide.
 double distanceToLine(const Vec2& a, const Vec2& b, const Vec2& p) {
   const double length = (b - a).norm();
   return length > 0.0 ? std::abs(doubleArea(a, b, p)) / length : (p - a).norm();
@@ -80,13 +82,15 @@ VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
     mark(middle, b);
   }
   if (held_.count(a) != 0 && held_.count(b) != 0) hold(middle);
-  // On the edge, rounding is all that is left; beside it, the vertex has to move.
-  // An edge on the border stays on its line.
+  // The split is on the edge. If the point is beside it, move the vertex there; on the border it
+  // stays on the edge.
   const bool inside = mesh().facesAround(middle).size() == 4;
   if (inside && distanceToLine(pa, pa + d, at) > kOnBorder) moveVertex(middle, at);
   return middle;
 }
 
+/// Returns whether `v` may move to a point: it is neither held nor on a marked edge and, if it is
+/// on the border, the point is on the lines of its border edges.
 bool Remesher::mayMove(VertexId v, const Vec2& to) const {
   if (held_.count(v) != 0 || marked_.count(v) != 0) return false;
   const std::vector<VertexId> around = mesh().neighbours(v);
@@ -116,7 +120,7 @@ double Remesher::angleIfMoved(VertexId v, const Vec2& to) const {
 }
 
 void Remesher::moveVertex(VertexId v, const Vec2& to) {
-  // The face around v that `to` lies in, or nearest to.
+  // Find the face around v that contains the point, or else the nearest one.
   FaceId in = kNone;
   double best = 0.0;
   for (FaceId f : mesh().facesAround(v)) {
@@ -151,6 +155,8 @@ VertexId Remesher::splitFace(FaceId f, const Vec2& at) {
   return middle;
 }
 
+/// Returns the longest edge of a face. Of equally long ones it is the first in the order of their
+/// keys, so that both faces on an edge agree.
 EdgeKey Remesher::longestEdge(FaceId f) const {
   const Face& face = mesh().face(f);
   EdgeKey longest{kNone, kNone};
@@ -169,24 +175,24 @@ EdgeKey Remesher::longestEdge(FaceId f) const {
 }
 
 bool Remesher::bisect(FaceId f) {
-  std::vector<FaceId> chain{f};
-  while (!chain.empty()) {
-    if (chain.size() > kDeepest) return false;
-    const EdgeKey edge = longestEdge(chain.back());
+  std::vector<FaceId> path{f};  // of faces with longer and longer edges
+  while (!path.empty()) {
+    if (path.size() > kLongestPath) return false;
+    const EdgeKey edge = longestEdge(path.back());
     const auto on = mesh().facesOnEdge(edge[0], edge[1]);
-    const FaceId other = on[0] == chain.back() ? on[1] : on[0];
+    const FaceId other = on[0] == path.back() ? on[1] : on[0];
     const auto lengthOf = [&](const EdgeKey& e) {
       return (mesh().material(e[1]) - mesh().material(e[0])).norm();
     };
     if (other != kNone && lengthOf(longestEdge(other)) > lengthOf(edge) * (1.0 + kSameLength)) {
-      chain.push_back(other);
+      path.push_back(other);
       continue;
     }
     const Vec2 middle = 0.5 * (mesh().material(edge[0]) + mesh().material(edge[1]));
     if (angleIfSplit(edge[0], edge[1], middle) < 0.0) return false;
     const VertexId v = splitEdge(edge[0], edge[1], middle);
     for (FaceId half : mesh().facesAround(v)) editor_.raiseGeneration(half);
-    chain.pop_back();
+    path.pop_back();
   }
   return true;
 }
@@ -202,18 +208,20 @@ double Remesher::angleIfFlipped(VertexId a, VertexId b) const {
   const Vec2& pc = mesh().material(c);
   const Vec2& pd = mesh().material(d);
   if (isTooShort(pc, pd)) return -1.0;
-  // c lies left of a-b, or else the quadrilateral runs the other way round.
+  // The orientation of the faces decides whether c is to the left of a-b.
   const bool left = doubleArea(pa, pb, pc) > 0.0;
   const double first = left ? minAngle(pa, pd, pc) : minAngle(pa, pc, pd);
   const double second = left ? minAngle(pd, pb, pc) : minAngle(pc, pb, pd);
   return std::min(first, second);
 }
 
-bool Remesher::improveFace(FaceId f, std::vector<FaceId>& next) {
+/// Flips the edge of a poor face for which the smallest angle increases most, if any.
+/// \param flipped  receives the two faces.
+bool Remesher::improveFace(FaceId f, std::vector<FaceId>& flipped) {
   if (minAngle(mesh(), f) >= kPoorAngle) return false;
   const Face face = mesh().face(f);
   EdgeKey best{kNone, kNone};
-  double gain = kWorthwhile;
+  double gain = kMinGain;
   for (int k = 0; k < 3; ++k) {
     const EdgeKey edge = edgeKey(face[k], face[(k + 1) % 3]);
     const auto on = mesh().facesOnEdge(edge[0], edge[1]);
@@ -227,44 +235,44 @@ bool Remesher::improveFace(FaceId f, std::vector<FaceId>& next) {
   }
   if (best[0] == kNone) return false;
   const auto on = mesh().facesOnEdge(best[0], best[1]);
-  next.insert(next.end(), {on[0], on[1]});
+  flipped.insert(flipped.end(), {on[0], on[1]});
   editor_.flipEdge(best[0], best[1]);
   return true;
 }
 
-void Remesher::improve() {
+void Remesher::improveAngles() {
   std::vector<FaceId> faces = editor_.reshaped();
   for (int pass = 0; pass < kImprovePasses && !faces.empty(); ++pass) {
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-    std::vector<FaceId> next;
-    for (FaceId f : faces) improveFace(f, next);
-    faces = std::move(next);
+    std::vector<FaceId> flipped;
+    for (FaceId f : faces) improveFace(f, flipped);
+    faces = std::move(flipped);
   }
 }
 
-void Remesher::openMarks() {
-  // Openings give vertices copies; marks know the vertices that those come from.
-  std::map<VertexId, VertexId> roots;
-  const auto rootOf = [&roots](VertexId v) {
-    const auto found = roots.find(v);
-    return found == roots.end() ? v : found->second;
+void Remesher::openMarkedEdges() {
+  // Openings copy vertices; marks refer to the originals.
+  std::map<VertexId, VertexId> originals;
+  const auto originalOf = [&originals](VertexId v) {
+    const auto found = originals.find(v);
+    return found == originals.end() ? v : found->second;
   };
   std::vector<VertexId> open(marked_.begin(), marked_.end());
   for (std::size_t k = 0; k < open.size(); ++k) {
     const VertexId v = open[k];
-    const auto isWall = [&](VertexId w) { return isMarked(rootOf(v), rootOf(w)); };
-    // An opening may separate more than it was asked to: look again after each.
-    auto fans = fansAround(mesh(), v, isWall);
+    const auto isCut = [&](VertexId w) { return isMarked(originalOf(v), originalOf(w)); };
+    // An opening may separate more faces than asked for, so find the fans again after each.
+    auto fans = fansAround(mesh(), v, isCut);
     while (fans.size() > 1) {
       std::size_t known = edits().size();
       editor_.splitVertex(v, fans[1]);
       for (; known < edits().size(); ++known) {
         const VertexEdit& copy = edits()[known];
-        roots[copy.id] = rootOf(copy.from[0]);
-        if (marked_.count(roots[copy.id]) != 0) open.push_back(copy.id);
+        originals[copy.id] = originalOf(copy.from[0]);
+        if (marked_.count(originals[copy.id]) != 0) open.push_back(copy.id);
       }
-      fans = fansAround(mesh(), v, isWall);
+      fans = fansAround(mesh(), v, isCut);
     }
   }
   marks_.clear();

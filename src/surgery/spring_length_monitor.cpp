@@ -10,14 +10,14 @@
 namespace cloth_sim {
 namespace {
 
-/// The slack, over how much longer than at rest springs have to be on average. With more of it,
-/// more springs of a refined cloth are close all the time.
+/// The slack, as a fraction of the mean margin between rest length and limit. A larger slack makes
+/// more springs of a refined cloth candidates all the time.
 constexpr double kSlack = 0.1;
-/// Springs for which a second thread pays.
+/// Number of springs for which a second thread pays.
 constexpr std::int32_t kGrain = 8192;
 
-/// Particles that have not moved by more than `far` along any axis, but for `shift`. Counts instead
-/// of leaving early, so that it can be vectorised.
+/// Counts the particles that have moved by at most `far` along each axis, apart from a common
+/// `shift`. It counts instead of stopping at the first so that it can be vectorised.
 CLOTH_SIM_VECTOR_CLONES
 std::int64_t countNear(std::size_t count, const double* now, const double* before,
                        const double* shift, double far) {
@@ -31,7 +31,7 @@ std::int64_t countNear(std::size_t count, const double* now, const double* befor
   return near;
 }
 
-/// The first of `flags` from `first` on that is 1; their number, if there is none.
+/// Returns the index of the first flag from `first` on that is set; the size if there is none.
 std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
   const std::size_t left = flags.size() - first;
   const void* found = left > 0 ? std::memchr(flags.data() + first, 1, left) : nullptr;
@@ -44,98 +44,107 @@ std::size_t nextSet(const std::vector<char>& flags, std::size_t first) {
 
 void SpringLengthMonitor::clear() {
   springs_.clear();
-  before_.clear();
-  isClose_.clear();
-  close_.clear();
-  put_.clear();
+  checked_.clear();
+  isCandidate_.clear();
+  candidates_.clear();
+  edited_.clear();
   margins_ = 0.0;
-  finite_ = 0;
+  limited_ = 0;
 }
 
 void SpringLengthMonitor::reserve(std::size_t springs) {
   springs_.reserve(springs);
-  close_.reserve(springs);
-  long_.reserve(springs);
+  candidates_.reserve(springs);
+  found_.reserve(springs);
 }
 
-void SpringLengthMonitor::watch(const Spring& spring, double length) {
-  springs_.push_back({spring.a, spring.b, length});
-  if (length == kNever) return;
-  margins_ += std::max(0.0, length - spring.restLength);
-  ++finite_;
+void SpringLengthMonitor::add(const Spring& spring, double limit) {
+  springs_.push_back({spring.a, spring.b, limit});
+  if (limit == kUnlimited) return;
+  margins_ += std::max(0.0, limit - spring.restLength);
+  ++limited_;
 }
 
-void SpringLengthMonitor::replace(std::int32_t k, const Spring& spring, double length) {
-  springs_[static_cast<std::size_t>(k)] = {spring.a, spring.b, length};
-  lookAt(k);
+void SpringLengthMonitor::replace(std::int32_t k, const Spring& spring, double limit) {
+  springs_[static_cast<std::size_t>(k)] = {spring.a, spring.b, limit};
+  addCandidate(k);
 }
 
-void SpringLengthMonitor::lookAt(std::int32_t k) {
-  const auto place = static_cast<std::size_t>(k);
-  if (place >= isClose_.size()) isClose_.resize(place + 1, 0);
-  if (isClose_[place] != 0) return;
-  isClose_[place] = 1;
-  isSorted_ = isSorted_ && (close_.empty() || close_.back() < k);
-  close_.push_back(k);
+void SpringLengthMonitor::addCandidate(std::int32_t k) {
+  const auto index = static_cast<std::size_t>(k);
+  if (index >= isCandidate_.size()) isCandidate_.resize(index + 1, 0);
+  if (isCandidate_[index] != 0) return;
+  isCandidate_[index] = 1;
+  isSorted_ = isSorted_ && (candidates_.empty() || candidates_.back() < k);
+  candidates_.push_back(k);
 }
 
 const std::vector<std::int32_t>& SpringLengthMonitor::find(const VertexData<Vec3>& x) {
-  long_.clear();
-  if (finite_ == 0) return long_;
-  const auto keepIfLong = [&](std::int32_t k) {
-    const Watched& it = springs_[static_cast<std::size_t>(k)];
-    if ((x[it.b] - x[it.a]).squaredNorm() > it.length * it.length) long_.push_back(k);
+  found_.clear();
+  if (limited_ == 0) return found_;
+  const auto check = [&](std::int32_t k) {
+    const LimitedSpring& spring = springs_[static_cast<std::size_t>(k)];
+    if ((x[spring.b] - x[spring.a]).squaredNorm() > spring.limit * spring.limit) {
+      found_.push_back(k);
+    }
   };
-  if (springs_.size() < x.size()) {  // as along a seam: to look at particles would cost more
-    for (std::int32_t k = 0; k < static_cast<std::int32_t>(springs_.size()); ++k) keepIfLong(k);
-    return long_;
+  // With few springs, as along a seam, checking them costs less than checking the particles.
+  if (springs_.size() < x.size()) {
+    for (std::int32_t k = 0; k < static_cast<std::int32_t>(springs_.size()); ++k) check(k);
+    return found_;
   }
-  settle(x);
-  if (haveMoved(x)) lookAtAll(x);
-  for (const std::int32_t k : close_) keepIfLong(k);
-  return long_;
+  updateCandidates(x);
+  if (haveMoved(x)) checkAll(x);
+  for (const std::int32_t k : candidates_) check(k);
+  return found_;
 }
 
-/// Takes up what was put, and watched anew.
-void SpringLengthMonitor::settle(const VertexData<Vec3>& x) {
-  if (before_.empty()) return;  // all will be looked at
-  for (auto k = isClose_.size(); k < springs_.size(); ++k) lookAt(static_cast<std::int32_t>(k));
-  if (!isSorted_) std::sort(close_.begin(), close_.end());
+/// Takes over added springs and edited particles since the last call.
+void SpringLengthMonitor::updateCandidates(const VertexData<Vec3>& x) {
+  if (checked_.empty()) return;  // all will be checked
+  for (auto k = isCandidate_.size(); k < springs_.size(); ++k) {
+    addCandidate(static_cast<std::int32_t>(k));
+  }
+  if (!isSorted_) std::sort(candidates_.begin(), candidates_.end());
   isSorted_ = true;
-  if (before_.size() < x.size()) before_.resize(x.size());
-  const Vec3 shift = x[0] - before_[0];
-  for (const VertexId v : put_) before_[static_cast<std::size_t>(v)] = x[v] - shift;
-  put_.clear();
+  if (checked_.size() < x.size()) checked_.resize(x.size());
+  const Vec3 shift = x[0] - checked_[0];
+  for (const VertexId v : edited_) checked_[static_cast<std::size_t>(v)] = x[v] - shift;
+  edited_.clear();
 }
 
-/// Where all moved alike, no spring is longer.
+/// Returns whether a particle has moved by more than the slack since all springs were checked. The
+/// displacement of particle 0 is subtracted: a common translation stretches no spring.
 bool SpringLengthMonitor::haveMoved(const VertexData<Vec3>& x) const {
-  if (before_.size() != x.size() || before_.empty()) return true;
-  const Vec3 shift = x[0] - before_[0];
-  // Along each axis; so the way is shorter than sqrt(3)/2 of the slack, and rounding has room.
+  if (checked_.size() != x.size() || checked_.empty()) return true;
+  const Vec3 shift = x[0] - checked_[0];
+  // The limit applies to each axis, so a displacement is at most sqrt(3) / 2 of the slack; the rest
+  // covers rounding.
   const double far = 0.5 * slack_;
-  return countNear(x.size(), x.data()->data(), before_.data()->data(), shift.data(), far) !=
+  return countNear(x.size(), x.data()->data(), checked_.data()->data(), shift.data(), far) !=
          static_cast<std::int64_t>(x.size());
 }
 
-void SpringLengthMonitor::lookAtAll(const VertexData<Vec3>& x) {
-  before_ = x.values();
-  put_.clear();
-  slack_ = kSlack * margins_ / static_cast<double>(finite_);
-  isClose_.resize(springs_.size());
-  const auto look = [springs = springs_.data(), x = x.data(), isClose = isClose_.data(),
-                     within = 2.0 * slack_](std::int32_t first, std::int32_t last) {
+/// Makes the list of candidates from all springs.
+void SpringLengthMonitor::checkAll(const VertexData<Vec3>& x) {
+  checked_ = x.values();
+  edited_.clear();
+  slack_ = kSlack * margins_ / static_cast<double>(limited_);
+  isCandidate_.resize(springs_.size());
+  const auto check = [springs = springs_.data(), x = x.data(), isCandidate = isCandidate_.data(),
+                      within = 2.0 * slack_](std::int32_t first, std::int32_t last) {
     for (std::int32_t k = first; k < last; ++k) {
-      const Watched& it = springs[k];
-      const double least = std::max(0.0, it.length - within);
-      isClose[k] = (x[it.b] - x[it.a]).squaredNorm() >= least * least;
+      const LimitedSpring& spring = springs[k];
+      const double least = std::max(0.0, spring.limit - within);
+      isCandidate[k] = (x[spring.b] - x[spring.a]).squaredNorm() >= least * least;
     }
   };
-  parallelFor(static_cast<std::int32_t>(springs_.size()), kGrain, look);
-  close_.clear();
+  parallelFor(static_cast<std::int32_t>(springs_.size()), kGrain, check);
+  candidates_.clear();
   isSorted_ = true;
-  for (std::size_t k = nextSet(isClose_, 0); k < isClose_.size(); k = nextSet(isClose_, k + 1)) {
-    close_.push_back(static_cast<std::int32_t>(k));
+  for (std::size_t k = nextSet(isCandidate_, 0); k < isCandidate_.size();
+       k = nextSet(isCandidate_, k + 1)) {
+    candidates_.push_back(static_cast<std::int32_t>(k));
   }
 }
 

@@ -9,13 +9,15 @@
 namespace cloth_sim {
 namespace {
 
-/// Parameters on edges and in faces this near to an end are at the end.
+/// Distance from 0 or 1 up to which the parameter of a point on an edge or in a face is set to it.
 constexpr double kAtEnd = 1e-12;
-/// Distances of a face's corners that count as none, in lengths of the facet.
+/// Distance from the plane of a facet, in lengths of the facet, up to which corners count as in it.
 constexpr double kCoplanar = 1e-13;
-/// Differences that are smaller, relative to the lengths involved, are not left to rounding.
+/// Determinants below this fraction of the lengths involved are computed exactly, since rounding
+/// errors would dominate their quotient.
 constexpr double kExactBelow = 1e-3;
 
+/// An axis-aligned bounding box.
 struct Box {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
@@ -26,11 +28,13 @@ struct Box {
   }
 };
 
+/// Sets a parameter near 0 or 1 to it.
 double snapped(double part) {
   if (!(part > kAtEnd)) return 0.0;
   return part < 1.0 - kAtEnd ? part : 1.0;
 }
 
+/// The intersection of a surface with a cloth.
 class Crossing {
  public:
   Crossing(const SweptSurface& surface, const TriangleMesh& mesh, const VertexData<Vec3>& positions)
@@ -46,16 +50,16 @@ class Crossing {
     for (FaceId f = 0; f < mesh_.faceCount(); ++f) {
       if (mayMeet(f, box)) faces.push_back(f);
     }
-    meet(0, surface_.slices.size(), faces);
+    crossSlices(0, surface_.slices.size(), faces);
     return std::move(segments_);
   }
 
  private:
-  /// An edge of a face that crosses the plane of a facet.
-  struct Edge {
+  /// A mesh edge that crosses the plane of a facet.
+  struct CrossingEdge {
     VertexId below = kNone;
     VertexId above = kNone;
-    std::array<bool, 3> inside{};  ///< of each edge
+    std::array<bool, 3> inside{};  ///< it passes inside the line of each facet edge
     bool crossesFacet() const { return inside[0] && inside[1] && inside[2]; }
   };
 
@@ -83,13 +87,14 @@ class Crossing {
     return true;
   }
 
-  /// Faces that may meet the slices from `first` to before `last`, halved until one slice is left.
-  void meet(std::size_t first, std::size_t last, const std::vector<FaceId>& faces) {
+  /// Crosses faces with the slices from `first` to before `last`. Halves the range and selects
+  /// faces by bounding boxes until one slice is left.
+  void crossSlices(std::size_t first, std::size_t last, const std::vector<FaceId>& faces) {
     if (faces.empty() || first == last) return;
     if (last - first == 1) {
       const SweptSlice& slice = surface_.slices[first];
       for (std::int32_t k = slice.firstFacet; k < slice.lastFacet; ++k) {
-        for (FaceId f : faces) meet(slice, k, f);
+        for (FaceId f : faces) crossFacet(slice, k, f);
       }
       return;
     }
@@ -99,11 +104,11 @@ class Crossing {
       std::vector<FaceId> some;
       std::copy_if(faces.begin(), faces.end(), std::back_inserter(some),
                    [&](FaceId f) { return mayMeet(f, box); });
-      meet(begin, end, some);
+      crossSlices(begin, end, some);
     }
   }
 
-  /// Side of a vertex of a facet's plane, worked out once.
+  /// Returns the side of a facet's plane on which a vertex lies, computed once per facet.
   int sideOf(std::int32_t facet, VertexId v) {
     if (sideOfFacet_[v] != facet) {
       const auto& [p, q, r] = surface_.facets[facet].corners;
@@ -113,13 +118,14 @@ class Crossing {
     return side_[v];
   }
 
-  void meet(const SweptSlice& slice, std::int32_t facetId, FaceId f) {
+  /// Adds the segment in which a face crosses a facet, if they cross.
+  void crossFacet(const SweptSlice& slice, std::int32_t facetId, FaceId f) {
     const Face& face = mesh_.face(f);
     std::array<bool, 3> above{};
     for (std::size_t k = 0; k < 3; ++k) above[k] = sideOf(facetId, face[k]) > 0;
     if (above[0] == above[1] && above[1] == above[2]) return;
     const SweptFacet& facet = surface_.facets[facetId];
-    std::array<Edge, 2> edges;  // one that goes up in the face's orientation, one that goes down
+    std::array<CrossingEdge, 2> edges;  // in the orientation of the face: upwards, downwards
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t next = (k + 1) % 3;
       if (!above[k] && above[next]) edges[0] = edgeOf(facet, face[k], face[next]);
@@ -131,8 +137,8 @@ class Crossing {
     if (!isCoplanar(facet, face)) addSegment(slice, facetId, f, edges);
   }
 
-  Edge edgeOf(const SweptFacet& facet, VertexId below, VertexId above) const {
-    Edge edge{below, above};
+  CrossingEdge edgeOf(const SweptFacet& facet, VertexId below, VertexId above) const {
+    CrossingEdge edge{below, above};
     for (std::size_t k = 0; k < 3; ++k) {
       edge.inside[k] =
           sideOfLine(facet.corners[k], facet.corners[(k + 1) % 3], x_[below], x_[above]) > 0;
@@ -140,7 +146,7 @@ class Crossing {
     return edge;
   }
 
-  /// Cloth in the plane of the surface is not crossed, though rounding may say so.
+  /// Returns whether a face lies in the plane of a facet. Rounding may find a crossing then.
   bool isCoplanar(const SweptFacet& facet, const Face& face) const {
     const double none = kCoplanar * facet.length * facet.normal.norm();
     return std::all_of(face.begin(), face.end(), [&](VertexId v) {
@@ -148,15 +154,15 @@ class Crossing {
     });
   }
 
-  /// A triangle and a triangle cross in a segment: each end is on an edge of the face or on one of
-  /// the facet.
+  /// Adds a segment. Each end of the intersection of two triangles is on an edge of the face or on
+  /// an edge of the facet.
   void addSegment(const SweptSlice& slice, std::int32_t facetId, FaceId f,
-                  const std::array<Edge, 2>& edges) {
+                  const std::array<CrossingEdge, 2>& edges) {
     const SweptFacet& facet = surface_.facets[facetId];
     std::array<PathSample, 2> ends;
     std::size_t count = 0;
-    for (const Edge& edge : edges) {
-      if (edge.crossesFacet() && count < 2) ends[count++] = onEdge(slice, facetId, edge);
+    for (const CrossingEdge& edge : edges) {
+      if (edge.crossesFacet() && count < 2) ends[count++] = onMeshEdge(slice, facetId, edge);
     }
     for (std::size_t k = 0; k < 3 && count < 2; ++k) {
       if (edges[0].inside[k] == edges[1].inside[k]) continue;
@@ -166,12 +172,15 @@ class Crossing {
     if (count == 2) segments_.push_back({ends[0], ends[1], f});
   }
 
+  /// Returns whether p and q are on different sides of the plane of a face.
   bool straddle(FaceId f, const Vec3& p, const Vec3& q) const {
     const auto& [a, b, c] = mesh_.face(f);
     return sideOfFace(x_[a], x_[b], x_[c], p) != sideOfFace(x_[a], x_[b], x_[c], q);
   }
 
-  PathSample onEdge(const SweptSlice& slice, std::int32_t facetId, const Edge& edge) const {
+  /// Returns the point at which a mesh edge crosses a facet.
+  PathSample onMeshEdge(const SweptSlice& slice, std::int32_t facetId,
+                        const CrossingEdge& edge) const {
     const auto [a, b] = std::minmax(edge.below, edge.above);
     const SweptFacet& facet = surface_.facets[facetId];
     const auto& [p, q, r] = facet.corners;
@@ -191,6 +200,7 @@ class Crossing {
     return sample;
   }
 
+  /// Returns the point at which a facet edge pierces a face.
   PathSample onFacetEdge(const SweptSlice& slice, std::int32_t edge, FaceId f) const {
     const std::array<double, 3> weight = pierce(surface_.edges[edge], f);
     PathSample sample;
@@ -212,7 +222,9 @@ class Crossing {
 
   /// Where a edge pierces a face, as weights of the face's corners: each is as large as the
   /// volume that the edge spans with the edge across from the corner.
-  std::array<double, 3> pierce(const SweptEdge& edge, FaceId f) const {
+  /// Returns the barycentric coordinates of that point: volumes of the tetrahedra that the facet
+  /// edge spans with the edges of the face, normalised.
+  std::array<double, 3> pierce(const FacetEdge& edge, FaceId f) const {
     const Face& face = mesh_.face(f);
     const Vec3 d = edge.to - edge.from;
     std::array<double, 3> weight{};
@@ -235,7 +247,8 @@ class Crossing {
     return weight;
   }
 
-  double pierceExactly(const SweptEdge& edge, const Face& face,
+  /// Computes those volumes exactly. \return their sum.
+  double pierceExactly(const FacetEdge& edge, const Face& face,
                        std::array<double, 3>& weight) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -249,8 +262,8 @@ class Crossing {
   const SweptSurface& surface_;
   const TriangleMesh& mesh_;
   const VertexData<Vec3>& x_;
-  std::vector<std::int8_t> side_;          ///< by vertex, of the plane of `sideOfFacet_`
-  std::vector<std::int32_t> sideOfFacet_;  ///< by vertex
+  std::vector<std::int8_t> side_;          ///< by vertex: its side of the facet `sideOfFacet_`
+  std::vector<std::int32_t> sideOfFacet_;  ///< by vertex: the facet that `side_` is about
   std::vector<PathSegment> segments_;
 };
 

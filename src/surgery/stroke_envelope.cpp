@@ -7,23 +7,24 @@
 namespace cloth_sim {
 namespace {
 
-/// Parts of the stroke that count as no time, and of the blade that count as no distance.
+/// Difference of stroke parameters that counts as zero.
 constexpr double kNoTime = 1e-12;
+/// Difference of blade parameters that counts as zero.
 constexpr double kNoDistance = 1e-9;
 
-/// A part of a segment, 0 at its start and 1 at its end; or of the stroke.
+/// An interval of the stroke parameter.
 struct Interval {
   double low = 0.0;
   double high = 0.0;
 };
 
-/// A segment over the stroke.
+/// A segment as a linear function: the blade parameter over the stroke parameter ("time").
 struct Span {
   Interval time;
-  double bladeLow = 0.0;  ///< along the blade, at the interval's ends
-  double bladeHigh = 0.0;
-  std::size_t polyline = 0;
-  std::size_t segment = 0;
+  double bladeLow = 0.0;     ///< blade parameter at time.low
+  double bladeHigh = 0.0;    ///< blade parameter at time.high
+  std::size_t polyline = 0;  ///< index of its polyline
+  std::size_t segment = 0;   ///< index within the polyline
 
   double length() const { return time.high - time.low; }
   bool isInstant() const { return length() <= kNoTime; }
@@ -34,6 +35,7 @@ struct Span {
   }
 };
 
+/// Returns the spans of all segments, ascending by their start.
 std::vector<Span> spansOf(const std::vector<Polyline>& polylines) {
   std::vector<Span> spans;
   for (std::size_t c = 0; c < polylines.size(); ++c) {
@@ -51,7 +53,8 @@ std::vector<Span> spansOf(const std::vector<Polyline>& polylines) {
   return spans;
 }
 
-/// When `other` is nearer to the heel than `span`. Of two that lie on each other it is the earlier.
+/// Returns the interval in which `other` is nearer to the heel than `span`. If both coincide, the
+/// one that comes first in the list of polylines counts as nearer.
 Interval hiddenBy(const Span& other, const Span& span) {
   const double low = std::max(span.time.low, other.time.low);
   const double high = std::min(span.time.high, other.time.high);
@@ -70,8 +73,7 @@ Interval hiddenBy(const Span& other, const Span& span) {
   return atLow > kNoDistance ? Interval{low, crossing} : Interval{crossing, high};
 }
 
-/// A segment that the blade reaches all at once is seen only if it is no longer than a point, and
-/// not behind another one.
+/// Returns whether `other` is nearer to the heel than `span`, which the blade reaches all at once.
 bool hidesInstant(const Span& other, const Span& span) {
   if (other.isInstant()) return false;
   const double t = 0.5 * (span.time.low + span.time.high);
@@ -79,7 +81,7 @@ bool hidesInstant(const Span& other, const Span& span) {
          other.bladeAt(t) < std::min(span.bladeLow, span.bladeHigh) - kNoDistance;
 }
 
-/// What of the time of `span` is in none of `hidden`.
+/// Returns the parts of the time of `span` that none of `hidden` covers.
 std::vector<Interval> visible(const Span& span, std::vector<Interval> hidden) {
   std::sort(hidden.begin(), hidden.end(),
             [](const Interval& a, const Interval& b) { return a.low < b.low; });
@@ -93,9 +95,10 @@ std::vector<Interval> visible(const Span& span, std::vector<Interval> hidden) {
   return left;
 }
 
-class LayerFilter {
+/// Selects the visible parts of polylines, as seen from the heel of the blade.
+class EnvelopeFilter {
  public:
-  explicit LayerFilter(const std::vector<Polyline>& polylines)
+  explicit EnvelopeFilter(const std::vector<Polyline>& polylines)
       : polylines_(polylines), spans_(spansOf(polylines)), visible_(polylines.size()) {
     for (const Span& span : spans_) longest_ = std::max(longest_, span.length());
     for (std::size_t c = 0; c < polylines.size(); ++c)
@@ -110,6 +113,8 @@ class LayerFilter {
   }
 
  private:
+  /// Returns the times at which a span is visible. A segment along the blade, which it reaches all
+  /// at once, is visible only if it is as short as a point.
   std::vector<Interval> visibleParts(const Span& span) const {
     const bool instant = span.isInstant();
     if (instant && std::abs(span.bladeHigh - span.bladeLow) > kNoDistance) return {};
@@ -124,28 +129,29 @@ class LayerFilter {
     return instant ? std::vector<Interval>{span.time} : visible(span, std::move(hidden));
   }
 
-  /// The visible parts of a polyline as polylines of their own.
+  /// Makes polylines of the visible parts of a polyline.
   void rebuild(std::size_t c) {
     const Polyline& polyline = polylines_[c];
     const std::size_t before = result_.size();
-    bool goesOn = false;  // the last part reaches the end of its segment
+    bool reachesEnd = false;  // whether the last part reaches the end of its segment
     for (std::size_t p = 0; p < polyline.segments.size(); ++p) {
       std::vector<PathSegment> parts = partsOf(polyline.segments[p], visible_[c][p]);
       for (PathSegment& part : parts) {
-        const bool joined = goesOn && part.from.node == polyline.segments[p].from.node;
+        const bool joined = reachesEnd && part.from.node == polyline.segments[p].from.node;
         if (!joined) result_.emplace_back();
-        goesOn = part.to.node == polyline.segments[p].to.node;
+        reachesEnd = part.to.node == polyline.segments[p].to.node;
         result_.back().segments.push_back(std::move(part));
       }
-      if (parts.empty()) goesOn = false;
+      if (parts.empty()) reachesEnd = false;
     }
-    if (polyline.closed && result_.size() > before) closeRing(polyline, before, goesOn);
+    if (polyline.closed && result_.size() > before) closeRing(polyline, before, reachesEnd);
   }
 
-  /// Joins the last part of a ring to the first, if they meet.
-  void closeRing(const Polyline& polyline, std::size_t first, bool goesOn) {
+  /// Joins the last part of a closed polyline to its first part, if they meet.
+  void closeRing(const Polyline& polyline, std::size_t first, bool reachesEnd) {
     Polyline& start = result_[first];
-    if (!goesOn || start.segments.front().from.node != polyline.segments.front().from.node) return;
+    if (!reachesEnd || start.segments.front().from.node != polyline.segments.front().from.node)
+      return;
     if (result_.size() == first + 1) {
       start.closed = true;
       return;
@@ -156,14 +162,15 @@ class LayerFilter {
     head.segments.insert(head.segments.begin(), last.segments.begin(), last.segments.end());
   }
 
+  /// Returns the parts of a segment at the given times, in its direction.
   static std::vector<PathSegment> partsOf(const PathSegment& segment,
                                           const std::vector<Interval>& times) {
     std::vector<PathSegment> parts;
     for (const Interval& time : times) {
       PathSegment part = segment;
       const bool forwards = segment.from.at.stroke <= segment.to.at.stroke;
-      cut(segment, forwards ? time.low : time.high, part.from);
-      cut(segment, forwards ? time.high : time.low, part.to);
+      moveEnd(segment, forwards ? time.low : time.high, part.from);
+      moveEnd(segment, forwards ? time.high : time.low, part.to);
       parts.push_back(part);
     }
     if (!parts.empty() && segment.from.at.stroke > segment.to.at.stroke) {
@@ -172,8 +179,8 @@ class LayerFilter {
     return parts;
   }
 
-  /// Moves an end of a part to where the segment is at time `t`, unless it is there already.
-  static void cut(const PathSegment& segment, double t, PathSample& end) {
+  /// Moves an end of a part to the point of the segment at time `t`, unless it is there already.
+  static void moveEnd(const PathSegment& segment, double t, PathSample& end) {
     if (std::abs(end.at.stroke - t) <= kNoTime) return;
     const double part =
         (t - segment.from.at.stroke) / (segment.to.at.stroke - segment.from.at.stroke);
@@ -187,7 +194,7 @@ class LayerFilter {
 
   const std::vector<Polyline>& polylines_;
   std::vector<Span> spans_;
-  double longest_ = 0.0;
+  double longest_ = 0.0;                                     ///< duration of the longest span
   std::vector<std::vector<std::vector<Interval>>> visible_;  ///< by polyline and segment
   std::vector<Polyline> result_;
 };
@@ -195,7 +202,7 @@ class LayerFilter {
 }  // namespace
 
 std::vector<Polyline> lowerEnvelope(const std::vector<Polyline>& polylines) {
-  return LayerFilter(polylines).run();
+  return EnvelopeFilter(polylines).run();
 }
 
 }  // namespace cloth_sim

@@ -1,19 +1,15 @@
 #include <algorithm>
+#include <array>
 #include <tuple>
 
+#include "nearest_point.h"
 #include "stroke_segments.h"
 
 namespace cloth_sim {
 namespace {
 
-double distanceToSegment(const Vec3& a, const Vec3& b, const Vec3& p) {
-  const Vec3 d = b - a;
-  const double length = d.squaredNorm();
-  const double part = length > 0.0 ? std::clamp(d.dot(p - a) / length, 0.0, 1.0) : 0.0;
-  return (a + part * d - p).norm();
-}
-
-/// Leaves out points inside a face that the path does not keep (Douglas and Peucker, 1973).
+/// Drops points inside faces that are not needed to stay within a tolerance (Douglas and Peucker
+/// 1973).
 class Simplifier {
  public:
   Simplifier(const std::vector<PathSegment>& segments, double tolerance)
@@ -32,7 +28,8 @@ class Simplifier {
   }
 
  private:
-  /// One segment instead of those from `first` to `last`, or more if that takes it too far.
+  /// Replaces the segments from `first` to `last` by one, or by more if a point would be too far
+  /// off.
   void simplify(std::size_t first, std::size_t last) {
     const Vec3& a = segments_[first].from.position;
     const Vec3& b = segments_[last].to.position;
@@ -40,7 +37,8 @@ class Simplifier {
     std::size_t split = first;
     for (std::size_t k = first; k < last; ++k) {
       if (segments_[k].to.keep == Keep::kNever) continue;
-      const double distance = distanceToSegment(a, b, segments_[k].to.position);
+      const Vec3& p = segments_[k].to.position;
+      const double distance = (nearestPoint(std::array{a, b}, p) - p).norm();
       if (distance <= farthest) continue;
       farthest = distance;
       split = k;

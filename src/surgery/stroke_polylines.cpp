@@ -7,19 +7,20 @@
 namespace cloth_sim {
 namespace {
 
-/// Points this near to each other, in lengths of the face's edges, are one point.
+/// Distance up to which points count as one, in lengths of the edges of the face.
 constexpr double kSamePoint = 1e-12;
-/// Movements along the stroke and along the blade that count as none.
+/// Change of the stroke parameter that counts as zero.
 constexpr double kNoAdvance = 1e-9;
 
-/// The two ends of a segment are numbered 2 k and 2 k + 1.
+/// An end of a segment: 2 k for the start and 2 k + 1 for the end of segment k.
 using EndId = std::int32_t;
 
 PathSegment reversed(const PathSegment& segment) {
   return {segment.to, segment.from, segment.face};
 }
 
-/// By end of a segment, the end of another one that shares its node; kNone where the path ends.
+/// Returns, for each end of a segment, the end of another segment with the same node; kNone where
+/// the path ends.
 std::vector<EndId> partnersOf(const std::vector<PathSegment>& segments) {
   std::vector<std::pair<PathNode, EndId>> ends;
   ends.reserve(2 * segments.size());
@@ -38,23 +39,24 @@ std::vector<EndId> partnersOf(const std::vector<PathSegment>& segments) {
   return partner;
 }
 
-/// Follows segments from end to end.
-class Walk {
+/// Joins segments end to end: first the open polylines, then the closed ones.
+class Joiner {
  public:
-  explicit Walk(const std::vector<PathSegment>& segments)
+  explicit Joiner(const std::vector<PathSegment>& segments)
       : segments_(segments), partner_(partnersOf(segments)), taken_(segments.size(), false) {}
 
   std::vector<Polyline> run() {
     const auto ends = static_cast<EndId>(partner_.size());
     for (EndId end = 0; end < ends; ++end) {
-      if (partner_[end] == kNone) follow(end, false);
+      if (partner_[end] == kNone) trace(end, false);
     }
-    for (EndId end = 0; end < ends; end += 2) follow(end, true);
+    for (EndId end = 0; end < ends; end += 2) trace(end, true);
     return std::move(polylines_);
   }
 
  private:
-  void follow(EndId start, bool closed) {
+  /// Collects the segments from `start` on that have not been taken.
+  void trace(EndId start, bool closed) {
     Polyline polyline;
     polyline.closed = closed;
     for (EndId end = start; end != kNone && !taken_[end / 2]; end = partner_[end ^ 1]) {
@@ -71,6 +73,7 @@ class Walk {
   std::vector<Polyline> polylines_;
 };
 
+/// Returns whether a polyline runs against the direction that `direct` gives it.
 bool goesBackwards(const Polyline& polyline) {
   double advance = 0.0;
   double outwards = 0.0;
@@ -81,7 +84,7 @@ bool goesBackwards(const Polyline& polyline) {
   return std::abs(advance) > kNoAdvance ? advance < 0.0 : outwards < 0.0;
 }
 
-/// Lets a closed polyline start where the blade reaches it first.
+/// Rotates a closed polyline so that it starts where the blade reaches it first.
 void rotateToStart(Polyline& polyline) {
   const auto rank = [](const PathSegment& segment) {
     return std::make_tuple(segment.from.keep != Keep::kAlways, segment.from.at.stroke,
@@ -100,13 +103,14 @@ bool hasLength(const PathSegment& segment, const TriangleMesh& mesh) {
   return (segment.to.material - segment.from.material).norm() > kSamePoint * size;
 }
 
-/// Puts a point where another one of the same place is; it keeps its parameters.
-void place(PathSample& sample, const PathSample& at) {
+/// Replaces a point by another one at the same position, but keeps its parameters.
+void merge(PathSample& sample, const PathSample& at) {
   const SweptParameters own = sample.at;
   sample = at;
   sample.at = own;
 }
 
+/// Drops segments without length. Of the points that coincide then, the most important one stays.
 void dropEmptySegments(Polyline& polyline, const TriangleMesh& mesh) {
   std::vector<PathSegment> kept;
   kept.reserve(polyline.segments.size());
@@ -114,11 +118,11 @@ void dropEmptySegments(Polyline& polyline, const TriangleMesh& mesh) {
     if (hasLength(segment, mesh)) {
       kept.push_back(segment);
     } else if (!kept.empty() && kept.back().to.keep < segment.to.keep) {
-      place(kept.back().to, segment.to);
+      merge(kept.back().to, segment.to);
     }
   }
-  for (std::size_t k = 1; k < kept.size(); ++k) place(kept[k].from, kept[k - 1].to);
-  if (polyline.closed && !kept.empty()) place(kept.front().from, kept.back().to);
+  for (std::size_t k = 1; k < kept.size(); ++k) merge(kept[k].from, kept[k - 1].to);
+  if (polyline.closed && !kept.empty()) merge(kept.front().from, kept.back().to);
   polyline.segments = std::move(kept);
 }
 
@@ -132,7 +136,7 @@ void direct(Polyline& polyline) {
 
 std::vector<Polyline> joinSegments(const std::vector<PathSegment>& segments,
                                    const TriangleMesh& mesh) {
-  std::vector<Polyline> polylines = Walk(segments).run();
+  std::vector<Polyline> polylines = Joiner(segments).run();
   for (Polyline& polyline : polylines) {
     direct(polyline);
     if (polyline.closed) rotateToStart(polyline);

@@ -1,5 +1,5 @@
 #pragma once
-/// \file From the crossings of a surface with single faces to paths over the cloth.
+/// \file The intersection of a swept surface with a cloth: from segments in single faces to paths.
 
 #include <array>
 
@@ -7,9 +7,10 @@
 
 namespace cloth_sim {
 
-/// What a point of a path is, so that faces and facets that share it can tell without looking at
-/// coordinates: where the edge {a, b}, a < b, crosses a facet (a, b, facet), or where a edge
-/// pierces a face (-1 - edge, face, 0).
+/// Identifies a point of a path, so that neighbouring faces and facets agree on it without
+/// comparing coordinates. It is (a, b, facet) where the mesh edge {a, b}, a < b, crosses a facet,
+/// and
+/// (-1 - edge, face, 0) where a facet edge pierces a face.
 using PathNode = std::array<std::int32_t, 3>;
 
 /// A point of a path.
@@ -27,31 +28,34 @@ struct PathSegment {
   FaceId face = kNone;
 };
 
-/// Segments that follow on each other. The parameters of a point may differ between the segment
-/// that ends and the one that starts there where a closed surface ends.
+/// Consecutive segments. Where a closed surface ends, the parameters of a point differ between the
+/// segment that ends there and the one that starts there.
 struct Polyline {
   std::vector<PathSegment> segments;
   bool closed = false;
 };
 
-/// One segment per facet and face that cross, in the order of the facets, without direction.
+/// Intersects a surface with the faces of a cloth.
+/// \param positions  of the vertices, (vertexCount,) [m].
+/// \return one segment per facet and face that cross, in the order of the facets, undirected.
 std::vector<PathSegment> crossFaces(const SweptSurface& surface, const TriangleMesh& mesh,
                                     const VertexData<Vec3>& positions);
 
-/// Turns a polyline around unless it goes as the blade moves; where the blade reaches all of it at
-/// once, from heel to tip.
+/// Reverses a polyline if it runs against the motion of the blade, or from the tip to the heel
+/// where the blade reaches all of it at once.
 void direct(Polyline& polyline);
 
-/// Joins segments that share nodes, directs the polylines as the blade moves, and lets closed ones
-/// start where the blade reaches them first. Segments of no length are left out.
+/// Joins segments with common nodes to polylines in the direction of the stroke. Closed ones start
+/// where the blade reaches them first. Segments without length are dropped.
 std::vector<Polyline> joinSegments(const std::vector<PathSegment>& segments,
                                    const TriangleMesh& mesh);
 
-/// Of all that the blade reaches at the same time, what is nearest to its heel; directed again.
+/// Returns the parts of the polylines that are nearest to the heel among all that the blade reaches
+/// at the same time: the lower envelope of blade over stroke parameter. Directed again.
 std::vector<Polyline> lowerEnvelope(const std::vector<Polyline>& polylines);
 
-/// The polylines' points in the order in which the blade reaches them, without those that are not
-/// needed to stay within `tolerance` [m] of the line.
+/// Converts polylines to paths in the order in which the blade reaches their first points, and
+/// drops points that are not needed to stay within `tolerance` [m].
 std::vector<SurfacePath> toPaths(std::vector<Polyline> polylines, double tolerance);
 
 }  // namespace cloth_sim

@@ -9,27 +9,32 @@
 namespace cloth_sim {
 namespace {
 
-/// Facets are this near to the ruled surface, in lengths of the blade.
+/// Tolerated distance of facets from the ruled surface, in lengths of the blade.
 constexpr double kDeviation = 1e-5;
-/// Slices between two poses, and in a stroke (if that leaves the least number between poses).
+/// Largest number of slices between two poses.
 constexpr double kMaxSlices = 1024.0;
+/// Largest number of slices of a stroke, which takes precedence unless it leaves fewer than
+/// kLeastMaxSlices between two poses.
 constexpr double kMaxSlicesOfStroke = 8192.0;
 constexpr double kLeastMaxSlices = 16.0;
-/// What counts as plane and as straight on.
-constexpr double kPlane = 1e-12;
+/// Relative size below which a volume counts as flat, and a turn as straight.
+constexpr double kFlat = 1e-12;
 
 bool same(const Blade& a, const Blade& b) { return a.heel == b.heel && a.tip == b.tip; }
 
-Blade between(const Blade& a, const Blade& b, double part) {
-  if (part >= 1.0) return b;
-  return {(1.0 - part) * a.heel + part * b.heel, (1.0 - part) * a.tip + part * b.tip};
+/// Returns the blade a fraction of the way from a to b.
+Blade between(const Blade& a, const Blade& b, double fraction) {
+  if (fraction >= 1.0) return b;
+  return {(1.0 - fraction) * a.heel + fraction * b.heel,
+          (1.0 - fraction) * a.tip + fraction * b.tip};
 }
 
+/// Returns the normal of a triangle, of twice its area in length [m^2].
 Vec3 areaVector(const Vec3& a, const Vec3& b, const Vec3& c) { return (b - a).cross(c - a); }
 
-/// Whether the blade moves along its own line.
+/// Returns whether the blade moves along its own line.
 bool slides(const Blade& a, const Blade& b) {
-  const double none = kPlane * (a.tip - a.heel).squaredNorm();
+  const double none = kFlat * (a.tip - a.heel).squaredNorm();
   return areaVector(a.heel, a.tip, b.heel).norm() <= none &&
          areaVector(a.heel, a.tip, b.tip).norm() <= none;
 }
@@ -38,8 +43,9 @@ double longestOf(const Blade& a, const Blade& b) {
   return std::max((a.tip - a.heel).norm(), (b.tip - b.heel).norm());
 }
 
-/// How far the ruled surface between two poses is from two triangles, at most: it leaves them by
-/// the part of the blade's `twist` that is normal to it, a quarter of it where they are farthest.
+/// Returns an upper bound on the distance between the ruled surface of two poses and two triangles
+/// [m]. The surface is bilinear: it deviates by u v times the component of the `twist` that is
+/// normal to it, which is at most a quarter.
 double deviationOf(const Blade& a, const Blade& b) {
   const Vec3 path = b.heel - a.heel;
   const Vec3 blade = a.tip - a.heel;
@@ -47,24 +53,26 @@ double deviationOf(const Blade& a, const Blade& b) {
   const double volume = std::abs(path.cross(blade).dot(twist));
   const double length = longestOf(a, b);
   const double reach = std::max(path.norm(), (b.tip - a.tip).norm());
-  if (volume <= kPlane * length * length * reach) return 0.0;
-  double part = 0.0;  // of the twist, along the normal of the surface at its corners
+  if (volume <= kFlat * length * length * reach) return 0.0;
+  double normalTwist = 0.0;  // largest component along the normals at the four corners
   for (double along : {0.0, 1.0}) {
     for (double when : {0.0, 1.0}) {
       const double area = (path + along * twist).cross(blade + when * twist).norm();
-      part = std::max(part, std::min(volume / area, twist.norm()));  // by nothing: all of it
+      // Where the area vanishes, the quotient is infinite and all of the twist counts.
+      normalTwist = std::max(normalTwist, std::min(volume / area, twist.norm()));
     }
   }
-  return 0.25 * part;
+  return 0.25 * normalTwist;
 }
 
+/// Returns the number of slices between two poses.
 int sliceCount(double deviation, double length, std::size_t poses) {
   const double most =
       std::clamp(kMaxSlicesOfStroke / static_cast<double>(poses - 1), kLeastMaxSlices, kMaxSlices);
   return static_cast<int>(std::clamp(std::ceil(deviation / (kDeviation * length)), 1.0, most));
 }
 
-/// Where two blades of one plane come nearest to each other, on the second one's line.
+/// Returns the point of the second of two coplanar blades that is nearest to their intersection.
 Vec3 crossingOf(const Blade& a, const Blade& b) {
   const Vec3 u = a.tip - a.heel;
   const Vec3 v = b.tip - b.heel;
@@ -73,6 +81,7 @@ Vec3 crossingOf(const Blade& a, const Blade& b) {
   return b.heel + (std::isfinite(part) ? std::clamp(part, 0.0, 1.0) : 0.5) * v;
 }
 
+/// Builds the surface slice by slice.
 class SweptSurfaceBuilder {
  public:
   explicit SweptSurfaceBuilder(const Stroke& stroke) : poses_(stroke.poses) {
@@ -86,7 +95,7 @@ class SweptSurfaceBuilder {
       if (same(poses_[k], poses_[k + 1])) continue;
       addSlices(k);
     }
-    if (closed) rename(current_, 0);
+    if (closed) renumber(current_, 0);
     markTurns();
     return std::move(surface_);
   }
@@ -97,8 +106,10 @@ class SweptSurfaceBuilder {
     return static_cast<std::int32_t>(surface_.edges.size()) - 1;
   }
 
+  /// Raises the tolerance of the surface to at least `deviation`.
   void allow(double deviation) { surface_.tolerance = std::max(surface_.tolerance, deviation); }
 
+  /// Adds the slices between the poses k and k + 1.
   void addSlices(std::size_t k) {
     const Blade& from = poses_[k];
     const Blade& to = poses_[k + 1];
@@ -118,11 +129,12 @@ class SweptSurfaceBuilder {
   void addSlice(SweptSlice slice, bool endsAtPose) {
     const auto& [heel, tip] = slice.first;
     const auto& [nextHeel, nextTip] = slice.last;
-    if (slides(slice.first, slice.last)) return;  // goes on from the edge where it was
+    if (slides(slice.first, slice.last)) return;  // continues from the edge at which it was
     slice.firstEdge = current_;
     slice.lastEdge = addEdge(slice.last, endsAtPose ? Keep::kAlways : Keep::kIfFar);
     slice.firstFacet = static_cast<std::int32_t>(surface_.facets.size());
-    // Which diagonal, and whether any, depends on the quadrilateral being convex, or simple.
+    // A convex quadrilateral can be divided along either diagonal, a concave one along the diagonal
+    // at its reflex corner; one that intersects itself is divided at the intersection.
     const auto agree = [](const Vec3& a, const Vec3& b) { return a.dot(b) >= 0.0; };
     if (agree(areaVector(heel, tip, nextTip), areaVector(heel, nextTip, nextHeel))) {
       addQuadrilateral(slice);
@@ -140,6 +152,7 @@ class SweptSurfaceBuilder {
     current_ = slice.lastEdge;
   }
 
+  /// Divides a slice along the diagonal from the first heel to the last tip.
   void addQuadrilateral(const SweptSlice& slice) {
     const auto& [heel, tip] = slice.first;
     const auto& [nextHeel, nextTip] = slice.last;
@@ -150,6 +163,7 @@ class SweptSurfaceBuilder {
     addFacet({heel, nextTip, nextHeel}, {diagonal, slice.lastEdge, kNone});
   }
 
+  /// Divides a slice along the diagonal from the last heel to the first tip.
   void addConcave(const SweptSlice& slice) {
     const auto& [heel, tip] = slice.first;
     const auto& [nextHeel, nextTip] = slice.last;
@@ -160,14 +174,16 @@ class SweptSurfaceBuilder {
     addFacet({tip, nextTip, nextHeel}, {kNone, slice.lastEdge, diagonal});
   }
 
-  /// The blade turned in its plane about a point of itself: it swept a triangle to each side.
+  /// Adds the slice of a blade that turned about a point of itself in its plane: it swept a
+  /// triangle on each side.
   void addPivot(const SweptSlice& slice) {
     const Vec3 pivot = crossingOf(slice.first, slice.last);
     addFacet({slice.first.heel, pivot, slice.last.heel}, {slice.firstEdge, slice.lastEdge, kNone});
     addFacet({slice.first.tip, slice.last.tip, pivot}, {kNone, slice.lastEdge, slice.firstEdge});
   }
 
-  /// A triangle without area between the diagonal and one of the blades makes them one line.
+  /// Returns the edge for a diagonal. It is the edge of the first or last blade if the triangle
+  /// between them is degenerate, so that they are on one line.
   std::int32_t diagonalOf(const Blade& at, bool firstSpans, bool lastSpans, std::int32_t first,
                           std::int32_t last) {
     if (!firstSpans) return first;
@@ -189,7 +205,8 @@ class SweptSurfaceBuilder {
     surface_.facets.push_back(facet);
   }
 
-  void rename(std::int32_t edge, std::int32_t to) {
+  /// Replaces an edge by another one, where a closed surface ends.
+  void renumber(std::int32_t edge, std::int32_t to) {
     for (SweptFacet& facet : surface_.facets) {
       std::replace(facet.edges.begin(), facet.edges.end(), edge, to);
     }
@@ -198,7 +215,7 @@ class SweptSurfaceBuilder {
     }
   }
 
-  /// A path goes straight on over a pose at which the surface does.
+  /// Finds the edges at which the surface does not turn: paths do not need points there.
   void markTurns() {
     std::vector<std::array<const SweptFacet*, 2>> facetsAt(surface_.edges.size());
     std::vector<int> count(surface_.edges.size(), 0);
@@ -212,7 +229,7 @@ class SweptSurfaceBuilder {
       if (count[k] != 2) continue;
       const Vec3& a = facetsAt[k][0]->normal;
       const Vec3& b = facetsAt[k][1]->normal;
-      const bool straight = a.cross(b).norm() <= kPlane * a.norm() * b.norm() && a.dot(b) > 0.0;
+      const bool straight = a.cross(b).norm() <= kFlat * a.norm() * b.norm() && a.dot(b) > 0.0;
       if (straight) surface_.edges[k].keep = std::min(surface_.edges[k].keep, Keep::kIfFar);
     }
   }
@@ -222,7 +239,8 @@ class SweptSurfaceBuilder {
   std::int32_t current_ = kNone;
 };
 
-/// The root of a t^2 + b t + c that is nearest to [0, 1]; nothing else is asked for.
+/// Returns the root of a t^2 + b t + c that is nearest to [0, 1], clamped to it. Uses the stable
+/// form of the quadratic formula (Press et al., Numerical Recipes, 5.6).
 double rootWithin(double a, double b, double c) {
   const double root = std::sqrt(std::max(b * b - 4.0 * a * c, 0.0));
   const double q = -0.5 * (b + std::copysign(root, b));
@@ -230,13 +248,14 @@ double rootWithin(double a, double b, double c) {
   double distance = std::numeric_limits<double>::infinity();
   for (double t : {c / q, q / a}) {
     const double off = std::abs(t - std::clamp(t, 0.0, 1.0));
-    if (!(off < distance)) continue;  // not finite where it is no root
+    if (!(off < distance)) continue;  // also if t is not finite
     best = std::clamp(t, 0.0, 1.0);
     distance = off;
   }
   return best;
 }
 
+/// Returns the blade parameter of the point on a blade that is nearest to `point`.
 double alongBlade(const Blade& blade, const Vec3& point) {
   const Vec3 d = blade.tip - blade.heel;
   const double part = d.dot(point - blade.heel) / d.squaredNorm();
@@ -248,7 +267,8 @@ double alongBlade(const Blade& blade, const Vec3& point) {
 SweptSurface makeSweptSurface(const Stroke& stroke) { return SweptSurfaceBuilder(stroke).build(); }
 
 SweptParameters parametersAt(const SweptSlice& slice, const Vec3& point) {
-  // Within the plane: (point - heel(t)) x blade(t) = 0, both linear in the part t of the way.
+  // The point is on the blade at the fraction t of the way if (point - heel(t)) x blade(t) = 0.
+  // Both factors are linear in t; the component along the normal gives a quadratic equation.
   const Vec3 path = slice.last.heel - slice.first.heel;
   const Vec3 blade = slice.first.tip - slice.first.heel;
   const Vec3 twist = slice.last.tip - slice.last.heel - blade;

@@ -10,13 +10,14 @@
 namespace cloth_sim {
 namespace {
 
-/// Rings of vertices around a tip whose springs tell the stress there.
+/// Number of rings around a tip, itself included, whose springs contribute to the stress there.
 constexpr int kStressRings = 2;
-/// A vertex lies on a seam if it is within this of it [m].
+/// Distance from a seam up to which a vertex counts as on it [m].
 constexpr double kOnSeam = 1e-9;
-/// Parameters along a line, lengths and angles count as the same within this.
+/// Difference up to which parameters along a line, lengths [m] and angles [rad] count as equal.
 constexpr double kSame = 1e-9;
 
+/// Returns the sum of the angles of the faces at `v` [rad].
 double angleAround(const TriangleMesh& mesh, VertexId v) {
   double sum = 0.0;
   for (FaceId f : mesh.facesAround(v)) {
@@ -29,7 +30,8 @@ double angleAround(const TriangleMesh& mesh, VertexId v) {
   return sum;
 }
 
-/// From a tip against the directions of the two border edges that end at it.
+/// Returns the direction in which a tear continues: opposite to the mean of its two border edges at
+/// the tip.
 Vec2 awayFromTear(const TriangleMesh& mesh, VertexId tip) {
   Vec2 back = Vec2::Zero();
   for (VertexId w : mesh.neighbours(tip)) {
@@ -39,13 +41,13 @@ Vec2 awayFromTear(const TriangleMesh& mesh, VertexId tip) {
   return -back;
 }
 
-/// Whether a path over the faces around `v` runs between faces or inside of one somewhere, and not
-/// along the border only.
+/// Returns whether a path over the faces around `v` runs through their interior or along an inner
+/// edge anywhere, and not only along the border.
 bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
   if (!mesh.isBoundary(v)) return true;
   for (std::size_t k = 0; k + 1 < path.points.size(); ++k) {
     for (const SurfacePoint& end : {path.points[k], path.points[k + 1]}) {
-      // Half-way from the vertex.
+      // Test the point half-way to the vertex.
       const Vec2 p = 0.5 * (mesh.material(v) + end.material);
       int inside = 0;
       for (FaceId f : mesh.facesAround(v)) {
@@ -60,13 +62,15 @@ bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
   return false;
 }
 
-/// Where the line from + t d is inside a face: an interval of t, empty if first > last.
+/// The interval of the parameter t in which the line from + t d is inside a face; empty if
+/// first > last.
 struct FaceInterval {
   double first = 0.0;
   double last = 0.0;
   FaceId face = kNone;
 };
 
+/// Clips the part of a line with t in [low, high] against a face (Cyrus and Beck 1978).
 FaceInterval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Vec2& d, double low,
                   double high) {
   FaceInterval inside{low, high, f};
@@ -88,7 +92,7 @@ FaceInterval clip(const TriangleMesh& mesh, FaceId f, const Vec2& from, const Ve
   return inside;
 }
 
-/// Grows [first, last] by the intervals that meet it, until none does.
+/// Returns the union of the intervals that are connected to `at`, with the face at its start.
 FaceInterval connected(const std::vector<FaceInterval>& intervals, double at) {
   FaceInterval all{at, at, kNone};
   FaceId firstFace = kNone;
@@ -110,6 +114,22 @@ FaceInterval connected(const std::vector<FaceInterval>& intervals, double at) {
   }
   all.face = firstFace;
   return all;
+}
+
+/// Returns the vertices within `kStressRings` rings of `v`, ascending.
+std::vector<VertexId> ringsAround(const TriangleMesh& mesh, VertexId v) {
+  std::vector<VertexId> vertices{v};
+  for (int ring = 1; ring < kStressRings; ++ring) {
+    std::vector<VertexId> wider = vertices;
+    for (VertexId w : vertices) {
+      const std::vector<VertexId> around = mesh.neighbours(w);
+      wider.insert(wider.end(), around.begin(), around.end());
+    }
+    std::sort(wider.begin(), wider.end());
+    wider.erase(std::unique(wider.begin(), wider.end()), wider.end());
+    vertices = std::move(wider);
+  }
+  return vertices;
 }
 
 }  // namespace
@@ -144,22 +164,8 @@ VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces
 }
 
 Vec2 tensionDirection(const Model& model, const State& state, VertexId v) {
-  std::vector<VertexId> ring{v};
-  const auto unique = [](auto& values) {
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-  };
-  for (int k = 1; k < kStressRings; ++k) {
-    std::vector<VertexId> wider = ring;
-    for (VertexId w : ring) {
-      const std::vector<VertexId> around = model.mesh.neighbours(w);
-      wider.insert(wider.end(), around.begin(), around.end());
-    }
-    unique(wider);
-    ring = std::move(wider);
-  }
   Eigen::Matrix<double, 3, 2> stress = Eigen::Matrix<double, 3, 2>::Zero();
-  for (std::int32_t slot : model.springs.springsOnAny(ring)) {
+  for (std::int32_t slot : model.springs.springsOnAny(ringsAround(model.mesh, v))) {
     const Spring& s = model.springs[slot];
     const Vec3 d = state.x[s.b] - state.x[s.a];
     const double length = d.norm();
@@ -183,7 +189,7 @@ std::optional<double> crossingOf(const MaterialPath& seam, const Vec2& p, const 
   return std::nullopt;
 }
 
-std::optional<double> placeOn(const MaterialPath& seam, const Vec2& p) {
+std::optional<double> parameterOn(const MaterialPath& seam, const Vec2& p) {
   for (std::size_t k = 0; k + 1 < seam.size(); ++k) {
     if (distanceTo({seam[k], seam[k + 1]}, p) > kOnSeam) continue;
     const Vec2 d = seam[k + 1] - seam[k];
@@ -223,12 +229,12 @@ std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<
 
 std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v,
                                     const MaterialPath& seam) {
-  const std::optional<double> at = placeOn(seam, mesh.material(v));
+  const std::optional<double> at = parameterOn(seam, mesh.material(v));
   if (!at) return std::nullopt;
   std::optional<SurfacePath> path = seamOver(mesh, mesh.facesAround(v), seam, *at);
   if (!path || !runsInside(mesh, v, *path)) return std::nullopt;
   if (!isTip(mesh, v)) return path;
-  // Only what is ahead of the tip: the points after it, in the direction away from the tear.
+  // Keep only the points ahead of the tip, and let the path start at the tip.
   const Vec2 onwards = awayFromTear(mesh, v);
   const auto isAhead = [&](const SurfacePoint& p) {
     const Vec2 d = p.material - mesh.material(v);
@@ -263,6 +269,7 @@ std::optional<SurfacePath> rayFrom(const TriangleMesh& mesh, VertexId origin, co
                                    const Vec2& ahead) {
   const Vec2& from = mesh.material(origin);
   const Vec2 onwards = isTip(mesh, origin) ? awayFromTear(mesh, origin) : Vec2(ahead - from);
+  // Try the direction that leads onwards first, then the other.
   const double sign = direction.dot(onwards) >= 0.0 ? 1.0 : -1.0;
   for (const Vec2& d : {Vec2(sign * direction), Vec2(-sign * direction)}) {
     for (FaceId f : mesh.facesAround(origin)) {

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Along which line the surface opens for a failed spring.
+/// \file Lines along which the surface opens for a failed spring.
 
 #include <optional>
 
@@ -9,40 +9,44 @@
 
 namespace cloth_sim {
 
-/// The faces that a spring stands on, ascending.
+/// Returns the faces that a spring represents (see Spring::support), ascending.
 std::vector<FaceId> facesUnder(const TriangleMesh& mesh, const Spring& spring);
 
-/// Whether a cut or tear ends at `v`: a vertex on the border with more than three right angles of
-/// material around it.
+/// Returns whether a cut or tear ends at `v`: it is on the border, and the angles around it sum to
+/// more than 270 degrees.
 bool isTip(const TriangleMesh& mesh, VertexId v);
 
-/// The vertex of `faces` on the border at which a tear begins: the one with the most material
-/// around it. kNone if none is on the border.
+/// Returns the border vertex of `faces` at which a tear begins: the one with the largest sum of
+/// angles; kNone if none is on the border.
 VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces);
 
-/// Direction, in material coordinates, in which the traction across a line normal to it is
-/// largest: of the mean first Piola-Kirchhoff stress of the springs around `v`,
-/// P = (sum of f (x) D) / A, with f the force of a spring and D its rest vector. Unit length.
+/// Returns the direction, in material coordinates, that is normal to the line with the largest
+/// traction: the eigenvector of the largest eigenvalue of P^T P. P = (sum of f (x) D) / A is the
+/// mean first Piola-Kirchhoff stress of the springs around `v`, with the force f of a spring and
+/// its rest vector D. Unit length.
 Vec2 tensionDirection(const Model& model, const State& state, VertexId v);
 
-/// Where on a seam the segment p-q crosses it: the number of a segment, plus the part of it.
-std::optional<double> crossingOf(const MaterialPath& seam, const Vec2& p, const Vec2& q);
-/// Where on a seam a point is, if it is on it (within 1e-9 m).
-std::optional<double> placeOn(const MaterialPath& seam, const Vec2& p);
+// A parameter of a seam is the index of one of its segments plus the fraction of that segment.
 
-/// The connected part of `seam` over `faces` that has the place `at`.
+/// Returns the parameter at which the segment p-q crosses a seam.
+std::optional<double> crossingOf(const MaterialPath& seam, const Vec2& p, const Vec2& q);
+/// Returns the parameter of a point on a seam, if it is within 1e-9 m of the seam.
+std::optional<double> parameterOn(const MaterialPath& seam, const Vec2& p);
+
+/// Returns the connected part of a seam over `faces` that contains the parameter `at`.
 std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
                                     const MaterialPath& seam, double at);
 
-/// The part of `seam` over the faces around `v`, a vertex on it; from a tip only what is ahead.
+/// Returns the part of a seam over the faces around `v`, a vertex on it. If `v` is a tip, it is
+/// only the part ahead of it.
 std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v, const MaterialPath& seam);
 
-/// From `origin` across the faces around it, along `direction` or against it: away from the tear
-/// that ends there, or towards `ahead`.
+/// Returns the segment from `origin` across one of its faces, along `direction` or against it:
+/// whichever leads away from the tear that ends there or, if none does, towards `ahead`.
 std::optional<SurfacePath> rayFrom(const TriangleMesh& mesh, VertexId origin, const Vec2& direction,
                                    const Vec2& ahead);
 
-/// The part over `faces` of the line through `middle` along `direction`.
+/// Returns the connected part over `faces` of the line through `middle` along `direction`.
 std::optional<SurfacePath> lineThrough(const TriangleMesh& mesh, const std::vector<FaceId>& faces,
                                        const Vec2& middle, const Vec2& direction);
 

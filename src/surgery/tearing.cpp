@@ -8,32 +8,35 @@
 namespace cloth_sim {
 namespace {
 
-/// Springs this near to a tip make it go on [edges].
-constexpr double kGrip = 3.0;
-/// A running tear unloads what is this near to it: no other one begins there [edges].
-constexpr double kShade = 12.0;
-/// How long it is known where tears have run [s].
+/// Distance from a tip within which an overloaded spring lets it advance [edges].
+constexpr double kTipReach = 3.0;
+/// Distance from an advancing tear within which it unloads the cloth, so that no other tear begins
+/// [edges].
+constexpr double kUnloadedReach = 12.0;
+/// Time for which points of a tear are remembered [s].
 constexpr double kMemory = 1.0;
-/// When cuts ended whose tips have not run yet [s].
+/// Time from which the ends of cuts may advance: any [s].
 constexpr double kLongAgo = -1e9;
-/// From this strain over the strain that tears on, a spring may fail within a step. Ahead of a
-/// tip, the fifth edge bears as much (the stress there goes by the root of the distance).
-constexpr double kNear = 0.5;
-/// Edits of more than one in so many springs are not followed one by one.
-constexpr std::size_t kLocal = 8;
+/// Strain over failure strain from which on a spring is monitored, as it may fail within a step.
+/// The stress ahead of a tip falls with the square root of the distance, so this covers about four
+/// edges ahead.
+constexpr double kMonitoredLoad = 0.5;
+/// An edit that changes more than one in so many springs fills the monitor again.
+constexpr std::size_t kLocalEdit = 8;
 
 Vec2 middleOf(const TriangleMesh& mesh, const Spring& spring) {
   return 0.5 * (mesh.material(spring.a) + mesh.material(spring.b));
 }
 
+/// Returns whether a spring crosses a path.
 bool straddles(const TriangleMesh& mesh, const Spring& spring, const MaterialPath& path) {
   return separates(path, mesh.material(spring.a), mesh.material(spring.b));
 }
 
-/// The end of a spring that lies on the path, if the other end does not.
+/// Returns the end of a spring that lies on a path, kNone if neither or both do.
 VertexId endOn(const TriangleMesh& mesh, const Spring& spring, const MaterialPath& path) {
-  const bool a = placeOn(path, mesh.material(spring.a)).has_value();
-  const bool b = placeOn(path, mesh.material(spring.b)).has_value();
+  const bool a = parameterOn(path, mesh.material(spring.a)).has_value();
+  const bool b = parameterOn(path, mesh.material(spring.b)).has_value();
   return a == b ? kNone : (a ? spring.a : spring.b);
 }
 
@@ -45,10 +48,10 @@ double lengthOf(const SurfacePath& path) {
   return length;
 }
 
-std::vector<Vec2> placesOf(const SurfacePath& path) {
-  std::vector<Vec2> places;
-  for (const SurfacePoint& p : path.points) places.push_back(p.material);
-  return places;
+std::vector<Vec2> materialOf(const SurfacePath& path) {
+  std::vector<Vec2> points;
+  for (const SurfacePoint& p : path.points) points.push_back(p.material);
+  return points;
 }
 
 double longestEdgeOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
@@ -59,14 +62,24 @@ double longestEdgeOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces)
 
 }  // namespace
 
+/// An overloaded spring and its surroundings.
+struct Tearing::OverloadedSpring {
+  const Spring& spring;
+  std::vector<FaceId> faces;  ///< that it represents
+  Vec2 middle;                ///< its midpoint, material coordinates [m]
+  double edge;                ///< longest edge of the faces [m]
+  VertexId tip;               ///< the tip within reach, or kNone
+};
+
 Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::move(settings)) {
   if (!settings_.seam) return;
   const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
   for (std::int32_t slot = 0; slot < slots; ++slot) {
-    if (mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
+    if (mayOpenSeam(model, model.springs[slot])) seamSlots_.push_back(slot);
   }
 }
 
+/// Returns whether the seam allows a spring to open the surface.
 bool Tearing::mayOpenSeam(const Model& model, const Spring& spring) const {
   if (!spring.exists()) return false;
   const Seam& seam = *settings_.seam;
@@ -77,15 +90,15 @@ bool Tearing::mayOpenSeam(const Model& model, const Spring& spring) const {
 
 void Tearing::setRatio(const TearRatios& ratio) {
   settings_.ratio = ratio;
-  near_.clear();
+  monitor_.clear();
 }
 
 void Tearing::applyChanges(const Model& model, const ModelChanges& changes) {
-  applyChangesNear(model, changes);
+  updateMonitor(model, changes);
   for (std::int32_t slot : changes.springs.added) {
-    if (settings_.seam && mayOpenSeam(model, model.springs[slot])) onSeam_.push_back(slot);
+    if (settings_.seam && mayOpenSeam(model, model.springs[slot])) seamSlots_.push_back(slot);
   }
-  for (std::int32_t slot : changes.springs.modified) idle_.erase(slot);
+  for (std::int32_t slot : changes.springs.modified) ineffective_.erase(slot);
   for (const VertexEdit& edit : changes.mesh.vertices) {
     if (edit.kind != VertexEdit::Kind::kRemove) continue;
     tips_.erase(edit.id);
@@ -96,60 +109,63 @@ void Tearing::applyChanges(const Model& model, const ModelChanges& changes) {
   }
 }
 
-/// Where all springs may fail, what the edit left alone stays as it is.
-void Tearing::applyChangesNear(const Model& model, const ModelChanges& changes) {
+/// Updates the monitor after a local edit; otherwise clears it, so that it will be filled again.
+void Tearing::updateMonitor(const Model& model, const ModelChanges& changes) {
   const SpringChanges& springs = changes.springs;
   const auto removes = [](const VertexEdit& edit) {
     return edit.kind == VertexEdit::Kind::kRemove;
   };
   const std::vector<VertexEdit>& edits = changes.mesh.vertices;
-  const bool isLocal = springs.modified.size() + springs.added.size() < near_.size() / kLocal &&
-                       std::none_of(edits.begin(), edits.end(), removes);
-  if (settings_.seam || !isLocal) return near_.clear();
-  watchFrom(near_.size(), model);
-  for (const std::int32_t slot : springs.removed) near_.remove(slot);
+  const bool isLocal =
+      springs.modified.size() + springs.added.size() < monitor_.size() / kLocalEdit &&
+      std::none_of(edits.begin(), edits.end(), removes);
+  if (settings_.seam || !isLocal) return monitor_.clear();
+  monitorFrom(monitor_.size(), model);
+  for (const std::int32_t slot : springs.removed) monitor_.remove(slot);
   for (const std::int32_t slot : springs.modified) {
-    near_.replace(slot, model.springs[slot], nearLength(model.springs[slot]));
+    monitor_.replace(slot, model.springs[slot], monitoredLength(model.springs[slot]));
   }
   std::vector<VertexId> around;
   for (const VertexEdit& edit : edits) {
-    near_.put(edit.id);
+    monitor_.noteEdited(edit.id);
     const std::vector<VertexId> ring = model.mesh.neighbours(edit.id);
     around.push_back(edit.id);
     around.insert(around.end(), ring.begin(), ring.end());
   }
-  for (const std::int32_t slot : model.springs.springsOnAny(around)) near_.lookAt(slot);
+  for (const std::int32_t slot : model.springs.springsOnAny(around)) monitor_.addCandidate(slot);
 }
 
-void Tearing::watch(const Model& model) {
-  if (near_.empty()) watchFrom(0, model);
+void Tearing::fillMonitor(const Model& model) {
+  if (monitor_.empty()) monitorFrom(0, model);
 }
 
-void Tearing::watchFrom(std::size_t first, const Model& model) {
-  const std::size_t candidates = settings_.seam ? onSeam_.size() : model.springs.slots().size();
-  near_.reserve(candidates);
-  for (std::size_t k = first; k < candidates; ++k) {
-    const Spring& spring = model.springs[candidate(k)];
-    spring.exists() ? near_.watch(spring, nearLength(spring)) : near_.watchNothing();
+/// Appends the springs from the index `first` on to the monitor.
+void Tearing::monitorFrom(std::size_t first, const Model& model) {
+  const std::size_t count = settings_.seam ? seamSlots_.size() : model.springs.slots().size();
+  monitor_.reserve(count);
+  for (std::size_t k = first; k < count; ++k) {
+    const Spring& spring = model.springs[monitoredSlot(k)];
+    spring.exists() ? monitor_.add(spring, monitoredLength(spring)) : monitor_.addUnlimited();
   }
 }
 
-/// From which on it may fail within a step [m].
-double Tearing::nearLength(const Spring& spring) const {
-  return (1.0 + kNear * (ratioOf(spring) - 1.0)) * spring.restLength;
+/// Returns the length from which on a spring is monitored [m].
+double Tearing::monitoredLength(const Spring& spring) const {
+  return (1.0 + kMonitoredLoad * (ratioOf(spring) - 1.0)) * spring.restLength;
 }
 
+/// Finds the springs beyond their limits, most overloaded first, and sets `worst_`.
 std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const State& state) {
   std::vector<Overload> found;
   worst_ = 0.0;
-  watch(model);
-  for (const std::int32_t k : near_.find(state.x)) {
-    const std::int32_t slot = candidate(static_cast<std::size_t>(k));
+  fillMonitor(model);
+  for (const std::int32_t k : monitor_.find(state.x)) {
+    const std::int32_t slot = monitoredSlot(static_cast<std::size_t>(k));
     const Spring& spring = model.springs[slot];
     const double ratio = ratioOf(spring);
     const double stretched = stretch(spring, state);
     const double load = (stretched - 1.0) / (ratio - 1.0);
-    if (load > worst_ && idle_.count(slot) == 0) worst_ = load;
+    if (load > worst_ && ineffective_.count(slot) == 0) worst_ = load;
     if (stretched > ratio) found.push_back({stretched / ratio, slot});
   }
   std::sort(found.begin(), found.end(), [](const Overload& p, const Overload& q) {
@@ -161,10 +177,10 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const 
 void Tearing::listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits) {
   limits.clear();
   if (!settings_.enabled) return;
-  watch(model);
-  for (const std::int32_t k : near_.find(state.x)) {
-    const std::int32_t slot = candidate(static_cast<std::size_t>(k));
-    if (idle_.count(slot) != 0) continue;
+  fillMonitor(model);
+  for (const std::int32_t k : monitor_.find(state.x)) {
+    const std::int32_t slot = monitoredSlot(static_cast<std::size_t>(k));
+    if (ineffective_.count(slot) != 0) continue;
     const Spring& spring = model.springs[slot];
     limits.push_back({spring.a, spring.b, ratioOf(spring) * spring.restLength});
   }
@@ -174,67 +190,75 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
   CutPlan plan;
   plan.cause = FailureCause::kTear;
   plan.refine = settings_.refineTip;
-  strides_.clear();
+  advances_.clear();
   plannedAt_ = state.t;
   if (!settings_.enabled) return plan;
-  forget(model.mesh, state.t);
-  std::vector<Vec2> begun;  // where strides of this plan are
+  forgetOld(model.mesh, state.t);
+  std::vector<Vec2> begun;  // start points of the advances of this plan
   for (const Overload& overload : findOverloads(model, state)) {
-    if (idle_.count(overload.slot) != 0) continue;
+    if (ineffective_.count(overload.slot) != 0) continue;
     plan.overloaded.push_back(overload.slot);
     const Spring& spring = model.springs[overload.slot];
-    const std::vector<FaceId> faces = facesUnder(model.mesh, spring);
-    const Vec2 middle = middleOf(model.mesh, spring);
-    const double edge = longestEdgeOf(model.mesh, faces);
-    const auto isNear = [&](const Vec2& p) { return (p - middle).norm() < kGrip * edge; };
+    OverloadedSpring at{spring, facesUnder(model.mesh, spring), middleOf(model.mesh, spring), 0.0,
+                        kNone};
+    at.edge = longestEdgeOf(model.mesh, at.faces);
+    const double reach = kTipReach * at.edge;
+    const auto isNear = [&](const Vec2& p) { return (p - at.middle).norm() < reach; };
     if (std::any_of(begun.begin(), begun.end(), isNear)) continue;
-    const VertexId tip = nearestTip(model.mesh, middle, kGrip * edge);
-    if (tip != kNone && tips_.at(tip) > state.t) continue;
-    // A spring may have crossed the seam before an edit moved it.
-    if (settings_.seam && !mayOpenSeam(model, spring)) continue;
-    std::optional<SurfacePath> line = seamLine(model.mesh, spring, faces);
-    const bool begins = tip == kNone && !line;
-    if (begins && isShaded(middle, edge, state.t)) continue;
-    if (!line && isInBand(model.mesh, spring)) line = lineFor(model, state, spring, faces, tip);
+    at.tip = nearestTip(model.mesh, at.middle, reach);
+    std::optional<SurfacePath> line = planLine(model, state, at);
     if (!line) continue;
-    const double ready = tip == kNone ? 0.0 : tips_.at(tip);
-    strides_.push_back(
-        {std::max(ready, state.t - dt), lengthOf(*line), overload.slot, placesOf(*line)});
-    begun.push_back(tip == kNone ? middle : model.mesh.material(tip));
+    const double ready = at.tip == kNone ? 0.0 : tips_.at(at.tip);
+    advances_.push_back(
+        {std::max(ready, state.t - dt), lengthOf(*line), overload.slot, materialOf(*line)});
+    begun.push_back(at.tip == kNone ? at.middle : model.mesh.material(at.tip));
     plan.paths.push_back(std::move(*line));
   }
   std::sort(plan.overloaded.begin(), plan.overloaded.end());
   return plan;
 }
 
-/// Along the seam, for a spring that crosses it or ends on it.
-std::optional<SurfacePath> Tearing::seamLine(const TriangleMesh& mesh, const Spring& spring,
-                                             const std::vector<FaceId>& faces) const {
+/// Returns the line along which the surface opens for an overloaded spring now, if it does.
+std::optional<SurfacePath> Tearing::planLine(const Model& model, const State& state,
+                                             const OverloadedSpring& at) const {
+  if (at.tip != kNone && tips_.at(at.tip) > state.t) return std::nullopt;
+  // An edit may have moved the spring away from the seam.
+  if (settings_.seam && !mayOpenSeam(model, at.spring)) return std::nullopt;
+  std::optional<SurfacePath> line = seamLine(model.mesh, at);
+  const bool begins = at.tip == kNone && !line;
+  if (begins && isUnloaded(at.middle, at.edge, state.t)) return std::nullopt;
+  if (!line && isInBand(model.mesh, at.spring)) line = freeLine(model, state, at);
+  return line;
+}
+
+/// Returns the part of the seam that a spring opens, if it crosses the seam or ends on it.
+std::optional<SurfacePath> Tearing::seamLine(const TriangleMesh& mesh,
+                                             const OverloadedSpring& at) const {
   if (!settings_.seam) return std::nullopt;
   const MaterialPath& seam = settings_.seam->path;
-  const auto at = crossingOf(seam, mesh.material(spring.a), mesh.material(spring.b));
-  if (at) return seamOver(mesh, faces, seam, *at);
-  const VertexId end = endOn(mesh, spring, seam);
+  const auto crossing = crossingOf(seam, mesh.material(at.spring.a), mesh.material(at.spring.b));
+  if (crossing) return seamOver(mesh, at.faces, seam, *crossing);
+  const VertexId end = endOn(mesh, at.spring, seam);
   return end == kNone ? std::nullopt : seamFrom(mesh, end, seam);
 }
 
-/// Whether a spring may tear elsewhere than along the seam.
+/// Returns whether a spring may open the surface elsewhere than along the seam.
 bool Tearing::isInBand(const TriangleMesh& mesh, const Spring& spring) const {
   if (!settings_.seam) return true;
   const Seam& seam = *settings_.seam;
   return seam.halfWidth > 0.0 && distanceTo(seam.path, middleOf(mesh, spring)) <= seam.halfWidth;
 }
 
-std::optional<SurfacePath> Tearing::lineFor(const Model& model, const State& state,
-                                            const Spring& spring, const std::vector<FaceId>& faces,
-                                            VertexId tip) const {
+/// Returns a line at right angles to the largest tension: from the tip, from the border, or through
+/// the midpoint of the spring.
+std::optional<SurfacePath> Tearing::freeLine(const Model& model, const State& state,
+                                             const OverloadedSpring& at) const {
   const TriangleMesh& mesh = model.mesh;
-  const VertexId origin = tip == kNone ? borderVertex(mesh, faces) : tip;
-  const Vec2 tension = tensionDirection(model, state, origin == kNone ? spring.a : origin);
+  const VertexId origin = at.tip == kNone ? borderVertex(mesh, at.faces) : at.tip;
+  const Vec2 tension = tensionDirection(model, state, origin == kNone ? at.spring.a : origin);
   const Vec2 along(-tension.y(), tension.x());
-  const Vec2 middle = middleOf(mesh, spring);
-  return origin == kNone ? lineThrough(mesh, faces, middle, along)
-                         : rayFrom(mesh, origin, along, middle);
+  return origin == kNone ? lineThrough(mesh, at.faces, at.middle, along)
+                         : rayFrom(mesh, origin, along, at.middle);
 }
 
 VertexId Tearing::nearestTip(const TriangleMesh& mesh, const Vec2& p, double within) const {
@@ -250,22 +274,24 @@ VertexId Tearing::nearestTip(const TriangleMesh& mesh, const Vec2& p, double wit
   return nearest;
 }
 
-bool Tearing::isShaded(const Vec2& p, double edge, double time) const {
-  const double reach = kShade * edge;
-  const auto isNear = [&](const Vec2& place) { return (place - p).norm() < reach; };
-  const auto shades = [&](const Run& run) {
-    return run.time >= time - reach / settings_.tipSpeed && isNear(run.at);
+/// Returns whether a tear that has advanced recently, or advances in this plan, unloads a point.
+bool Tearing::isUnloaded(const Vec2& p, double edge, double time) const {
+  const double reach = kUnloadedReach * edge;
+  const auto isNear = [&](const Vec2& point) { return (point - p).norm() < reach; };
+  const auto hasUnloaded = [&](const TornPoint& torn) {
+    return torn.time >= time - reach / settings_.tipSpeed && isNear(torn.at);
   };
-  const auto willShade = [&](const Stride& stride) {
-    return std::any_of(stride.places.begin(), stride.places.end(), isNear);
+  const auto unloads = [&](const Advance& advance) {
+    return std::any_of(advance.points.begin(), advance.points.end(), isNear);
   };
-  return std::any_of(runs_.begin(), runs_.end(), shades) ||
-         std::any_of(strides_.begin(), strides_.end(), willShade);
+  return std::any_of(recent_.begin(), recent_.end(), hasUnloaded) ||
+         std::any_of(advances_.begin(), advances_.end(), unloads);
 }
 
-void Tearing::forget(const TriangleMesh& mesh, double time) {
-  const auto old = [time](const Run& run) { return run.time < time - kMemory; };
-  runs_.erase(std::remove_if(runs_.begin(), runs_.end(), old), runs_.end());
+/// Drops old points of tears, and vertices that are no tips any more.
+void Tearing::forgetOld(const TriangleMesh& mesh, double time) {
+  const auto isOld = [time](const TornPoint& torn) { return torn.time < time - kMemory; };
+  recent_.erase(std::remove_if(recent_.begin(), recent_.end(), isOld), recent_.end());
   for (auto tip = tips_.begin(); tip != tips_.end();) {
     tip = isTip(mesh, tip->first) ? std::next(tip) : tips_.erase(tip);
   }
@@ -274,17 +300,18 @@ void Tearing::forget(const TriangleMesh& mesh, double time) {
 void Tearing::shiftTime(double by) {
   plannedAt_ += by;
   for (auto& [tip, ready] : tips_) ready += by;
-  for (Run& run : runs_) run.time += by;
-  for (Stride& stride : strides_) stride.start += by;
+  for (TornPoint& torn : recent_) torn.time += by;
+  for (Advance& advance : advances_) advance.start += by;
 }
 
 void Tearing::noteOpened(const SurgeryResult& result) {
   if (result.changes.mesh.empty()) {
-    for (const Stride& stride : strides_) idle_.insert(stride.slot);
+    for (const Advance& advance : advances_) ineffective_.insert(advance.slot);
   }
-  for (std::size_t k = 0; k < strides_.size(); ++k) {
-    for (const Vec2& place : strides_[k].places) runs_.push_back({place, plannedAt_});
-    const double ready = strides_[k].start + strides_[k].length / settings_.tipSpeed;
+  for (std::size_t k = 0; k < advances_.size(); ++k) {
+    const Advance& advance = advances_[k];
+    for (const Vec2& point : advance.points) recent_.push_back({point, plannedAt_});
+    const double ready = advance.start + advance.length / settings_.tipSpeed;
     for (VertexId tip : {result.tips[2 * k], result.tips[2 * k + 1]}) tips_[tip] = ready;
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What the core's tests build their cases from. Header-only; test/ is on the include path.
+/// \file Random numbers, models, states and edits for the tests of the core. Header-only.
 
 #include <algorithm>
 #include <array>
@@ -19,12 +19,13 @@ namespace cloth_sim::testing_support {
 
 using Generator = std::mt19937_64;
 
-/// Uniform in [low, high), the same on every platform (distributions of <random> are not).
+/// Draws uniformly from [low, high), the same on every platform (distributions of <random> are
+/// not).
 inline double uniform(Generator& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
-/// Uniform in [low, high], whole.
+/// Draws an integer uniformly from [low, high].
 inline int whole(Generator& random, int low, int high) {
   return low + static_cast<int>(random() % static_cast<std::uint64_t>(high - low + 1));
 }
@@ -35,7 +36,7 @@ inline Vec3 randomVector(Generator& random, double range) {
   return p;
 }
 
-/// A cloth without bending whose cells are squares of `spacing`.
+/// Makes a cloth without bending with square cells of side `spacing` [m].
 inline ClothSpec clothOf(int columns, int rows, double spacing,
                          const Fabric& fabric = fabricPreset("silk")) {
   ClothSpec spec;
@@ -47,7 +48,7 @@ inline ClothSpec clothOf(int columns, int rows, double spacing,
   return spec;
 }
 
-/// The cloth flat in z = 0, with x = u and y = v, at rest.
+/// Returns the state of flat cloth at rest in z = 0, with x = u and y = v.
 inline State flatState(const Model& model) {
   State state;
   const auto count = static_cast<std::size_t>(model.particleCount());
@@ -59,8 +60,8 @@ inline State flatState(const Model& model) {
   return state;
 }
 
-/// The flat cloth with every particle shaken by up to `shake` [m] and moving at up to `speed`
-/// [m/s].
+/// Returns the state of flat cloth with random displacements of up to `shake` [m] and velocities of
+/// up to `speed` [m/s].
 inline State shakenState(const Model& model, double shake, double speed, std::uint64_t seed) {
   Generator random(seed);
   State state = flatState(model);
@@ -71,7 +72,7 @@ inline State shakenState(const Model& model, double shake, double speed, std::ui
   return state;
 }
 
-/// A method with a number of substeps and defaults otherwise.
+/// Makes a method with a number of substeps and otherwise default parameters.
 inline std::unique_ptr<Solver> makeSolver(const SolverInfo& info, const Model& model,
                                           int substeps = 1) {
   SolverParameters given;
@@ -81,7 +82,7 @@ inline std::unique_ptr<Solver> makeSolver(const SolverInfo& info, const Model& m
   return info.create(model, completeParameters(info, given));
 }
 
-/// A random part of the faces around `v`: neither none nor all of them, where there are two.
+/// Draws some of the faces around `v`: neither none nor all of them, unless there is only one.
 inline std::vector<FaceId> randomFaces(const TriangleMesh& mesh, VertexId v, Generator& random) {
   const std::vector<FaceId>& around = mesh.facesAround(v);
   if (around.size() < 2) return {};
@@ -95,13 +96,13 @@ inline std::vector<FaceId> randomFaces(const TriangleMesh& mesh, VertexId v, Gen
   return some;
 }
 
-/// A vertex to split, and the faces that let go of it.
+/// A vertex to split, and the faces to detach from it.
 struct Opening {
   VertexId vertex = kNone;
   std::vector<FaceId> detach;
 };
 
-/// A vertex to split at random, and how.
+/// Draws a vertex and the faces to detach from it.
 inline Opening randomOpening(const TriangleMesh& mesh, Generator& random) {
   Opening opening;
   opening.vertex = whole(random, 0, mesh.vertexCount() - 1);
@@ -109,7 +110,7 @@ inline Opening randomOpening(const TriangleMesh& mesh, Generator& random) {
   return opening;
 }
 
-/// Rest area of every piece, in their order.
+/// Returns the rest area of every connected component [m^2].
 inline std::vector<double> pieceAreas(const TriangleMesh& mesh) {
   const ConnectedComponents pieces = connectedComponents(mesh);
   std::vector<double> areas(static_cast<std::size_t>(pieces.count), 0.0);
@@ -117,8 +118,8 @@ inline std::vector<double> pieceAreas(const TriangleMesh& mesh) {
   return areas;
 }
 
-/// Sum of the rest areas in extended precision, so that a comparison to 1e-14 tells what an edit
-/// did and not in which order faces were summed.
+/// Returns the sum of the rest areas in extended precision, so that a comparison to 1e-14 shows the
+/// effect of an edit and not of the order of summation.
 inline double preciseArea(const TriangleMesh& mesh) {
   long double twice = 0.0L;
   for (const Face& face : mesh.faces()) {
@@ -131,14 +132,14 @@ inline double preciseArea(const TriangleMesh& mesh) {
   return static_cast<double>(0.5L * twice);
 }
 
-/// Smallest angle of all faces [rad].
+/// Returns the smallest angle of all faces [rad].
 inline double smallestAngle(const TriangleMesh& mesh) {
   double smallest = M_PI;
   for (FaceId f = 0; f < mesh.faceCount(); ++f) smallest = std::min(smallest, minAngle(mesh, f));
   return smallest;
 }
 
-/// Length of the border edges that are rim [m].
+/// Returns the length of the original border that is left [m].
 inline double rimLength(const TriangleMesh& mesh) {
   double length = 0.0;
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -152,8 +153,8 @@ inline double rimLength(const TriangleMesh& mesh) {
   return length;
 }
 
-/// What `validationError` says, and else whether the tables agree with a search through all faces
-/// and only border edges are rim. Empty if all is well.
+/// Returns `validationError` or, if that is empty, the first disagreement of the tables with a
+/// search through all faces.
 inline std::string validateMesh(const TriangleMesh& mesh) {
   std::string error = validationError(mesh);
   if (!error.empty()) return error;
@@ -169,13 +170,13 @@ inline std::string validateMesh(const TriangleMesh& mesh) {
       const Face& face = mesh.face(f);
       const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
       if (mesh.isOriginalBoundary(f, k) && !border)
-        return "rim inside, at face " + std::to_string(f);
+        return "original border inside, at face " + std::to_string(f);
     }
   }
   return "";
 }
 
-/// A grid whose inner vertices are shaken by up to `shake` spacings along each axis.
+/// Makes a grid with random displacements of inner vertices by up to `shake` spacings per axis.
 inline TriangleMesh irregularMesh(const Grid& grid, double shake, Generator& random) {
   const TriangleMesh even = makeGridMesh(grid);
   std::vector<Vec2> material = even.material();
@@ -187,7 +188,7 @@ inline TriangleMesh irregularMesh(const Grid& grid, double shake, Generator& ran
   return TriangleMesh(std::move(material), even.faces());
 }
 
-/// Three positive numbers that sum to one, none below `least`.
+/// Draws three numbers of at least `least` that sum to one.
 inline std::array<double, 3> randomWeights(Generator& random, double least) {
   const double a = uniform(random, 0.0, 1.0);
   const double b = uniform(random, 0.0, 1.0 - a);
@@ -195,15 +196,15 @@ inline std::array<double, 3> randomWeights(Generator& random, double least) {
   return {least + rest * a, least + rest * b, 1.0 - (least + rest * a) - (least + rest * b)};
 }
 
-/// Point of a face at barycentric weights.
+/// Returns the point of a face with the given barycentric coordinates.
 inline Vec2 pointIn(const TriangleMesh& mesh, FaceId f, const std::array<double, 3>& weight) {
   Vec2 p = Vec2::Zero();
   for (int k = 0; k < 3; ++k) p += weight[k] * mesh.material(mesh.face(f)[k]);
   return p;
 }
 
-/// Random edits of every kind (but taking pieces away), that leave no face with an angle below
-/// some 2 degrees. Each returns whether it did something.
+/// Random edits of every kind except the removal of components. They leave no face with an angle
+/// below about 2 degrees. Each returns whether it changed anything.
 class RandomEditor {
  public:
   RandomEditor(MeshEditor& editor, Generator& random) : editor_(editor), random_(random) {}
@@ -244,7 +245,7 @@ class RandomEditor {
     return true;
   }
 
-  /// Inside, anywhere in the faces around; at the border, along it.
+  /// Moves an inner vertex within the faces around it, and a border vertex along the border.
   bool moveVertex() {
     const VertexId v = whole(random_, 0, mesh().vertexCount() - 1);
     const std::vector<FaceId>& around = mesh().facesAround(v);
@@ -298,7 +299,8 @@ class RandomEditor {
     return {f, whole(random_, 0, 2)};
   }
 
-  /// Puts `weight` on a border edge of `f` at `v`, if the border runs along an axis through there.
+  /// Sets `weight` to a point on a border edge of `f` at `v`, if the border is parallel to an axis
+  /// there.
   bool slide(VertexId v, FaceId f, std::array<double, 3>& weight) {
     const Face& face = mesh().face(f);
     const int k = static_cast<int>(std::find(face.begin(), face.end(), v) - face.begin());
@@ -324,14 +326,14 @@ class RandomEditor {
   Generator& random_;
 };
 
-/// For INSTANTIATE_TEST_SUITE_P over the registry: the method's name.
+/// Names the tests of INSTANTIATE_TEST_SUITE_P over the registry by the method.
 inline std::vector<std::string> solverNames() {
   std::vector<std::string> names;
   for (const SolverInfo& info : solverRegistry()) names.push_back(info.name);
   return names;
 }
 
-/// The same, without those that gain energy at any step where nothing is damped.
+/// Same, without the methods that gain energy at any step length without damping.
 inline std::vector<std::string> boundedSolverNames() {
   std::vector<std::string> names;
   for (const SolverInfo& info : solverRegistry()) {

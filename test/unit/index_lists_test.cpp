@@ -1,4 +1,4 @@
-/// \file Lists in one piece of memory do what a vector of vectors does.
+/// \file IndexLists behave like a vector of vectors.
 
 #include "cloth_sim/mesh/index_lists.h"
 
@@ -54,7 +54,7 @@ TEST(IndexLists, RefuseMoreThanTheyCanCount) {
   EXPECT_THROW(IndexLists({65536}), std::length_error);
 }
 
-/// Many edits, so that lists grow, move and are compacted.
+/// Makes so many edits that lists grow, move and are compacted.
 TEST(IndexLists, AreAVectorOfVectorsUnderAnyEdits) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     std::mt19937 random(seed);

@@ -11,7 +11,7 @@ namespace cloth_sim {
 namespace {
 
 const MaterialPath kUp{{0.0, 0.0}, {0.0, 1.0}};
-/// Up, then to the left.
+/// A path with a corner: along +v, then along -u.
 const MaterialPath kCorner{{0.0, 0.0}, {0.0, 1.0}, {-1.0, 1.0}};
 
 TEST(SideOf, IsPositiveToTheRightOfTheDirection) {
@@ -83,7 +83,7 @@ TEST(Crosses, AnySegment) {
   EXPECT_FALSE(crosses(kCorner, {-0.5, 0.1}, {-0.5, 0.9}));
 }
 
-/// Asks for both directions of both.
+/// Tests both directions of the path and of the segment.
 void expectSeparates(const MaterialPath& path, const Vec2& p, const Vec2& q, bool expected) {
   MaterialPath back = path;
   std::reverse(back.begin(), back.end());

@@ -1,4 +1,4 @@
-/// \file Meshes, what makes them invalid, grids, and data that follows edits.
+/// \file Meshes, their validation, grids, edits, and data per vertex.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -158,7 +158,7 @@ TEST(Mesh, RimGoesOnceAround) {
 // ---- splitting a vertex
 // --------------------------------------------------------------------------
 
-/// Faces around `v` whose middle lies right of v (u greater).
+/// Returns the faces around `v` with a centroid of larger u.
 std::vector<FaceId> facesRightOf(const TriangleMesh& mesh, VertexId v) {
   std::vector<FaceId> right;
   for (FaceId f : mesh.facesAround(v)) {
@@ -290,10 +290,10 @@ TEST(MeshEditor, GivesTheChangesSinceTheLastFinish) {
 // ---- edits that change shapes
 // --------------------------------------------------------------------
 
-/// Spacing 1; faces 2c and 2c + 1 are those right of and above the diagonal of cell c.
+/// A grid of spacing 1. Faces 2c and 2c + 1 are to the right of and above the diagonal of cell c.
 TriangleMesh threeByThree() { return makeGridMesh({3, 3, 2.0, 2.0}); }
 
-/// The same face from its smallest vertex on.
+/// Rotates the corners of a face so that the smallest one comes first.
 Face turned(Face face) {
   std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
   return face;
@@ -305,7 +305,7 @@ std::vector<Face> turnedFaces(const TriangleMesh& mesh, const std::vector<FaceId
   return faces;
 }
 
-/// Whether an edge is marked as rim in one of its faces.
+/// Returns whether a face marks an edge as part of the original border.
 bool isOriginalBoundaryEdge(const TriangleMesh& mesh, VertexId a, VertexId b) {
   for (FaceId f : mesh.facesOnEdge(a, b)) {
     for (int k = 0; f != kNone && k < 3; ++k) {
@@ -318,7 +318,7 @@ bool isOriginalBoundaryEdge(const TriangleMesh& mesh, VertexId a, VertexId b) {
   return false;
 }
 
-/// What every edit but `removeComponents` keeps.
+/// Checks what every edit except `removeComponents` conserves.
 void expectSound(const TriangleMesh& mesh, double area, double rim) {
   EXPECT_EQ(testing_support::validateMesh(mesh), "");
   EXPECT_NEAR(testing_support::preciseArea(mesh), area, 1e-14 * area);
@@ -472,7 +472,8 @@ TEST(MoveVertex, AlongAStraightBorderKeepsTheArea) {
 // ---- taking pieces away
 // --------------------------------------------------------------------------
 
-/// Unit squares at u = 0, 2, 4 ..., with vertices 4 k to 4 k + 3 and faces 2 k and 2 k + 1.
+/// Separate unit squares at u = 0, 2, 4 ...: square k has vertices 4 k to 4 k + 3 and faces 2 k and
+/// 2 k + 1.
 TriangleMesh squares(int count) {
   std::vector<Vec2> material;
   std::vector<Face> faces;

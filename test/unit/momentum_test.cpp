@@ -1,4 +1,4 @@
-/// \file Momentum of some particles, and giving it back to them.
+/// \file Momentum of sets of particles, and its restoration.
 
 #include "surgery/momentum.h"
 
@@ -35,7 +35,7 @@ struct Particles {
   }
 };
 
-/// Sums of the sizes of what is summed up: rounding is relative to them.
+/// Sums of the magnitudes of all terms, to which rounding errors are relative.
 struct Scale {
   double linear = 0.0;
   double angular = 0.0;

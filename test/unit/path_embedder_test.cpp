@@ -1,4 +1,4 @@
-/// \file Paths over the surface made to run along mesh edges.
+/// \file Embedding of paths over the surface into mesh edges.
 
 #include "cloth_sim/surgery/path_embedder.h"
 
@@ -25,7 +25,7 @@ using Polyline = std::vector<Vec2>;
 // ---- polylines as paths over a mesh
 // --------------------------------------------------------------
 
-/// The part of a segment that lies in one face.
+/// A part of a segment, within one face.
 struct Stretch {
   FaceId face = kNone;
   double from = 0.0;
@@ -53,7 +53,7 @@ std::optional<Stretch> clip(const TriangleMesh& mesh, FaceId f, const Vec2& p, c
   return inside;
 }
 
-/// Where a segment lies in the mesh, in order, each part of it once.
+/// Returns the faces along a segment, in order, each part of it once.
 std::vector<Stretch> stretches(const TriangleMesh& mesh, const Vec2& p, const Vec2& q) {
   std::vector<Stretch> all;
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -68,7 +68,7 @@ std::vector<Stretch> stretches(const TriangleMesh& mesh, const Vec2& p, const Ve
   return parts;
 }
 
-/// Whether the surface goes on from one face to the other at a point of both.
+/// Returns whether two faces are connected across an edge or fan at a common point.
 bool joined(const TriangleMesh& mesh, FaceId f, FaceId g, const Vec2& at) {
   if (f == g) return true;
   int shared = 0;
@@ -82,7 +82,7 @@ bool joined(const TriangleMesh& mesh, FaceId f, FaceId g, const Vec2& at) {
   return shared == 2;
 }
 
-/// The polyline as it lies on the mesh: one path for each part between what has come apart.
+/// Returns the paths of a polyline on the mesh: one for each connected part.
 std::vector<SurfacePath> pathsAlong(const TriangleMesh& mesh, const Polyline& line) {
   std::vector<SurfacePath> paths;
   SurfacePoint last;
@@ -102,7 +102,7 @@ std::vector<SurfacePath> pathsAlong(const TriangleMesh& mesh, const Polyline& li
   return paths;
 }
 
-/// The only path along a polyline.
+/// Returns the only path along a polyline.
 SurfacePath pathAlong(const TriangleMesh& mesh, const Polyline& line) {
   const std::vector<SurfacePath> paths = pathsAlong(mesh, line);
   EXPECT_EQ(paths.size(), 1U);
@@ -117,8 +117,8 @@ void expectSound(const TriangleMesh& mesh, double area) {
   EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
 }
 
-/// Whether a marked edge, or several in one line, lead from one vertex to the other: where a path
-/// crosses itself, it splits edges that it has marked before.
+/// Returns whether one marked edge, or several on a line, join two vertices: where a path crosses
+/// itself, it splits edges that it marked before.
 bool isMarkedBetween(const Remesher& remesher, VertexId from, VertexId to) {
   const TriangleMesh& mesh = remesher.mesh();
   while (from != to) {
@@ -162,7 +162,7 @@ double distanceTo(const Polyline& line, const Vec2& p) {
   return nearest;
 }
 
-/// Embeds one path, and checks what always holds.
+/// Embeds one path, and checks the invariants.
 EmbeddedPath embed(const SurfacePath& path, Remesher& remesher, PathEnd end = PathEnd::kExact) {
   const double area = preciseArea(remesher.mesh());
   const EmbeddedPath done = embedPath(path, end, remesher);
@@ -180,7 +180,7 @@ EmbeddedPath embed(const SurfacePath& path, Remesher& remesher, PathEnd end = Pa
 // ---- straight across
 // -----------------------------------------------------------------------------
 
-/// Part of a rectangle (from the origin) that lies left of p-q.
+/// Returns the area of the part of a rectangle (from the origin) to the left of p-q.
 double areaLeftOf(const Vec2& size, const Vec2& p, const Vec2& q) {
   const Polyline corners{{0.0, 0.0}, {size.x(), 0.0}, size, {0.0, size.y()}};
   Polyline left;
@@ -201,7 +201,7 @@ double areaLeftOf(const Vec2& size, const Vec2& p, const Vec2& q) {
   return 0.5 * twice;
 }
 
-/// The ends on a rectangle's border of the line through `p` at an angle.
+/// Returns the points at which the line through `p` at an angle crosses the border of a rectangle.
 std::pair<Vec2, Vec2> chordOf(const Vec2& size, const Vec2& p, double angle) {
   const Vec2 d(std::cos(angle), std::sin(angle));
   double back = -std::numeric_limits<double>::infinity();
@@ -229,14 +229,14 @@ double cornerDistance(const Vec2& size, const Vec2& p) {
                    (p - Vec2(0.0, size.y())).norm()});
 }
 
-/// Angle between a line and the border that it ends at [degrees].
+/// Returns the angle between a line and the border at which it ends [degrees].
 double angleToBorder(const Vec2& size, const Vec2& end, double angle) {
   const bool onVertical = end.x() == 0.0 || end.x() == size.x();
   const double lean = std::abs(std::remainder(angle, M_PI)) / kDegree;  // to the u axis, 0 ... 90
   return onVertical ? 90.0 - lean : lean;
 }
 
-/// Lines of every direction that end away from corners and not too flat to the border.
+/// Draws lines of all directions that end away from corners and at no small angle to the border.
 struct Across {
   Vec2 from, to;
 };
@@ -267,10 +267,10 @@ TEST(EmbedPath, StraightAcrossAGridGivesTwoPiecesOfTheRightAreas) {
     EXPECT_LT(done.deviation, 1e-13);
     EXPECT_NEAR(done.length, (line.to - line.from).norm(), 1e-12);
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
-    remesher.improve();
+    remesher.improveAngles();
     EXPECT_TRUE(isMarkedPolyline(remesher, done.vertices));
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
-    remesher.openMarks();
+    remesher.openMarkedEdges();
     remesher.finish();
     expectSound(mesh, area);
     std::vector<double> areas = pieceAreas(mesh);
@@ -298,7 +298,7 @@ TEST_P(EmbedAlongTheMesh, MakesNoVertexWhereThereAreSome) {
   EXPECT_EQ(done.deviation, 0.0);
   EXPECT_EQ(mesh.vertexCount(), 25);
   EXPECT_EQ(mesh.material(), makeGridMesh({5, 5, 4.0, 4.0}).material());
-  remesher.openMarks();
+  remesher.openMarkedEdges();
   remesher.finish();
   expectSound(mesh, 16.0);
 }
@@ -322,7 +322,7 @@ TEST(EmbedPath, GoesThroughAVertexThatLiesOnIt) {
   EXPECT_THAT(done.vertices, testing::Contains(12));
   EXPECT_EQ(mesh.material(12), Vec2(2.0, 2.0));
   EXPECT_LT(done.deviation, 1e-14);
-  remesher.openMarks();
+  remesher.openMarkedEdges();
   remesher.finish();
   EXPECT_THAT(pieceAreas(mesh),
               ElementsAre(testing::DoubleNear(8.0, 1e-12), testing::DoubleNear(8.0, 1e-12)));
@@ -343,7 +343,7 @@ TEST(EmbedPath, EndsAtExactlyItsLastPoint) {
     EXPECT_LT((mesh.material(done.vertices.front()) - from).norm(), 1e-14);
     EXPECT_LT(done.deviation, 0.5 * std::sqrt(2.0) / 8.0);
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
-    remesher.openMarks();
+    remesher.openMarkedEdges();
     remesher.finish();
     expectSound(mesh, 1.0);
     EXPECT_EQ(connectedComponents(mesh).count, 1);
@@ -383,7 +383,7 @@ TEST(EmbedPath, OfTwoPointsInOneFace) {
       EXPECT_NEAR(done.length, (to - from).norm(), 1e-12);
     }
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
-    remesher.openMarks();
+    remesher.openMarkedEdges();
     remesher.finish();
     expectSound(mesh, 16.0);
     EXPECT_EQ(connectedComponents(mesh).count, 1);
@@ -440,8 +440,8 @@ TEST(EmbedPath, AClosedOneFreesADisc) {
     Remesher remesher(mesh, {}, {});
     const EmbeddedPath done = embed(path, remesher);
     EXPECT_EQ(done.vertices.front(), done.vertices.back());
-    remesher.improve();
-    remesher.openMarks();
+    remesher.improveAngles();
+    remesher.openMarkedEdges();
     remesher.finish();
     expectSound(mesh, area);
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
@@ -479,9 +479,9 @@ TEST(EmbedPath, ACrossOfTwoGivesFourPieces) {
     const bool oneByOne = trial % 2 == 1;
     Remesher remesher(mesh, {}, {});
     double bent = embed(pathAlong(mesh, {a, b}), remesher).deviation;
-    remesher.improve();
+    remesher.improveAngles();
     if (oneByOne) {
-      remesher.openMarks();
+      remesher.openMarkedEdges();
       remesher.finish();
     }
     const std::vector<SurfacePath> paths = pathsAlong(mesh, {c, d});
@@ -489,7 +489,7 @@ TEST(EmbedPath, ACrossOfTwoGivesFourPieces) {
     for (const SurfacePath& path : paths) {
       bent = std::max(bent, embed(path, remesher).deviation);
     }
-    remesher.openMarks();
+    remesher.openMarkedEdges();
     remesher.finish();
     expectSound(mesh, area);
     EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
@@ -512,7 +512,7 @@ TEST(EmbedPath, ACrossOfTwoGivesFourPieces) {
 // ---- deviation
 // -----------------------------------------------------------------------------------
 
-/// A line across a grid that passes one held vertex at some part of a cell's side.
+/// A line across a grid that passes a held vertex at a fraction of the side of a cell.
 TEST(EmbedPath, BendsToAHeldVertexByNoMoreThanSnap) {
   Generator random(6);
   const double h = 0.1;
@@ -543,7 +543,7 @@ TEST(EmbedPath, BendsToAHeldVertexByNoMoreThanSnap) {
   EXPECT_GT(bent, 10);
 }
 
-/// A random polyline within the unit square.
+/// Draws a polyline within the unit square.
 Polyline randomStroke(Generator& random) {
   Polyline line;
   for (int k = whole(random, 2, 4); k > 0; --k) {
@@ -552,7 +552,7 @@ Polyline randomStroke(Generator& random) {
   return line;
 }
 
-/// Faces of a mesh by the places of their corners.
+/// The faces of a mesh by the coordinates of their corners.
 std::set<std::array<double, 6>> facesByPlace(const TriangleMesh& mesh) {
   std::set<std::array<double, 6>> faces;
   for (const Face& face : mesh.faces()) {
@@ -591,7 +591,7 @@ void expectWithinLimits(const TriangleMesh& mesh, const TriangleMesh& original,
   }
 }
 
-/// Several strokes one after the other, each in one edit or in two.
+/// Several strokes in sequence, each in one edit or in two.
 void strokeAtRandom(Generator& random, bool irregular) {
   const Grid grid{whole(random, 4, 12), whole(random, 4, 12), 1.0, uniform(random, 0.7, 1.2)};
   TriangleMesh mesh = irregular ? irregularMesh(grid, 0.2, random) : makeGridMesh(grid);
@@ -613,8 +613,8 @@ void strokeAtRandom(Generator& random, bool irregular) {
       EXPECT_LE(embed(path, remesher, end).deviation, 0.5 * longest + 1e-12);
     }
     expectWithinLimits(mesh, original, limits);
-    remesher.improve();
-    remesher.openMarks();
+    remesher.improveAngles();
+    remesher.openMarkedEdges();
     remesher.finish();
     expectWithinLimits(mesh, original, limits);
   }

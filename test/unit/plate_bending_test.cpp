@@ -1,4 +1,4 @@
-/// \file Bending elements: exact for quadratics on any mesh, blind to what is no bending, local.
+/// \file Plate bending: exact for quadratics on any mesh, zero without bending, updated locally.
 
 #include "cloth_sim/cloth/plate_bending.h"
 
@@ -22,7 +22,8 @@ std::vector<Vec3> placed(const TriangleMesh& mesh, const std::function<Vec3(cons
   return x;
 }
 
-/// Three neighbours with three far corners: six points, which a quadratic goes through.
+/// Returns whether a face has three neighbours with different far corners: six points, which
+/// determine a quadratic.
 bool isInner(const TriangleMesh& mesh, FaceId f) {
   const Face& face = mesh.face(f);
   std::set<VertexId> corners;

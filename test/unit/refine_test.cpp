@@ -1,4 +1,4 @@
-/// \file Making a mesh finer near some points, and what counts as near.
+/// \file Refinement of a mesh near a path, and the neighbourhood of a path.
 
 #include "cloth_sim/surgery/refine.h"
 
@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "surgery/nearest_point.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {
@@ -24,7 +25,7 @@ Triangle randomTriangle(Generator& random) {
   return {randomVector(random, 1.0), randomVector(random, 1.0), randomVector(random, 1.0)};
 }
 
-/// Distance to the nearest of the points at multiples of 1 / n in barycentric weights.
+/// Returns the distance to the nearest of the points with barycentric coordinates k / n.
 double sampledDistance(const Triangle& t, const Vec3& p, int n) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= n; ++i) {
@@ -40,7 +41,7 @@ double longestSide(const Triangle& t) {
   return std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
 }
 
-/// How far p is from being a sum of the corners with weights in [0, 1].
+/// Returns the distance of p from the convex combination of the corners that fits it best.
 double outside(const Triangle& t, const Vec3& p) {
   Eigen::Matrix<double, 4, 3> corners;
   for (int k = 0; k < 3; ++k) corners.col(k) << t[k], 1.0;
@@ -169,7 +170,7 @@ bool conforms(const TriangleMesh& mesh) {
 
 constexpr std::int32_t kMany = 1 << 20;
 
-/// Refines a flat cloth, and checks what always holds.
+/// Refines a flat cloth, and checks the invariants.
 void refineFlat(const std::vector<Vec3>& path, const Refinement& refinement,
                 const ShapeLimits& limits, TriangleMesh& mesh) {
   const double area = preciseArea(mesh);

@@ -1,4 +1,4 @@
-/// \file Edits within limits of shape, bisection, and opening along marked edges.
+/// \file Edits within limits of quality, bisection, and opening along marked edges.
 
 #include "cloth_sim/surgery/remesher.h"
 
@@ -18,7 +18,7 @@ using testing::UnorderedElementsAre;
 
 constexpr double kDegree = M_PI / 180.0;
 
-/// Spacing 1; faces 2c and 2c + 1 are those right of and above the diagonal of cell c:
+/// A grid of spacing 1. Faces 2c and 2c + 1 are to the right of and above the diagonal of cell c:
 ///
 ///     6 - 7 - 8
 ///     | / | / |
@@ -208,7 +208,7 @@ TEST(Remesher, WhatIsMadeBetweenHeldVerticesIsHeld) {
 // ---- bisection
 // -----------------------------------------------------------------------------------
 
-/// No edge has faces on one side only but where the mesh began with a border.
+/// Returns whether all border edges belong to the original border.
 bool conforms(const TriangleMesh& mesh) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     for (int k = 0; k < 3; ++k) {
@@ -325,7 +325,7 @@ TEST(Bisect, MarksGoOnOverHalves) {
   remesher.mark(0, 4);
   remesher.mark(4, 8);
   for (FaceId f = 0; f < 8; ++f) EXPECT_TRUE(remesher.bisect(f));
-  remesher.openMarks();
+  remesher.openMarkedEdges();
   remesher.finish();
   expectSound(mesh, 4.0);
   EXPECT_THAT(pieceAreas(mesh), ElementsAre(2.0, 2.0));
@@ -341,7 +341,7 @@ TEST(Improve, FlipsTheDiagonalThatMakesBadAngles) {
   Remesher remesher(mesh, {}, {});
   remesher.splitEdge(0, 1, Vec2(-0.5, -0.15));
   EXPECT_NEAR(smallestAngle(mesh), std::atan(0.1), 1e-14);
-  remesher.improve();
+  remesher.improveAngles();
   remesher.finish();
   expectSound(mesh, 0.6);
   EXPECT_GT(smallestAngle(mesh), 10.0 * kDegree);
@@ -368,7 +368,7 @@ TEST(Improve, MakesNothingWorseAndKeepsMarks) {
     const double smallest = smallestAngle(mesh);
     const int faces = mesh.faceCount();
     const std::set<EdgeKey> marks = remesher.marks();
-    remesher.improve();
+    remesher.improveAngles();
     EXPECT_EQ(remesher.marks(), marks);
     for (const EdgeKey& edge : marks) EXPECT_NE(mesh.facesOnEdge(edge[0], edge[1])[0], kNone);
     EXPECT_EQ(mesh.faceCount(), faces);
@@ -389,14 +389,14 @@ void markAll(const std::vector<Chain>& chains, Remesher& remesher) {
   }
 }
 
-/// Marks, opens, and checks what always holds.
+/// Marks and opens edges, and checks the invariants.
 MeshChanges openAlong(const std::vector<Chain>& chains, TriangleMesh& mesh) {
   const double area = preciseArea(mesh);
   const double rim = rimLength(mesh);
   const int faces = mesh.faceCount();
   Remesher remesher(mesh, {}, {});
   markAll(chains, remesher);
-  remesher.openMarks();
+  remesher.openMarkedEdges();
   EXPECT_TRUE(remesher.marks().empty());
   MeshChanges changes = remesher.finish();
   expectSound(mesh, area);
@@ -446,7 +446,7 @@ TEST(OpenMarks, AnEdgeFromTheBorderOpensANotch) {
   EXPECT_EQ(changes.vertices[0].from[0], 2);
 }
 
-/// A grid of 5 x 5 whose vertices are numbered in another order.
+/// A grid of 5 x 5 with a permutation of its vertex numbers.
 TriangleMesh renumberedGrid(const std::vector<VertexId>& order) {
   const TriangleMesh grid = makeGridMesh({5, 5, 1.0, 1.0});
   std::vector<Vec2> material(grid.material().size());
@@ -460,7 +460,7 @@ TriangleMesh renumberedGrid(const std::vector<VertexId>& order) {
 
 class Junctions : public testing::TestWithParam<int> {
  protected:
-  /// As made, from the other end, or shuffled.
+  /// The identity, the reverse order, or a random permutation.
   std::vector<VertexId> order() const {
     std::vector<VertexId> numbers(25);
     std::iota(numbers.begin(), numbers.end(), 0);
@@ -512,8 +512,8 @@ TEST_P(Junctions, TwoChainsFromOneBorderVertex) {
 
 INSTANTIATE_TEST_SUITE_P(Numbering, Junctions, testing::Range(0, 8));
 
-/// What opening must lead to: corners of faces that share a vertex and are joined over edges that
-/// are not marked stay one vertex; faces joined over such edges stay one piece.
+/// The expected result of opening: corners of faces that share a vertex stay one vertex if the
+/// faces are connected across unmarked edges; faces connected across such edges stay one component.
 struct Expected {
   int vertices = 0;
   int pieces = 0;
@@ -576,7 +576,7 @@ TEST(OpenMarks, AnySetOfEdgesOpensExactlyAlongThem) {
         remesher.mark(mesh.face(f)[k], mesh.face(f)[(k + 1) % 3]);
       }
       const Expected expected = expectedFor(mesh, remesher.marks());
-      remesher.openMarks();
+      remesher.openMarkedEdges();
       remesher.finish();
       ASSERT_EQ(validateMesh(mesh), "") << "trial " << trial;
       ASSERT_EQ(mesh.vertexCount(), expected.vertices) << "trial " << trial;

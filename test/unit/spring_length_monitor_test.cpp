@@ -1,4 +1,4 @@
-/// \file Which springs are long is known exactly, though most are not looked at.
+/// \file The length monitor finds exactly the springs beyond their limits, though it checks few.
 
 #include "cloth_sim/surgery/spring_length_monitor.h"
 
@@ -15,7 +15,7 @@ using namespace testing_support;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A cloth whose springs are watched.
+/// A cloth whose springs are monitored.
 struct WatchedCloth {
   WatchedCloth(double ratio, Generator& random) : model(buildModel(clothOf(9, 7, 0.01))) {
     for (const Spring& spring : model.springs.slots()) {
@@ -59,7 +59,7 @@ TEST(SpringLengthMonitor, AreFoundWhileParticlesDriftLittleAndMuchAndAllTogether
   EXPECT_GT(found, 10000U);
 }
 
-/// Springs that others take the place of, between particles that come to be and are put elsewhere.
+/// Springs are replaced, and particles are created and moved.
 struct EditedSprings {
   struct Watched {
     Spring spring;

@@ -1,4 +1,5 @@
-/// \file Springs of grids: which there are, how stiff they are together, and how they follow edits.
+/// \file Spring networks: the springs of grids, their joint stiffness, and their updates after
+/// edits.
 
 #include "cloth_sim/cloth/spring_network.h"
 
@@ -102,7 +103,7 @@ TEST(SpringNetwork, DashpotsAreTheRetardationTimeTimesTheStiffness) {
 // ---- how stiff they are together
 // -----------------------------------------------------------------
 
-/// Elastic energy per rest area of the cloth deformed affinely by `f` [J/m^2].
+/// Returns the elastic energy per rest area of cloth under the affine deformation `f` [J/m^2].
 double energyDensity(const Model& model, const Eigen::Matrix2d& f) {
   State state = flatState(model);
   for (VertexId v = 0; v < model.particleCount(); ++v) {
@@ -111,9 +112,10 @@ double energyDensity(const Model& model, const Eigen::Matrix2d& f) {
   return energies(model, state, Vec3::Zero()).elastic / model.mesh.totalRestArea();
 }
 
-/// 2 W / strain^2 for a strain `e` along `axis`, with the other axis free to contract. W is
-/// quadratic in the lateral strain up to relative terms of O(e), so three values give its minimum;
-/// the mean over +e and -e removes the cubic term of W, which leaves a relative error of O(e^2).
+/// Returns 2 W / e^2, W the energy per area under a strain `e` along `axis`, with the other axis
+/// free to contract. W is quadratic in the lateral strain up to relative terms of O(e), so three
+/// values give its minimum. The mean over +e and -e removes the cubic term of W and leaves a
+/// relative error of O(e^2).
 double uniaxialStiffness(const Model& model, int axis) {
   const double e = 1e-4;
   double sum = 0.0;
@@ -294,7 +296,7 @@ std::vector<Row> sortedRows(const SpringNetwork& springs) {
   return rows;
 }
 
-/// Ids, kinds and constants of a row in words.
+/// Describes a row: ids, kind and constants.
 std::string describe(const Row& row) {
   std::ostringstream out;
   out << "kind " << std::get<2>(row) << ": " << std::get<0>(row) << "-" << std::get<1>(row)
@@ -302,7 +304,7 @@ std::string describe(const Row& row) {
   return out.str();
 }
 
-/// What one of two sorted lists has and the other has not; empty if they are equal.
+/// Describes the difference of two sorted lists; empty if they are equal.
 std::string difference(const std::vector<Row>& rows, const std::vector<Row>& expected) {
   std::vector<Row> more, less;
   std::set_difference(rows.begin(), rows.end(), expected.begin(), expected.end(),
@@ -317,7 +319,7 @@ std::string difference(const std::vector<Row>& rows, const std::vector<Row>& exp
 
 bool same(const Spring& s, const Spring& t) { return s.a == t.a && rowOf(s) == rowOf(t); }
 
-/// The slots that `changes` names, and no others, differ between `before` and `after`.
+/// Checks that `before` and `after` differ in the slots that `changes` lists, and in no others.
 void expectChangesTell(const std::vector<Spring>& before, const std::vector<Spring>& after,
                        const SpringChanges& changes) {
   std::vector<std::int32_t> added, modified, removed;
@@ -336,7 +338,7 @@ void expectChangesTell(const std::vector<Spring>& before, const std::vector<Spri
   }
 }
 
-/// `springsOn` names, for every vertex, the springs whose support it is in, and no others.
+/// Checks that `springsOn` lists, for every vertex, exactly the springs that it supports.
 void expectStandingAgrees(const TriangleMesh& mesh, const SpringNetwork& springs) {
   std::vector<std::vector<std::int32_t>> expected(mesh.vertexCount());
   const auto count = static_cast<std::int32_t>(springs.slots().size());
@@ -427,8 +429,8 @@ TEST(SpringNetworkFollow, CountsASpringThatTurnedIntoAnotherKind) {
   EXPECT_EQ(springs.count(SpringKind::kShear), scratch.count(SpringKind::kShear));
 }
 
-/// Kind, material end points in order, and constants of every spring: what does not depend on how
-/// vertices and faces are numbered.
+/// Kind, material coordinates of the ends, and constants of every spring, sorted: independent of
+/// the numbers of vertices and faces.
 using MaterialRow = std::array<double, 8>;
 
 std::vector<MaterialRow> materialRows(const TriangleMesh& mesh, const SpringNetwork& springs) {
@@ -455,7 +457,7 @@ void expectSameByMaterial(const std::vector<MaterialRow>& rows,
   }
 }
 
-/// Springs of pieces and of what is around them, gone over to other numbers.
+/// Removal of components: their springs vanish, and all others are renumbered.
 void expectRemovalFollowed(Generator& random, const std::vector<FaceId>& faces, TriangleMesh& mesh,
                            SpringNetwork& springs, const Fabric& fabric) {
   const std::vector<Spring> before = springs.slots();
@@ -559,7 +561,7 @@ const RawSprings kRaw{{300.0, 200.0, 100.0}, false, 7.0};
 
 class RawSplitEdge : public testing::TestWithParam<bool> {
  protected:
-  /// Square cells, or cells twice as high as wide.
+  /// Makes square cells, or cells twice as high as wide.
   Grid grid() const { return {6, 6, 0.5, GetParam() ? 0.5 : 1.0}; }
 };
 
@@ -647,7 +649,7 @@ KindAndEnds kindAndEnds(const TriangleMesh& mesh, const Spring& s) {
   return {static_cast<double>(s.kind), a[0], a[1], b[0], b[1]};
 }
 
-/// Slots of springs whose middle is within `radius` of a point.
+/// Returns the slots of springs with a midpoint within `radius` of a point.
 std::vector<std::int32_t> slotsNear(const TriangleMesh& mesh, const SpringNetwork& springs,
                                     const Vec2& p, double radius) {
   std::vector<std::int32_t> slots;

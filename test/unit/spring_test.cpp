@@ -1,5 +1,4 @@
-/// \file Springs in slots are what was put there, in little memory; parameters of springs side by
-/// side.
+/// \file Compact storage of springs: slots return what was stored, and equal springs share a type.
 
 #include "cloth_sim/cloth/spring.h"
 
@@ -16,7 +15,7 @@ namespace {
 
 using namespace testing_support;
 
-/// One of few kinds, or of a kind that no other one is of; or none.
+/// Draws a spring of one of a few types, one of a type of its own, or an empty one.
 Spring randomSpring(Generator& random) {
   Spring spring;
   if (random() % 5 == 0) return spring;

@@ -1,4 +1,4 @@
-/// \file Figures of a state, and forces against the energy that they derive from.
+/// \file Quantities of a state, and forces as derivatives of the energy.
 
 #include "cloth_sim/cloth/state.h"
 
@@ -114,10 +114,10 @@ TEST(StateHash, TellsEveryBitApart) {
 // ---- forces
 // --------------------------------------------------------------------------------------
 
-/// Methods that take forces as they are: from rest, the first substep gives v = h a(x).
+/// Methods that integrate forces directly: from rest, the first substep gives v = h a(x).
 class ForceMethods : public testing::TestWithParam<std::string> {
  protected:
-  /// Accelerations at `state`: what one step of length h makes of its velocities, over h.
+  /// Returns the accelerations at `state`: the change of velocity in one step, over its length h.
   std::vector<Vec3> accelerations(const Model& model, const State& state, const Vec3& gravity) {
     const double h = 1e-6;
     const std::unique_ptr<Solver> solver = makeSolver(findSolver(GetParam()), model);

@@ -1,5 +1,5 @@
-/// \file Strokes of blades that turn, over folded and crumpled cloth, and through degenerate
-/// places.
+/// \file Strokes of turning blades through folded and crumpled cloth, and through degenerate
+/// positions.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ using namespace stroke_support;
 using testing_support::Generator;
 using testing_support::uniform;
 
-/// Folded at x = `fold`: what is right of it lies `gap` over the rest, inverted.
+/// Cloth folded at x = `fold`: the part to the right of it lies inverted, `gap` above the rest.
 Cloth foldedCloth(double fold, double gap) {
   return shapedCloth({17, 9, 1.0, 1.0}, [=](const Vec3& p) -> Vec3 {
     if (p.x() < fold) return p;
@@ -29,7 +29,7 @@ Vec3 positionOf(const Cloth& cloth, const SurfacePoint& p) {
   return position;
 }
 
-/// A blade that twists as it goes: its ends part sideways, to `twist` each.
+/// A blade that twists as it moves: its ends are displaced sideways by up to `twist` each.
 Stroke twisted(double twist) {
   Stroke stroke;
   stroke.poses.push_back({{0.1, 0.5, 0.25}, {0.1, 0.5, -0.25}});
@@ -57,7 +57,7 @@ TEST(FindPaths, FollowsTheRuledSurfaceOfATurningBlade) {
   }
 }
 
-/// A blade that rocks in its own plane about its middle, which stays in the cloth.
+/// A blade that rocks in its plane about its midpoint, which stays in the cloth.
 TEST(FindPaths, CutsWithABladeThatTurnsInItsPlane) {
   const Cloth cloth = squareCloth();
   for (const double y : {0.3, 0.375}) {
@@ -78,7 +78,7 @@ TEST(FindPaths, CutsWithABladeThatTurnsInItsPlane) {
   }
 }
 
-/// Crossing points of folded, crumpled cloth lie on the strip, a plane here.
+/// Crossing points of folded, crumpled cloth lie on the swept surface, here a plane.
 TEST(FindPaths, LiesOnTheStrip) {
   const Cloth cloth = shapedCloth({33, 33, 1.0, 1.0}, [](const Vec3& p) {
     return Vec3(0.3 * std::sin(9.0 * p.x()), p.y() + 0.1 * std::cos(7.0 * p.x()),
@@ -148,7 +148,7 @@ TEST(FirstLayer, IsAllOfASingleLayer) {
   EXPECT_TRUE(onlyPath(ring, squareCloth()).isClosed());
 }
 
-/// Cloth that hangs in a V, cut by a level blade that rises: it meets both sides at a time.
+/// Cloth that hangs in a V, cut by a level blade that rises and meets both sides at the same time.
 TEST(FirstLayer, IsTheNearSideOfAHangingLoop) {
   const Cloth cloth = shapedCloth({17, 9, 1.0, 1.0}, [](const Vec3& p) {
     return Vec3(0.4 * (p.x() - 0.5), p.y(), std::abs(p.x() - 0.5));
@@ -161,8 +161,8 @@ TEST(FirstLayer, IsTheNearSideOfAHangingLoop) {
   expectAt(near.points.back(), {0.0, 0.3});
 }
 
-/// Whether a parallelogram of the strip crosses the edge {a, b}, and where along it; no answer near
-/// its borders.
+/// Returns whether a parallelogram of the swept surface crosses the edge {a, b}, and where; nothing
+/// near the border of the parallelogram.
 enum class Meets { kNo, kYes, kUnclear };
 Meets meets(const Blade& from, const Blade& to, const Vec3& a, const Vec3& b, double& part) {
   Eigen::Matrix3d axes;
@@ -184,7 +184,7 @@ std::size_t pointsAt(const std::vector<SurfacePath>& paths, const Vec2& at) {
   return count;
 }
 
-/// Every edge that the strip crosses has one point, once per slice.
+/// Every mesh edge that the swept surface crosses has one point per slice.
 void expectComplete(const std::vector<SurfacePath>& paths, const Stroke& stroke,
                     const Cloth& cloth) {
   for (VertexId a = 0; a < cloth.mesh.vertexCount(); ++a) {
@@ -222,8 +222,8 @@ TEST(FindPaths, CrossesEveryEdgeOnceOnRandomCloth) {
   }
 }
 
-/// Strokes whose corners and legs lie on vertices and edges wherever possible, back over themselves
-/// too, with exact coordinates and with rounded ones.
+/// Strokes whose corners and segments lie on vertices and edges wherever possible, and run back
+/// over themselves, with exact and with rounded coordinates.
 TEST(FindPaths, IsOnePathHoweverDegenerate) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     Generator random(seed);

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Cloths, strokes, and what every path over the cloth has to be.
+/// \file Cloths, strokes, and the invariants of paths.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace cloth_sim::stroke_support {
 
 constexpr double kPi = 3.141592653589793;
-/// Coordinates are of the order of one metre: rounding, and some.
+/// Tolerance for rounding errors of coordinates of about one metre, with a margin.
 constexpr double kRounding = 1e-12;
 
 struct Cloth {
@@ -22,7 +22,7 @@ struct Cloth {
   VertexData<Vec3> x;
 };
 
-/// In z = 0, with x = u and y = v.
+/// Returns the cloth in z = 0, with x = u and y = v.
 inline Cloth flatCloth(const Grid& grid) {
   Cloth cloth{grid, makeGridMesh(grid), {}};
   cloth.x = VertexData<Vec3>(static_cast<std::size_t>(cloth.mesh.vertexCount()), Vec3::Zero());
@@ -32,10 +32,10 @@ inline Cloth flatCloth(const Grid& grid) {
   return cloth;
 }
 
-/// 1 m x 1 m; with 9 x 9 vertices every coordinate is exact.
+/// Returns a grid of 1 m x 1 m; with 9 x 9 vertices every coordinate is exact.
 inline Cloth squareCloth(int count = 9) { return flatCloth({count, count, 1.0, 1.0}); }
 
-/// The cloth with every vertex put to where `shape` says.
+/// Returns the cloth with each vertex at the position that `shape` gives.
 template <typename Shape>
 inline Cloth shapedCloth(const Grid& grid, const Shape& shape) {
   Cloth cloth = flatCloth(grid);
@@ -53,7 +53,7 @@ inline std::vector<SurfacePath> pathsOf(const Stroke& stroke, const Cloth& cloth
   return findPaths(stroke, cloth.mesh, cloth.x);
 }
 
-/// Barycentric weights of a point in a face, in material coordinates.
+/// Returns the barycentric coordinates of a point in a face.
 inline Vec3 weightsIn(const TriangleMesh& mesh, FaceId f, const Vec2& p) {
   const auto& [a, b, c] = mesh.face(f);
   Eigen::Matrix2d edges;
@@ -66,7 +66,7 @@ inline bool liesIn(const TriangleMesh& mesh, FaceId f, const Vec2& p) {
   return weightsIn(mesh, f, p).minCoeff() > -kRounding;
 }
 
-/// Every part of a path has a length, and lies in the face of its first point.
+/// Checks that every segment of a path has a length and lies in the face of its first point.
 inline void expectSound(const std::vector<SurfacePath>& paths, const TriangleMesh& mesh) {
   for (const SurfacePath& path : paths) {
     ASSERT_GE(path.points.size(), 2U);
@@ -97,7 +97,7 @@ inline bool hasPointAt(const SurfacePath& path, const Vec2& at) {
                      [&](const SurfacePoint& p) { return (p.material - at).norm() < kRounding; });
 }
 
-/// The stroke meets the cloth in one path from `first` to `last`.
+/// Checks that the stroke cuts the cloth along one path from `first` to `last`.
 inline SurfacePath onlyPath(const Stroke& stroke, const Cloth& cloth) {
   const std::vector<SurfacePath> paths = pathsOf(stroke, cloth);
   expectSound(paths, cloth.mesh);

@@ -1,4 +1,4 @@
-/// \file Where strokes of a blade meet flat cloth.
+/// \file Paths of strokes through flat cloth.
 
 #include "cloth_sim/surgery/stroke.h"
 
@@ -94,7 +94,7 @@ TEST(FindPaths, BeginsAndEndsInsideOfFaces) {
   expectAt(out.points.back(), {1.0, a.y()});
 }
 
-/// Through vertices, along mesh edges, along the border, along the diagonals.
+/// Strokes through vertices, along mesh edges, along the border, and along the diagonals.
 TEST(FindPaths, GoesThroughVerticesAndAlongEdges) {
   for (int count : {9, 12}) {  // exact coordinates, and rounded ones
     const Cloth cloth = squareCloth(count);
@@ -113,7 +113,7 @@ TEST(FindPaths, GoesThroughVerticesAndAlongEdges) {
   }
 }
 
-/// Corners of the stroke at vertices and on edges, with the next pose anywhere.
+/// Strokes with corners at vertices and on edges, and the next pose anywhere.
 TEST(FindPaths, TurnsAtVertices) {
   for (int count : {9, 12}) {
     const Cloth cloth = squareCloth(count);

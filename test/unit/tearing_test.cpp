@@ -1,4 +1,4 @@
-/// \file Which springs fail, and along which lines the surface opens for them.
+/// \file The tearing criterion: overloaded springs, and the lines along which the surface opens.
 
 #include "cloth_sim/surgery/tearing.h"
 
@@ -29,7 +29,7 @@ TearingSettings tearingAt(double structural, std::optional<Seam> seam = std::nul
 
 Model clothModel(int columns, int rows) { return buildModel(clothOf(columns, rows, 0.1)); }
 
-/// Stretched along u by `factor`.
+/// Returns a state stretched along u by `factor`.
 State pulled(const Model& model, double factor) {
   State state = flatState(model);
   for (Vec3& x : state.x) x.x() *= factor;
@@ -56,7 +56,7 @@ double lengthOf(const SurfacePath& path) {
   return length;
 }
 
-/// A cut along a line in material coordinates of a flat cloth.
+/// Cuts a flat cloth along a line in material coordinates.
 SurgeryResult cutAlong(const std::vector<Vec2>& line, Model& model, State& state) {
   VertexData<Vec3> flat(state.x.size(), Vec3::Zero());
   for (VertexId v = 0; v < model.particleCount(); ++v) flat[v].head<2>() = model.mesh.material(v);
@@ -67,7 +67,7 @@ SurgeryResult cutAlong(const std::vector<Vec2>& line, Model& model, State& state
   return cut(plan, {}, {}, model, state);
 }
 
-/// Plans and cuts until nothing more tears, in one step of the simulation.
+/// Plans and cuts until nothing more tears, as in one step of the simulation.
 std::vector<SurgeryResult> tearOut(Tearing& tearing, Model& model, State& state,
                                    std::set<std::int32_t>* overloaded = nullptr) {
   std::vector<SurgeryResult> results;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Whole operations on a cloth: cut it, refine it, take loose pieces away.
+/// \file Operations on model and state: cut, refine, and remove connected components.
 
 #include <stdexcept>
 
@@ -9,51 +9,52 @@
 
 namespace cloth_sim {
 
-/// What holds for every operation on a cloth.
+/// Limits of every operation.
 struct SurgeryLimits {
   ShapeLimits shape;
   std::int32_t maxParticles = 1 << 20;
 };
 
-/// Where to cut.
+/// A cut: its paths, and how they are made.
 struct CutPlan {
   std::vector<SurfacePath> paths;
   PathEnd end = PathEnd::kExact;
   FailureCause cause = FailureCause::kCut;
-  std::vector<std::int32_t> overloaded;  ///< slots of springs that passed their limits, ascending
-  std::optional<Refinement> refine;      ///< along the paths, before they are cut
-  double clearWithin = 0.0;              ///< clear springs whose middle is this near [m]
+  std::vector<std::int32_t> overloaded;  ///< slots of springs beyond their limits, ascending
+  std::optional<Refinement> refine;      ///< refinement along the paths, before they are cut
+  double clearWithin = 0.0;              ///< springs with a midpoint this near are removed [m]
 };
 
+/// The effects of an operation.
 struct SurgeryResult {
-  ModelChanges changes;              ///< empty if nothing was done
-  std::vector<FailureEvent> events;  ///< each failed spring once
+  ModelChanges changes;              ///< empty if nothing changed
+  std::vector<FailureEvent> events;  ///< one for each failed spring
   double length = 0.0;               ///< of all cuts, at rest [m]
-  double deviation = 0.0;            ///< farthest that a cut was bent away from its path [m]
-  int cleared = 0;                   ///< springs cleared within CutPlan::clearWithin
-  std::vector<VertexId> tips;        ///< vertices at which cuts end
+  double deviation = 0.0;            ///< largest distance of a cut from its path, at rest [m]
+  int cleared = 0;                   ///< number of springs removed for CutPlan::clearWithin
+  std::vector<VertexId> tips;        ///< first and last vertex of each path, in their order
 };
 
-/// The cloth would have more particles than it may.
+/// Thrown if an operation would exceed SurgeryLimits::maxParticles.
 class TooManyParticles : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Cuts a cloth along paths over its surface. Mass, rest area, linear and angular momentum stay
-/// what they were; no face is lost.
-/// \param held  particles that somebody holds in place, ascending.
-/// \throws TooManyParticles, and nothing has changed.
+/// Cuts cloth along paths over its surface. Conserves mass, rest area, and linear and angular
+/// momentum up to rounding.
+/// \param held  particles that must not be moved, ascending.
+/// \throws TooManyParticles without changing anything.
 SurgeryResult cut(const CutPlan& plan, const SurgeryLimits& limits,
                   const std::vector<VertexId>& held, Model& model, State& state);
 
-/// Refines a cloth where it is near some points in the world; keeps what `cut` keeps.
-/// \throws TooManyParticles, and nothing has changed.
+/// Refines cloth near a path in the world. Conserves what `cut` conserves.
+/// \throws TooManyParticles without changing anything.
 SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
                      const std::vector<VertexId>& held, Model& model, State& state);
 
-/// Takes whole pieces away.
-/// \param faces  all faces of the pieces, ascending.
+/// Removes connected components.
+/// \param faces  all of their faces, ascending.
 SurgeryResult removeComponents(const std::vector<FaceId>& faces, Model& model, State& state);
 
 }  // namespace cloth_sim

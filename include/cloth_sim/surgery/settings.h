@@ -1,5 +1,5 @@
 #pragma once
-/// \file What a scene says about cutting, tearing and refining.
+/// \file Parameters of a scene for cutting, tearing and refinement.
 
 #include <optional>
 
@@ -7,14 +7,14 @@
 
 namespace cloth_sim {
 
-/// Most bisections between a face of the original mesh and its parts.
+/// Largest number of bisections between a face of the original mesh and its parts.
 constexpr int kMostGenerations = 12;
 
-/// Where and how far the mesh is made finer.
+/// Extent and limits of a refinement.
 struct Refinement {
-  double radius = 0.0;   ///< around the stroke or point [m], > 0
+  double radius = 0.0;   ///< distance from the path within which faces are bisected [m], > 0
   int generations = 3;   ///< bisections between a face of the original mesh and its parts, 0 ... 12
-  double minEdge = 0.0;  ///< no edge shorter than this is made [m], >= 0
+  double minEdge = 0.0;  ///< length below which no edge is created [m], >= 0
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -22,9 +22,9 @@ struct Refinement {
   }
 };
 
-/// To refine the mesh around a polyline in the world, or around a single point.
+/// A request to refine the mesh near a polyline or a single point in the world.
 struct RefineNear {
-  std::vector<Vec3> path;  ///< at least one point [m]
+  std::vector<Vec3> path;  ///< at least one point, in the world [m]
   Refinement refinement;
 
   template <class Archive>
@@ -33,20 +33,21 @@ struct RefineNear {
   }
 };
 
+/// The surgery parameters of a scene.
 struct SurgerySettings {
-  /// A crossing nearer to a vertex than this part of the crossed edge is made at the vertex: the
-  /// vertex moves onto the cut, or, where it may not move (a corner of the cloth, an earlier cut, a
-  /// held particle), the cut bends to it, by no more than this part of the edge, or the 0.18 nearer
-  /// to its end than which an edge of a grid cannot be split without an angle under 5 degrees.
-  /// [0.05, 0.45]
+  /// Snapping distance as a fraction of the crossed edge, in [0.05, 0.45]: at a crossing nearer to
+  /// a vertex than this, the vertex moves onto the cut. Where it may not move (at a corner of the
+  /// cloth, on an earlier cut, or held), the cut bends to it. The bend is at most this fraction of
+  /// the edge, or 0.18 if that is more: nearer to its end than 0.18, an edge of a grid cannot be
+  /// split without an angle below 5 degrees.
   double snap = 0.2;
-  /// No edge shorter than this is made [m]; absent: a twentieth of the shortest edge of the
+  /// Length below which no edge is created [m]; absent: a twentieth of the shortest edge of the
   /// original mesh.
   std::optional<double> minEdge;
-  std::int32_t maxParticles = 1 << 20;  ///< edits that would pass it are refused
-  double dropBelow = 0.0;               ///< loose pieces of less area are taken away [m^2]; 0: none
-  bool clearStrip = false;              ///< clear the springs within a stroke's half-width
-  std::optional<Refinement> refineCuts;  ///< along strokes, before they cut
+  std::int32_t maxParticles = 1 << 20;  ///< operations that would exceed it are refused
+  double dropBelow = 0.0;   ///< area below which loose pieces are removed [m^2]; 0: none
+  bool clearStrip = false;  ///< remove the springs within the half-width of a stroke
+  std::optional<Refinement> refineCuts;  ///< refinement along strokes, before they cut
 };
 
 }  // namespace cloth_sim

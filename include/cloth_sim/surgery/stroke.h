@@ -1,5 +1,5 @@
 #pragma once
-/// \file Strokes of a blade, and where they meet the cloth.
+/// \file Strokes of a blade, and the paths along which they cut cloth.
 
 #include <string>
 
@@ -8,10 +8,10 @@
 
 namespace cloth_sim {
 
-/// A straight edge that cuts, in the world [m].
+/// A straight cutting edge in the world.
 struct Blade {
-  Vec3 heel = Vec3::Zero();  ///< what lies nearest to it is the first layer
-  Vec3 tip = Vec3::Zero();
+  Vec3 heel = Vec3::Zero();  ///< [m]; the first layer is the one nearest to it
+  Vec3 tip = Vec3::Zero();   ///< [m]
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -19,12 +19,12 @@ struct Blade {
   }
 };
 
-/// A blade that moves from pose to pose, both its ends on straight lines at even speed. What it
-/// sweeps is a strip; where the strip meets the cloth, the cloth is cut, however fast it moved.
+/// A blade that moves from pose to pose, both of its ends on straight lines at constant speed. It
+/// sweeps a ruled surface. The cloth is cut where it meets that surface, at any speed of the blade.
 struct Stroke {
   std::vector<Blade> poses;     ///< at least two
-  bool firstLayerOnly = false;  ///< of cloth lying in layers, cut only what is nearest to the heel
-  double halfWidth = 0.0;       ///< springs this near to the cut are cleared, if the scene asks [m]
+  bool firstLayerOnly = false;  ///< cut only the layer of cloth that is nearest to the heel
+  double halfWidth = 0.0;       ///< of the cut, within which `clear_strip` removes springs [m]
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -32,22 +32,23 @@ struct Stroke {
   }
 };
 
-/// A blade drawn along `path` that reaches `reach` metres to both sides of it along `direction`
-/// (any length; the heel lies against it).
+/// Makes the stroke of a blade that is drawn along a path.
+/// \param direction  from heel to tip, of any length.
+/// \param reach      distance of heel and tip from the path [m].
 Stroke strokeAlong(const std::vector<Vec3>& path, const Vec3& direction, double reach);
 
-/// Why a stroke cannot be carried out, in one sentence: too few poses, numbers that are not finite,
-/// a blade of no length, or one that goes nowhere. Empty if it can.
+/// Returns one sentence about what is wrong with a stroke: too few poses, numbers that are not
+/// finite, a blade without length, or a blade that does not move. Empty if nothing is.
 std::string validationError(const Stroke& stroke);
 
-/// A point of the surface: in which face, and where in material coordinates [m].
+/// A point of the cloth.
 struct SurfacePoint {
-  FaceId face = kNone;
-  Vec2 material = Vec2::Zero();
+  FaceId face = kNone;           ///< that contains it
+  Vec2 material = Vec2::Zero();  ///< material coordinates [m]
 };
 
-/// A polyline over the surface. The part between two points lies in the face of the first of them,
-/// borders included. A closed path ends with the point that it began with.
+/// A polyline over the cloth. The segment between two points lies in the face of the first of them,
+/// its edges included. A closed path ends with its first point.
 struct SurfacePath {
   std::vector<SurfacePoint> points;  ///< at least two
 
@@ -56,24 +57,26 @@ struct SurfacePath {
   }
 };
 
-/// Where the strip of `stroke` meets the cloth: one path per connected line, in the order in which
-/// the blade reaches their first points, each directed as the blade moves. A path has a point at
-/// every edge that it crosses and wherever it turns inside a face; it ends at the border of the
-/// cloth, or inside of a face where the stroke does. Empty if the stroke misses.
+/// Finds the paths along which a stroke cuts cloth: one for each connected line in which the swept
+/// surface meets it, in the order in which the blade reaches their first points, each directed as
+/// the blade moves. A path has a point at every mesh edge that it crosses, and wherever it turns
+/// inside a face. It ends at the border of the cloth, or inside a face where the stroke does.
 ///
-/// A path that goes through a vertex or along edges has points at the vertices, one each. What lies
-/// in the plane of the strip is not cut. A path is closed if the blade came back to its first pose
-/// within the cloth, or met a loop of it; a stroke that crosses itself gives a path that does.
+/// A path through a vertex or along mesh edges has one point at each vertex. Cloth in the plane of
+/// the swept surface is not cut. A path is closed if the blade returns to its first pose within the
+/// cloth, or meets a loop of the cloth. A stroke that crosses itself gives a path that crosses
+/// itself.
 ///
-/// First layer only: of all that the blade reaches at one time, what is not nearest to the heel is
-/// left out, and a path in which that changes is cut there, inside of a face if need be. Of cloth
-/// that lies along the blade, reached all at once, nothing is left.
+/// With `firstLayerOnly`, only the cloth nearest to the heel is cut at any time. A path ends where
+/// that changes, inside a face if necessary. Cloth along the blade, which the blade reaches all at
+/// once, is not cut.
 ///
-/// Between two poses with blades that are not parallel the strip is a ruled surface; it is taken in
-/// slices thin enough that their planes are within 1e-5 of the blade's length of it, though not
-/// more than 1024 between two poses, nor (but for 16 between poses) more than 8192 in all: a blade
-/// of 0.1 m that twists by 10 degrees on its way is followed within 5 micrometres.
-/// \throws std::invalid_argument if the stroke has a error.
+/// Between two poses with blades that are not parallel, the ruled surface is divided into slices
+/// whose planes are within 1e-5 of the length of the blade. There are at most 1024 slices between
+/// two poses and, except for 16 slices between any two poses, 8192 in all. A blade of 0.1 m that
+/// twists by 10 degrees is represented within 5 micrometres. \param positions  of the vertices in
+/// the world, (vertexCount,) [m]. \throws std::invalid_argument if the stroke is not valid, or the
+/// number of positions is wrong.
 std::vector<SurfacePath> findPaths(const Stroke& stroke, const TriangleMesh& mesh,
                                    const VertexData<Vec3>& positions);
 
