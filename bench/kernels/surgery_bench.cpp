@@ -25,8 +25,8 @@ TearingSettings armed() {
   return settings;
 }
 
-/// A hanging cloth of n x n particles, slightly wavy, with a solver and a tear law that follow what
-/// is done to it.
+/// A hanging, slightly wavy cloth of n x n particles, with a solver and a tearing criterion that
+/// are updated after its edits.
 struct Cloth {
   explicit Cloth(int n) {
     const double size = kSpacing * (n - 1);
@@ -73,8 +73,8 @@ std::vector<Vec2> circle(const Vec2& centre, double radius, int corners) {
   return points;
 }
 
-/// Everything from the stroke to a solver and a tear law that are ready for the next step. How many
-/// springs failed.
+/// Performs a cut, from the stroke until the solver and the tearing criterion are ready for the
+/// next step. \return the number of failed springs.
 std::size_t cutAlong(const Stroke& stroke, int generations, Cloth& cloth) {
   CutPlan plan;
   plan.paths = findPaths(stroke, cloth.model.mesh, cloth.state.x);

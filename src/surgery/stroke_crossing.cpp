@@ -220,10 +220,9 @@ class Crossing {
     return sample;
   }
 
-  /// Where a edge pierces a face, as weights of the face's corners: each is as large as the
-  /// volume that the edge spans with the edge across from the corner.
-  /// Returns the barycentric coordinates of that point: volumes of the tetrahedra that the facet
-  /// edge spans with the edges of the face, normalised.
+  /// Returns the barycentric coordinates of the point at which a facet edge pierces a face. Each is
+  /// proportional to the volume of the tetrahedron that the facet edge spans with the edge of the
+  /// face opposite the corner.
   std::array<double, 3> pierce(const FacetEdge& edge, FaceId f) const {
     const Face& face = mesh_.face(f);
     const Vec3 d = edge.to - edge.from;

@@ -1,6 +1,6 @@
 #pragma once
-/// \file Cloths, and operations on them, as small values: what RapidCheck draws and shrinks, and
-/// what regressions are written in.
+/// \file A fixture for tests of surgery. Cloths and operations are small values of whole numbers,
+/// so that RapidCheck can draw and shrink them, and regressions can be written down.
 
 #include <iostream>
 #include <memory>
@@ -13,34 +13,35 @@
 
 namespace cloth_sim::surgery_support {
 
-/// A cloth of small whole numbers.
+/// The description of a cloth.
 struct ClothCase {
   int columns = 4;      ///< of vertices
   int rows = 4;         ///< of vertices
   int aspect = 10;      ///< height of a cell in tenths of its width
-  int shake = 0;        ///< how far inner vertices are moved at rest [hundredths of a cell]
-  int crumple = 0;      ///< 0: flat; 1: waves and noise; 2: every vertex anywhere
-  int heldRadius = -1;  ///< of the patch that a clamp holds in the middle; -1: no clamp
+  int shake = 0;        ///< random displacement of inner vertices at rest [hundredths of a cell]
+  int crumple = 0;      ///< 0: flat; 1: waves and noise; 2: random positions
+  int heldRadius = -1;  ///< of the patch in the middle that a clamp holds; -1: no clamp
   bool shear = true;
   bool bend = true;
   bool raw = false;        ///< raw springs instead of a fabric
-  bool ownMasses = false;  ///< every particle has the same mass
+  bool ownMasses = false;  ///< all particles have the same mass
   int seed = 0;
 };
 
-enum class Kind { kStroke, kNotch, kRefine, kTear, kTakeAway };
+/// The kinds of operations. A notch is a stroke in material coordinates.
+enum class Kind { kStroke, kNotch, kRefine, kTear, kRemoveComponent };
 
-/// An operation on it. Points are in quarters of cells, so that many are vertices.
+/// The description of an operation. Points are in quarters of cells, so that many are vertices.
 struct Operation {
   Kind kind = Kind::kStroke;
   std::vector<std::array<int, 2>> path;
-  int skew = 0;  ///< 0: as they are; else all points are moved by this many hundredths of a cell
-  bool onVertices = false;  ///< points are vertices, modulo their number
-  bool closed = false;      ///< the path ends where it began
+  int skew = 0;             ///< displacement of all points [hundredths of a cell]
+  bool onVertices = false;  ///< use the path as vertex numbers, modulo their count
+  bool closed = false;      ///< append the first point to the path
   bool option = false;      ///< stroke: first layer only; tear: on a seam
-  int size = 4;             ///< refine, and before a cut: radius [quarters of cells]; tear: pull
-  int generations = 0;      ///< of a refinement, also before a cut or a tear
-  int clear = 0;            ///< cut: springs this near are cleared [quarters of cells]
+  int size = 4;             ///< radius of a refinement [quarters of cells]; stretch of a tear
+  int generations = 0;      ///< of a refinement, by itself or before a cut or tear
+  int clear = 0;            ///< distance within which a cut clears springs [quarters of cells]
 };
 
 inline std::ostream& operator<<(std::ostream& out, const ClothCase& c) {
@@ -50,17 +51,19 @@ inline std::ostream& operator<<(std::ostream& out, const ClothCase& c) {
 }
 
 inline std::ostream& operator<<(std::ostream& out, const Operation& o) {
-  constexpr std::array<const char*, 5> kNames{"Stroke", "Notch", "Refine", "Tear", "TakeAway"};
+  constexpr std::array<const char*, 5> kNames{"Stroke", "Notch", "Refine", "Tear",
+                                              "RemoveComponent"};
   out << "{Kind::k" << kNames[static_cast<std::size_t>(o.kind)] << ", {";
   for (const auto& p : o.path) out << "{" << p[0] << ", " << p[1] << "}, ";
   return out << "}, " << o.skew << ", " << o.onVertices << ", " << o.closed << ", " << o.option
              << ", " << o.size << ", " << o.generations << ", " << o.clear << "}";
 }
 
-/// A cloth with everything that follows it.
+/// A cloth with everything that is updated after its edits.
 class ClothFixture {
  public:
-  /// \param deep  also keep an instance of every method, and compare networks from scratch.
+  /// \param deep  also update an instance of every method, and compare the springs with those of a
+  ///              network built from scratch.
   ClothFixture(const ClothCase& with, bool deep) : case_(with), random_(seedOf(with)), deep_(deep) {
     const double cell = 0.05;
     grid_ = Grid{with.columns, with.rows, cell * (with.columns - 1),
@@ -88,7 +91,7 @@ class ClothFixture {
     for (const SolverInfo& info : solverRegistry()) solvers_.push_back(makeSolver(info, model_));
   }
 
-  /// Carries out one operation. \return what is wrong after it; empty if nothing is.
+  /// Performs one operation. \return the first invariant that it violates; empty if it keeps all.
   std::string operate(const Operation& operation) {
     switch (operation.kind) {
       case Kind::kStroke:
@@ -98,55 +101,35 @@ class ClothFixture {
         return applyAndValidate([&] { return refineAt(operation); });
       case Kind::kTear:
         return tear(operation);
-      case Kind::kTakeAway:
-        return removePiece(operation);
+      case Kind::kRemoveComponent:
+        return removeComponent(operation);
     }
     return "no such operation";
   }
 
-  /// Three steps with every method from here, under gravity. \return what is wrong with the result.
+  /// Takes three steps under gravity with every method, each from the present state.
   ///
-  /// No spring pushes beyond its energy, so with E = kinetic + elastic now, a particle of mass m
-  /// would in exact time go no faster than sqrt(2 E / m), plus g t. A symplectic method at half its
-  /// longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of it,
-  /// and the bound omega of stableStep is the steeper the nearer springs are to failing; twice the
-  /// speed (four times the energy) is generous, and far from what a dangling index or a step
-  /// beyond the stable one would give.
-  /// \param goOnWith  the method whose result the cloth goes on from; absent: it stays as it is.
-  std::string step(std::optional<int> goOnWith = std::nullopt) {
-    constexpr double kFastest = 1e4;     // [m/s], from which on steps count as diverged
+  /// No spring gives off more than its energy. So with E = kinetic + elastic energy now, a particle
+  /// of mass m is in exact time no faster than sqrt(2 E / m) + g t. A symplectic method at half of
+  /// its longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of it,
+  /// and the bound on omega is not attained. Twice the speed (four times the energy) is generous,
+  /// and far below what a dangling index or an unstable step would give.
+  /// \param continueWith  index of the method whose result replaces the state; absent: none.
+  /// \return the first violation; empty if there is none.
+  std::string step(std::optional<int> continueWith = std::nullopt) {
     if (!std::isfinite(dt_)) return "";  // no springs at all
     Controls controls;
     if (clamp_) clamp_->appendTargets(controls.kinematic);
     for (KinematicTarget& target : controls.kinematic) target.position = state_.x[target.vertex];
-    const Energies energy = energies(model_, state_, Vec3::Zero());
-    const double lightest = *std::min_element(model_.mass.begin(), model_.mass.end());
-    const double bound = 2.0 * std::sqrt(2.0 * (energy.kinetic + energy.elastic) / lightest) +
-                         controls.gravity.norm() * 3.0 * dt_;
+    const double bound = speedBound(controls);
     const State start = state_;
     for (std::size_t k = 0; k < solvers_.size(); ++k) {
       State own = start;
-      Contacts contacts;
-      const SolverInfo& info = solverRegistry()[k];
-      for (int n = 0; n < 3; ++n) {
-        const StepReport& report = solvers_[k]->step(model_, own, controls, contacts, {dt_});
-        if (report.status != StepStatus::kOk) {
-          // Undamped forward Euler grows by up to 1.4 in each of many substeps: it may overflow.
-          // And where the tear has stretched the cloth so far, any method is right to say so.
-          const bool mayDiverge = info.stabilityLimit <= 0.0 || bound > kFastest;
-          if (!mayDiverge) return say(info.name, " diverged, below ", bound, " m/s");
-          own = start;
-          break;
-        }
-        if (report.reactions.size() != controls.kinematic.size()) return "reactions are missing";
+      const std::string error = stepWith(k, start, controls, bound, own);
+      if (!error.empty()) return error;
+      if (continueWith && k == static_cast<std::size_t>(*continueWith) % solvers_.size()) {
+        state_ = own;
       }
-      const bool keepsEnergy = info.followsFabric && info.stabilityLimit > 0.0;
-      for (const Vec3& v : own.v) {
-        if (keepsEnergy && !(v.norm() <= bound)) {
-          return say(solverRegistry()[k].name, " throws a particle: ", v.norm(), " > ", bound);
-        }
-      }
-      if (goOnWith && k == static_cast<std::size_t>(*goOnWith) % solvers_.size()) state_ = own;
     }
     return "";
   }
@@ -156,6 +139,42 @@ class ClothFixture {
 
  private:
   static std::uint64_t seedOf(const ClothCase& c) { return 7919U * static_cast<unsigned>(c.seed); }
+
+  /// Bound on the speeds after three steps [m/s], see `step`.
+  double speedBound(const Controls& controls) const {
+    const Energies energy = energies(model_, state_, Vec3::Zero());
+    const double lightest = *std::min_element(model_.mass.begin(), model_.mass.end());
+    return 2.0 * std::sqrt(2.0 * (energy.kinetic + energy.elastic) / lightest) +
+           controls.gravity.norm() * 3.0 * dt_;
+  }
+
+  /// Takes three steps with the k-th method. \return the first violation; empty if there is none.
+  std::string stepWith(std::size_t k, const State& start, const Controls& controls, double bound,
+                       State& own) {
+    constexpr double kFastest = 1e4;  // speed above which any method may diverge [m/s]
+    const SolverInfo& info = solverRegistry()[k];
+    Contacts contacts;
+    for (int n = 0; n < 3; ++n) {
+      const StepReport& report = solvers_[k]->step(model_, own, controls, contacts, {dt_});
+      if (report.status != StepStatus::kOk) {
+        // Undamped forward Euler grows by up to 1.4 in each of many substeps and may overflow. And
+        // where a tear has stretched the cloth very far, any method may fail.
+        const bool mayDiverge = info.stabilityLimit <= 0.0 || bound > kFastest;
+        if (!mayDiverge) return say(info.name, " diverged, below ", bound, " m/s");
+        own = start;
+        break;
+      }
+      if (report.reactions.size() != controls.kinematic.size()) return "reactions are missing";
+    }
+    const bool keepsEnergy = info.followsFabric && info.stabilityLimit > 0.0;
+    for (const Vec3& v : own.v) {
+      if (keepsEnergy && !(v.norm() <= bound)) {
+        return say(info.name, " throws a particle: ", v.norm(), " > ", bound);
+      }
+    }
+    return "";
+  }
+
   RawSprings raw() const { return RawSprings{{80.0, 40.0, 5.0}, case_.seed % 3 == 0, 1e-3}; }
 
   void place() {
@@ -194,7 +213,7 @@ class ClothFixture {
     return static_cast<VertexId>(std::abs(37 * p[0] + p[1]) % model_.particleCount());
   }
 
-  /// The points of an operation, in the world or (lifted) in material coordinates.
+  /// Returns the points of an operation, in the world or in material coordinates with z = 0.
   std::vector<Vec3> pathOf(const Operation& o, const VertexData<Vec3>& coordinates) const {
     std::vector<Vec3> path;
     for (const auto& p : o.path) {
@@ -205,20 +224,13 @@ class ClothFixture {
     return path;
   }
 
-  VertexData<Vec3> lifted() const {
-    VertexData<Vec3> flat(state_.x.size(), Vec3::Zero());
-    for (VertexId v = 0; v < model_.particleCount(); ++v) {
-      flat[v].head<2>() = model_.mesh.material(v);
-    }
-    return flat;
-  }
-
   Refinement refinementOf(const Operation& o) const {
     return {0.25 * std::max(o.size, 1) * grid_.spacingU(), o.generations, 0.0};
   }
 
   SurgeryResult cutAlong(const Operation& o) {
-    const VertexData<Vec3> coordinates = o.kind == Kind::kNotch ? lifted() : state_.x;
+    const VertexData<Vec3> coordinates =
+        o.kind == Kind::kNotch ? inMaterialPlane(model_.mesh) : state_.x;
     Stroke stroke = strokeAlong(pathOf(o, coordinates), Vec3(0.0, 0.0, 1.0), 1.0);
     stroke.firstLayerOnly = o.option;
     if (!validationError(stroke).empty()) return {};
@@ -236,7 +248,7 @@ class ClothFixture {
     return refine(request, limits_, held(), model_, state_);
   }
 
-  /// Pulls the cloth apart and lets it tear, for a few strides.
+  /// Pulls the cloth apart and lets it tear, a few advances long.
   std::string tear(const Operation& o) {
     for (Vec3& x : state_.x) x += 0.1 * o.size * Vec3(x.x(), 0.3 * x.y(), 0.0);
     TearingSettings settings;
@@ -251,7 +263,7 @@ class ClothFixture {
       if (seam.size() > 1) settings.seam = Seam{seam, o.closed ? grid_.spacingU() : 0.0};
     }
     Tearing tearing(settings, model_);
-    for (int stride = 0; stride < 4; ++stride) {
+    for (int advance = 0; advance < 4; ++advance) {
       SurgeryResult result;
       const CutPlan plan = tearing.plan(model_, state_, 0.01);
       if (plan.paths.empty()) break;
@@ -264,33 +276,35 @@ class ClothFixture {
     return "";
   }
 
-  /// Takes a piece away, if there are several.
-  std::string removePiece(const Operation& o) {
-    const ConnectedComponents pieces = connectedComponents(model_.mesh);
-    if (pieces.count < 2) return "";
-    const int gone = std::abs(o.size) % pieces.count;
+  /// Removes a connected component, if there are several.
+  std::string removeComponent(const Operation& o) {
+    const ConnectedComponents components = connectedComponents(model_.mesh);
+    if (components.count < 2) return "";
+    const int gone = std::abs(o.size) % components.count;
     std::vector<FaceId> faces;
     std::set<VertexId> vertices;
     for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
-      if (pieces.ofFace[f] != gone) continue;
+      if (components.ofFace[f] != gone) continue;
       faces.push_back(f);
       vertices.insert(model_.mesh.face(f).begin(), model_.mesh.face(f).end());
     }
     renumbered_ = true;
-    taken_ = {faces, {vertices.begin(), vertices.end()}};
+    removed_ = {faces, {vertices.begin(), vertices.end()}};
     const std::string error =
         applyAndValidate([&] { return removeComponents(faces, model_, state_); });
-    taken_ = {};
+    removed_ = {};
     return error;
   }
 
   template <typename Edit>
   std::string applyAndValidate(const Edit& edit);
+  std::string validateConserved(const Totals& totals, const Model& before,
+                                const State& stateBefore) const;
   std::string validateHeld(const std::vector<VertexId>& before, const std::vector<Vec3>& where,
                            const MeshChanges& changes) const;
 
-  /// What is about to be taken away.
-  struct Taken {
+  /// The component that the present operation removes.
+  struct Removed {
     std::vector<FaceId> faces;
     std::vector<VertexId> vertices;
   };
@@ -305,14 +319,14 @@ class ClothFixture {
   std::unique_ptr<Shapes> original_;
   std::optional<Clamp> clamp_;
   std::vector<std::unique_ptr<Solver>> solvers_;
-  Taken taken_;
-  bool cleared_ = false;     ///< springs are missing
-  bool renumbered_ = false;  ///< something was taken away
+  Removed removed_;
+  bool cleared_ = false;     ///< an operation has cleared springs
+  bool renumbered_ = false;  ///< an operation has removed a component
   double dt_ = 0.0;
 };
 
-/// Held particles are where they were, to the bit, in the world and at rest; so are their copies,
-/// and the clamp holds nothing else that was there before.
+/// Checks that held particles and their copies have not moved by a single bit, in the world and at
+/// rest, and that the clamp still holds them.
 inline std::string ClothFixture::validateHeld(const std::vector<VertexId>& before,
                                               const std::vector<Vec3>& where,
                                               const MeshChanges& changes) const {
@@ -345,6 +359,32 @@ inline std::string ClothFixture::validateHeld(const std::vector<VertexId>& befor
   return "";
 }
 
+/// Checks that an operation conserves mass, rest area and momentum, less those of the component
+/// that it removes.
+inline std::string ClothFixture::validateConserved(const Totals& totals, const Model& before,
+                                                   const State& stateBefore) const {
+  const Totals now(model_, state_);
+  if (removed_.faces.empty()) return validateTotals(totals, now);
+  Totals rest = totals;
+  long double area = rest.area;
+  for (FaceId f : removed_.faces) area -= before.mesh.restArea(f);
+  rest.area = static_cast<double>(area);
+  for (VertexId v : removed_.vertices) {
+    const Vec3 p = before.mass[v] * stateBefore.v[v];
+    rest.mass -= before.mass[v];
+    rest.linear -= p;
+    rest.angular -= stateBefore.x[v].cross(p);
+  }
+  // Little may be left, so rounding errors are relative to the whole.
+  const bool kept = std::abs(now.area - rest.area) <= kConserved * totals.area &&
+                    std::abs(now.mass - rest.mass) <= kConserved * totals.mass &&
+                    (now.linear - rest.linear).norm() <= kConserved * totals.linearScale &&
+                    (now.angular - rest.angular).norm() <= kConserved * totals.angularScale;
+  return kept ? "" : "more was removed than the component";
+}
+
+/// Performs an operation, updates clamp and methods, and checks all invariants.
+/// \param edit  performs the operation on `model_` and `state_`, and returns its result.
 template <typename Edit>
 std::string ClothFixture::applyAndValidate(const Edit& edit) {
   const Model before = model_;
@@ -362,26 +402,7 @@ std::string ClothFixture::applyAndValidate(const Edit& edit) {
   check([&] { return validateResult(result, before, stateBefore, model_, state_); });
   check([&] { return validateShapes(model_.mesh, limits_.shape, *original_); });
   check([&] { return validateSprings(model_); });
-  check([&] {
-    if (taken_.faces.empty()) return validateTotals(totals, Totals(model_, state_));
-    Totals rest = totals;
-    long double area = rest.area;
-    for (FaceId f : taken_.faces) area -= before.mesh.restArea(f);
-    rest.area = static_cast<double>(area);
-    for (VertexId v : taken_.vertices) {
-      const Vec3 p = before.mass[v] * stateBefore.v[v];
-      rest.mass -= before.mass[v];
-      rest.linear -= p;
-      rest.angular -= stateBefore.x[v].cross(p);
-    }
-    // What is left may be little: rounding is that of the whole.
-    const Totals now(model_, state_);
-    const bool kept = std::abs(now.area - rest.area) <= kConserved * totals.area &&
-                      std::abs(now.mass - rest.mass) <= kConserved * totals.mass &&
-                      (now.linear - rest.linear).norm() <= kConserved * totals.linearScale &&
-                      (now.angular - rest.angular).norm() <= kConserved * totals.angularScale;
-    return std::string(kept ? "" : "more was taken than the piece");
-  });
+  check([&] { return validateConserved(totals, before, stateBefore); });
   if (!error.empty()) return error;
   if (clamp_) clamp_->applyChanges(result.changes.mesh);
   check([&] { return validateHeld(heldBefore, heldWhere, result.changes.mesh); });
@@ -389,18 +410,14 @@ std::string ClothFixture::applyAndValidate(const Edit& edit) {
   for (auto& solver : solvers_) {
     if (changed) solver->onModelChanged(model_, result.changes);
   }
-  if (deep_ && !case_.raw && !cleared_) {
-    check([&] {
-      return validateNetwork(
-          model_.springs,
-          SpringNetwork(model_.mesh, model_.cloths[0].fabric, {case_.shear, case_.bend}),
-          renumbered_);
-    });
-  }
+  if (!deep_ || case_.raw || cleared_) return error;
+  const SpringNetwork fromScratch(model_.mesh, model_.cloths[0].fabric, {case_.shear, case_.bend});
+  check([&] { return validateNetwork(model_.springs, fromScratch, renumbered_); });
   return error;
 }
 
-/// A whole sequence. \return what went wrong and where; empty if nothing did.
+/// Performs a sequence of operations. \return the first violation and its operation; empty if there
+/// is none.
 inline std::string operateAll(const ClothCase& cloth, const std::vector<Operation>& operations,
                               bool deep = true) {
   ClothFixture fixture(cloth, deep);

@@ -1,4 +1,4 @@
-/// \file Cuts and refinements of a simulation: what commands answer, and who follows.
+/// \file Cut and refine commands of a simulation: their replies and effects.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ using namespace testing_support;
 using namespace surgery_support;
 using testing::HasSubstr;
 
-/// A cloth of 0.4 m that hangs in y = 0 from its upper row; x = u - 0.2, z = v + 0.8.
+/// A scene with a cloth of 0.4 m that hangs in y = 0 from its upper row; x = u - 0.2, z = v + 0.8.
 std::string hanging(const std::string& method, const std::string& surgery = "",
                     const std::string& more = "") {
   return R"(
@@ -38,7 +38,7 @@ Simulation simulationOf(const std::string& yaml) {
   return Simulation(parseScene(yaml, "cut.yaml"));
 }
 
-/// A stroke through the plane of the cloth.
+/// Returns a command to cut along a path in the plane of the cloth.
 CutAlong along(std::vector<Vec3> path, double halfWidth = 0.0) {
   CutAlong command{strokeAlong(path, Vec3::UnitY(), 0.5)};
   command.stroke.halfWidth = halfWidth;

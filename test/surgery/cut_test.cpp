@@ -1,4 +1,4 @@
-/// \file Strokes through cloths: what comes loose, where the cut lies, and what it leaves alone.
+/// \file Cuts by strokes: pieces, position of the cut, and what stays unchanged.
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,13 @@ namespace {
 using namespace testing_support;
 using namespace surgery_support;
 
-/// A cloth of 32 x 32 particles on one metre, lying flat (x = u, y = v) unless shaped otherwise.
+/// A cloth of 1 m with 32 x 32 particles, flat (x = u, y = v) at first.
 struct Cloth {
   explicit Cloth(int n = 32)
       : model(buildModel(clothOf(n, n, 1.0 / (n - 1), fabricPreset("interlock")))),
         state(flatState(model)) {}
 
-  /// Cuts down through the cloth along a line in x and y.
+  /// Cuts through the cloth along z, along a line in x and y.
   SurgeryResult cutAlong(const std::vector<Vec2>& line, bool firstOnly = false,
                          const std::vector<VertexId>& held = {}, double clearWithin = 0.0) {
     std::vector<Vec3> path;
@@ -185,7 +185,7 @@ TEST(Cut, FromTheBorderInEndsWhereTheStrokeEnds) {
   EXPECT_EQ(cloth.pieces(), 2);
 }
 
-// ---- held particles, layers, strips ------------------------------------------------------------
+// ---- held particles, layers, cleared springs ----------------------------------------------------
 
 TEST(Cut, ThroughHeldParticlesSeparatesAndMovesNoneOfThem) {
   Cloth cloth;
@@ -203,7 +203,7 @@ TEST(Cut, ThroughHeldParticlesSeparatesAndMovesNoneOfThem) {
   }
 }
 
-/// Folded over the line u = 0.5: two layers, 0.01 m apart, and a steep wall between them.
+/// Cloth folded over the line u = 0.5: two layers 0.01 m apart, joined by a steep part.
 Cloth folded() {
   Cloth cloth;
   for (Vec3& x : cloth.state.x) {

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Where a cut or tear lies, and what it has to leave.
+/// \file The position of cuts and tears, and the areas of pieces.
 
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/surgery/material_path.h"
@@ -8,7 +8,7 @@
 
 namespace cloth_sim::surgery_support {
 
-/// Area of the part of a polygon that is left of the line through `p` along `d` [m^2].
+/// Returns the area of the part of a polygon to the left of the line through `p` along `d` [m^2].
 inline double areaLeftOf(const std::vector<Vec2>& polygon, const Vec2& p, const Vec2& d) {
   const auto height = [&](const Vec2& q) {
     return d.x() * (q.y() - p.y()) - d.y() * (q.x() - p.x());
@@ -35,7 +35,7 @@ inline std::vector<Vec2> rectangle(double width, double height) {
   return {{0.0, 0.0}, {width, 0.0}, {width, height}, {0.0, height}};
 }
 
-/// A border edge at which the surface came apart, at rest.
+/// A border edge along which the surface opened, with its ends at rest [m].
 struct TornEdge {
   VertexId a = kNone;
   VertexId b = kNone;
@@ -56,7 +56,7 @@ inline std::vector<TornEdge> tornEdges(const TriangleMesh& mesh) {
   return edges;
 }
 
-/// Farthest that an end of a torn edge is from a line [m].
+/// Returns the largest distance of an end of a torn edge from a line [m].
 inline double farthestFrom(const MaterialPath& line, const TriangleMesh& mesh) {
   double farthest = 0.0;
   for (const TornEdge& edge : tornEdges(mesh)) {
@@ -65,7 +65,7 @@ inline double farthestFrom(const MaterialPath& line, const TriangleMesh& mesh) {
   return farthest;
 }
 
-/// Nearest that a torn edge's ends come to a point [m].
+/// Returns the smallest distance of an end of a torn edge from a point [m].
 inline double nearestTo(const Vec2& p, const TriangleMesh& mesh) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const TornEdge& edge : tornEdges(mesh)) {
@@ -74,14 +74,14 @@ inline double nearestTo(const Vec2& p, const TriangleMesh& mesh) {
   return nearest;
 }
 
-/// Areas of the pieces, ascending [m^2].
+/// Returns the rest areas of the connected components, ascending [m^2].
 inline std::vector<double> sortedAreas(const TriangleMesh& mesh) {
   std::vector<double> areas = testing_support::pieceAreas(mesh);
   std::sort(areas.begin(), areas.end());
   return areas;
 }
 
-/// Limits as a scene without `surgery` has them.
+/// Returns the limits of a scene without `surgery`.
 inline SurgeryLimits usualLimits(const TriangleMesh& mesh) {
   SurgeryLimits limits;
   limits.shape.minEdge = 0.05 * shortestEdge(mesh);

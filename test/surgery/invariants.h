@@ -1,6 +1,6 @@
 #pragma once
-/// \file What every operation on a cloth has to keep. Each function names the first thing that is
-/// wrong; empty if nothing is.
+/// \file Invariants of operations on a cloth. Each function returns a message about the first
+/// violation, empty if there is none.
 
 #include <algorithm>
 #include <map>
@@ -17,10 +17,10 @@ namespace cloth_sim::surgery_support {
 
 using namespace testing_support;
 
-/// Conservation is tested to this, relative to the sum of magnitudes.
+/// Tolerance of conserved quantities, relative to the sum of the magnitudes of their terms.
 constexpr double kConserved = 1e-12;
 
-/// A message from its parts.
+/// Concatenates the parts of a message.
 template <typename... Parts>
 std::string say(const Parts&... parts) {
   std::ostringstream text;
@@ -29,7 +29,7 @@ std::string say(const Parts&... parts) {
   return text.str();
 }
 
-/// Conserved quantities, and the scales that their rounding is measured against.
+/// Conserved quantities, and the scales of their rounding errors.
 struct Totals {
   Totals(const Model& model, const State& state)
       : area(preciseArea(model.mesh)),
@@ -48,6 +48,7 @@ struct Totals {
   double angularScale = 0.0;
 };
 
+/// Checks that mass, rest area and momentum are conserved.
 inline std::string validateTotals(const Totals& before, const Totals& after) {
   const auto off = [](double a, double b, double scale) {
     return std::abs(a - b) > kConserved * scale;
@@ -69,7 +70,7 @@ inline std::string validateTotals(const Totals& before, const Totals& after) {
   return "";
 }
 
-/// The corners of faces at rest, in an order that does not depend on numbers.
+/// A set of faces by the material coordinates of their corners, independent of their numbers.
 class Shapes {
  public:
   explicit Shapes(const TriangleMesh& mesh) {
@@ -91,7 +92,8 @@ class Shapes {
   std::set<Key> known_;
 };
 
-/// Faces are as good as the limits ask, or those of the original mesh; so are edges.
+/// Checks that angles and edges are within the limits. Faces of the original mesh may have smaller
+/// angles.
 inline std::string validateShapes(const TriangleMesh& mesh, const ShapeLimits& limits,
                                   const Shapes& original) {
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -105,7 +107,7 @@ inline std::string validateShapes(const TriangleMesh& mesh, const ShapeLimits& l
   return "";
 }
 
-/// Everything about the particles has their number and belongs to this revision of the mesh.
+/// Checks the sizes and revisions of all data per vertex, and that masses fit the rest areas.
 inline std::string validateSizes(const Model& model, const State& state) {
   const auto n = static_cast<std::size_t>(model.particleCount());
   const std::uint64_t revision = model.mesh.revision();
@@ -124,7 +126,8 @@ inline std::string validateSizes(const Model& model, const State& state) {
   return isFinite(state) ? "" : "the state is not finite";
 }
 
-/// No spring dangles, and each is counted.
+/// Checks that springs have valid ends, supports and constants, and that each is listed and
+/// counted.
 inline std::string validateSprings(const Model& model) {
   const SpringNetwork& springs = model.springs;
   const auto exists = [&](VertexId v) { return v >= 0 && v < model.particleCount(); };
@@ -158,11 +161,12 @@ inline std::string validateSprings(const Model& model) {
   return "";
 }
 
-/// The network is what one would build on this mesh: stronger than equal up to the order, as ends
-/// and supports are compared by number.
-/// \param renumbered  vertices got other numbers since the springs came to be. Of two neighbours
-///        that are equally straight on (the lips of a slit, or mirror images), a bend spring goes
-///        to the one with the lower number, so only what they bridge is compared then.
+/// Checks that a network has the springs that one built from scratch on its mesh has, with the same
+/// ends and supports.
+/// \param renumbered  vertices were renumbered since the springs were made. Of two neighbours in
+///        equally straight directions (the lips of a slit, or mirror images), a bend spring joins
+///        the one with the lower number. So only the bridged vertices of bend springs are compared
+///        then.
 inline std::string validateNetwork(const SpringNetwork& have, const SpringNetwork& want,
                                    bool renumbered) {
   using Key = std::array<VertexId, 5>;
@@ -200,8 +204,9 @@ inline std::string validateNetwork(const SpringNetwork& have, const SpringNetwor
   return "";
 }
 
-/// The report of an operation names real springs, each once, and its record is complete: what was
-/// not touched is bit by bit what it was, and the edits lead from the old mesh to the new one.
+/// Checks the result of an operation: it reports springs that existed, each once; vertices that are
+/// not touched have not changed by a single bit; and its edits lead from the old mesh to the new
+/// one.
 inline std::string validateResult(const SurgeryResult& result, const Model& before,
                                   const State& stateBefore, const Model& after,
                                   const State& state) {

@@ -1,7 +1,7 @@
 /// \file Random sequences of operations, drawn and shrunk by RapidCheck.
 ///
-/// The draw is the same in every run; RC_PARAMS="seed=... max_success=..." makes another. A failure
-/// prints its seed, and its case in the form in which regressions_test.cpp keeps what was found.
+/// Every run draws the same sequences; RC_PARAMS="seed=... max_success=..." draws others. A failure
+/// prints its seed, and its case in the form of regressions_test.cpp.
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -17,10 +17,10 @@ using namespace surgery_support;
 namespace gen = rc::gen;
 
 constexpr std::uint64_t kSeed = 20211121;
-constexpr int kFullSize = 100;  // of RapidCheck: ranges are drawn from as a whole
+constexpr int kFullSize = 100;  // size at which RapidCheck draws from whole ranges
 constexpr int kMostOperations = 6;
 
-/// One of some values; shrinks towards the first.
+/// Draws one of the values; shrinks towards the first.
 template <typename T>
 rc::Gen<T> pick(const std::vector<T>& from) {
   const int count = static_cast<int>(from.size());
@@ -57,7 +57,7 @@ rc::Gen<Operation> anyOperation(int most) {
   return gen::build<Operation>(
       gen::set(&Operation::kind,
                pick<Kind>({Kind::kStroke, Kind::kStroke, Kind::kStroke, Kind::kNotch, Kind::kNotch,
-                           Kind::kRefine, Kind::kTear, Kind::kTakeAway})),
+                           Kind::kRefine, Kind::kTear, Kind::kRemoveComponent})),
       gen::set(&Operation::path, path),
       gen::set(&Operation::skew, pick<int>({0, 0, 1, 7, 31, -17})),
       gen::set(&Operation::onVertices, pick<bool>({false, false, false, true})),
@@ -98,9 +98,9 @@ void checkSequences(const std::string& name, int count, int most, bool deep) {
   testing::Test::RecordProperty("sequences", result.get<rc::detail::SuccessResult>().numSuccess);
 }
 
-// 10,000 sequences together. Three quarters check all that is cheap after every operation; only the
-// last quarter compares spring networks with ones built from scratch, keeps every method following
-// and steps with it in the end.
+// 10,000 sequences in all. Three quarters of them check only what is cheap after every operation.
+// The last quarter also compares spring networks with ones built from scratch, updates every
+// method, and takes steps with it at the end.
 
 TEST(Sequences, OfSmallClothsKeepWhatMustBeKept) { checkSequences("small", 6000, 6, false); }
 

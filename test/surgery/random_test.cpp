@@ -1,6 +1,5 @@
-/// \file Random operations with steps in between: the cloth goes on moving while every method
-/// keeps up. Without RapidCheck, so that it runs everywhere; property_test.cpp draws more, and
-/// shrinks what it finds.
+/// \file Random operations with steps in between, with every method. Needs no RapidCheck, so that
+/// it runs everywhere; property_test.cpp draws more sequences, and shrinks those that fail.
 
 #include <gtest/gtest.h>
 

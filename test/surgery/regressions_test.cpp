@@ -1,4 +1,4 @@
-/// \file Sequences that broke something once, as RapidCheck shrank them.
+/// \file Sequences that failed once, as RapidCheck shrank them.
 
 #include <gtest/gtest.h>
 
@@ -26,8 +26,8 @@ TEST_P(Regressions, IsGoneForGood) {
 INSTANTIATE_TEST_SUITE_P(
     Found, Regressions,
     testing::Values(
-        // A vertex that moves onto a cut can turn a structural spring into a shear spring, which
-        // goes on in its slot: the numbers of springs by kind did not follow.
+        // A vertex that moves onto a cut can turn a structural spring into a shear spring in the
+        // same slot: the counts by kind were not updated.
         Regression{"SpringChangesItsKind",
                    {6, 5, 10, 0, 0, -1, true, true, false, false, 0},
                    {{Kind::kStroke, {{-3, -3}, {5, 11}}, 0, false, false, false, 0, 0, 0}}},
@@ -35,21 +35,22 @@ INSTANTIATE_TEST_SUITE_P(
                    {4, 4, 10, 0, 0, -1, true, true, false, false, 0},
                    {{Kind::kRefine, {{-3, -3}}, 0, false, false, false, 5, 2, 0},
                     {Kind::kStroke, {{0, 5}, {3, -1}}, 0, false, false, false, 0, 0, 0}}},
-        // A bisection that is refused may have halved other faces on its way: the refinement went
-        // on as if there were no new faces and vertices, beyond the end of its tables.
+        // A bisection that fails may have bisected other faces before: the refinement ignored the
+        // new faces and vertices and read beyond the end of its tables.
         Regression{"BisectionIsRefusedHalfWay",
                    {4, 4, 10, 0, 1, -1, true, true, false, false, 0},
                    {{Kind::kStroke, {{-3, 5}, {12, -1}}, 0, false, false, false, 0, 0, 0},
                     {Kind::kStroke, {{-3, -3}, {1, 4}}, 0, false, false, false, 3, 3, 0}}},
-        // Springs by number: two shear springs with the same ends, on two spokes of a vertex.
+        // Two shear springs with the same ends across two edges of one vertex.
         Regression{"ClearedTwinSprings",
                    {4, 4, 10, 0, 0, -1, true, true, false, false, 0},
                    {{Kind::kStroke, {{-3, -3}, {-3, 0}}, 0, true, false, false, 0, 3, 3}}},
-        // Of two neighbours that are equally straight on, numbers decide, and these had changed.
-        Regression{"PieceTakenAwayRenumbersTies",
+        // Of two neighbours in equally straight directions, the numbers decide, and these had
+        // changed.
+        Regression{"RemovedComponentRenumbersTies",
                    {4, 5, 5, 0, 0, -1, true, true, false, false, 0},
                    {{Kind::kStroke, {{12, 11}, {-3, -3}, {1, 7}}, 0, false, true, false, 0, 0, 0},
-                    {Kind::kTakeAway, {{-3, -3}}, 0, false, false, false, 0, 0, 0}}}),
+                    {Kind::kRemoveComponent, {{-3, -3}}, 0, false, false, false, 0, 0, 0}}}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

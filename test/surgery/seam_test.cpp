@@ -1,5 +1,4 @@
-/// \file Seams that tear through: along which line, how many pieces, and what is held goes on being
-/// held.
+/// \file Tears along seams: their line, the number of pieces, and held particles.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,7 +19,7 @@ using namespace surgery_support;
 
 // ---- plans on stretched cloths -----------------------------------------------------------------
 
-/// Tears a cloth along `seam`, stretched twofold everywhere, until nothing more fails.
+/// Tears a cloth that is stretched by a factor of two along `seam`, until nothing more fails.
 Model tearThrough(const ClothSpec& spec, const MaterialPath& seam) {
   Model model = buildModel(spec);
   State state = flatState(model);
@@ -143,7 +142,7 @@ TEST(Notch, InAnObliqueDirectionOpensWhereItGoes) {
 
 // ---- whole scenes ------------------------------------------------------------------------------
 
-/// A cloth that two clamps pull apart along its middle, without gravity.
+/// A scene in which two clamps pull a cloth apart along its middle, without gravity.
 std::string pullScene(const std::string& method) {
   return R"(
 cloth:

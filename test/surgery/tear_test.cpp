@@ -1,4 +1,4 @@
-/// \file Tears through moving cloth: which way they run, and how fast.
+/// \file Tears through moving cloth: their direction and speed.
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ namespace {
 using namespace testing_support;
 using namespace surgery_support;
 
-/// Cloth of an isotropic fabric, pulled at 30 degrees to its threads by two clamps that hold it
-/// along lines at 120 degrees, with a notch across in its middle.
+/// A scene with cloth of an isotropic fabric and a transverse notch in its middle. Two clamps that
+/// hold it along lines at 120 degrees pull it at 30 degrees to its threads.
 std::string obliqueScene(double dt, int substeps, const std::string& tearing) {
   std::ostringstream yaml;
   yaml.precision(17);
@@ -58,7 +58,7 @@ phases:
   return yaml.str();
 }
 
-/// Runs the script to its end.
+/// Runs the phases to their end.
 void finish(Simulation& simulation) {
   while (simulation.script().status() != ScriptStatus::kDone && !simulation.failed()) {
     simulation.step();
@@ -66,13 +66,13 @@ void finish(Simulation& simulation) {
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
 }
 
-/// When the last phase ended [s].
+/// Returns the end of the last phase [s].
 double endOf(const Simulation& simulation) {
   return simulation.script().history().back().end.value();
 }
 
-/// Direction of the torn edges within `radius` of the middle, at rest, of those that hang together
-/// with the notch through the middle: the main crack [degrees, 0 to 180].
+/// Returns the direction of the main crack: of those torn edges within `radius` of the middle, at
+/// rest, that are connected to the notch [degrees, 0 to 180].
 double directionOfMainCrack(const TriangleMesh& mesh, const Vec2& middle, double radius) {
   const std::vector<TornEdge> edges = tornEdges(mesh);
   // Torn edges that share a place hang together; side branches do too, but they weigh little.
@@ -149,7 +149,7 @@ TEST(TearTime, OfAFreeTearDoesNotDependOnTheStep) {
 
 constexpr char kStraightSeam[] = "[[0.23, 0], [0.23, 0.46]]";
 
-/// The shipped tearing run, small: the cloth is pulled apart at its middle, where the seam is bent.
+/// A small version of the shipped tearing scene: the cloth is pulled apart at the bent seam.
 std::string seamScene(double dt, int substeps, double tipSpeed, const std::string& seam) {
   std::ostringstream yaml;
   yaml.precision(17);
@@ -182,7 +182,7 @@ phases:
   return yaml.str();
 }
 
-/// From the first spring that tears to the last [s].
+/// Returns the time between the first and the last torn spring [s].
 double timeToTearThrough(Simulation& simulation) {
   finish(simulation);
   EXPECT_EQ(simulation.pieces(), 2);

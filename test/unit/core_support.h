@@ -176,6 +176,19 @@ inline std::string validateMesh(const TriangleMesh& mesh) {
   return "";
 }
 
+/// Returns whether exactly the border edges are marked as original border: no opening, and no
+/// vertex on an edge of a neighbour.
+inline bool isConforming(const TriangleMesh& mesh) {
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const Face& face = mesh.face(f);
+      const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
+      if (border != mesh.isOriginalBoundary(f, k)) return false;
+    }
+  }
+  return true;
+}
+
 /// Makes a grid with random displacements of inner vertices by up to `shake` spacings per axis.
 inline TriangleMesh irregularMesh(const Grid& grid, double shake, Generator& random) {
   const TriangleMesh even = makeGridMesh(grid);

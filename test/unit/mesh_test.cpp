@@ -13,8 +13,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
-// ---- invalid meshes
-// -------------------------------------------------------------------------------------
+// ---- invalid meshes -----------------------------------------------------------------------------
 
 struct BadMesh {
   const char* name;
@@ -66,8 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
             "BowTie", kBowTie, {{0, 1, 2}, {0, 3, 4}}, "vertex 0 joins faces at a single point"}),
     [](const auto& test) { return std::string(test.param.name); });
 
-// ---- grid
-// ----------------------------------------------------------------------------------------
+// ---- grid ---------------------------------------------------------------------------------------
 
 TEST(Grid, NumbersVerticesRowByRowAndCutsCellsAlongTheRisingDiagonal) {
   const Grid grid{4, 3, 0.6, 0.8};
@@ -132,15 +130,15 @@ TEST(Mesh, EveryVertexOfAManifoldHasOneFan) {
   }
 }
 
-TEST(Mesh, FindsPiecesInTheOrderOfTheirFirstFaces) {
+TEST(Mesh, FindsConnectedComponentsInTheOrderOfTheirFirstFaces) {
   const TriangleMesh mesh({{5, 0}, {6, 0}, {5, 1}, {0, 0}, {1, 0}, {0, 1}, {1, 1}},
                           {{0, 1, 2}, {3, 4, 5}, {5, 4, 6}});
-  const ConnectedComponents pieces = connectedComponents(mesh);
-  EXPECT_EQ(pieces.count, 2);
-  EXPECT_THAT(pieces.ofFace, ElementsAre(0, 1, 1));
+  const ConnectedComponents components = connectedComponents(mesh);
+  EXPECT_EQ(components.count, 2);
+  EXPECT_THAT(components.ofFace, ElementsAre(0, 1, 1));
 }
 
-TEST(Mesh, RimGoesOnceAround) {
+TEST(Mesh, OriginalBoundaryGoesOnceAround) {
   const TriangleMesh mesh = makeGridMesh({5, 4, 1.0, 1.0});
   int rim = 0;
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -155,8 +153,7 @@ TEST(Mesh, RimGoesOnceAround) {
   EXPECT_EQ(rim, 14) << "2 (columns - 1) + 2 (rows - 1)";
 }
 
-// ---- splitting a vertex
-// --------------------------------------------------------------------------
+// ---- splitting a vertex -------------------------------------------------------------------------
 
 /// Returns the faces around `v` with a centroid of larger u.
 std::vector<FaceId> facesRightOf(const TriangleMesh& mesh, VertexId v) {
@@ -287,8 +284,7 @@ TEST(MeshEditor, GivesTheChangesSinceTheLastFinish) {
   EXPECT_TRUE(editor.finish().empty());
 }
 
-// ---- edits that change shapes
-// --------------------------------------------------------------------
+// ---- edits that change shapes -------------------------------------------------------------------
 
 /// A grid of spacing 1. Faces 2c and 2c + 1 are to the right of and above the diagonal of cell c.
 TriangleMesh threeByThree() { return makeGridMesh({3, 3, 2.0, 2.0}); }
@@ -355,7 +351,7 @@ TEST(SplitEdge, InsideHalvesBothFaces) {
       << "halves are of their face's generation";
 }
 
-TEST(SplitEdge, AtTheBorderHalvesOneFaceAndBothPartsAreRim) {
+TEST(SplitEdge, AtTheBorderHalvesOneFaceAndBothPartsAreOriginalBoundary) {
   TriangleMesh mesh = threeByThree();
   MeshEditor editor(mesh);
   EXPECT_EQ(editor.splitEdge(1, 0, 0.5), 9);
@@ -372,7 +368,7 @@ TEST(SplitEdge, AtTheBorderHalvesOneFaceAndBothPartsAreRim) {
   EXPECT_TRUE(mesh.isBoundary(9));
 }
 
-TEST(SplitEdge, WhereItCameApartMakesNoRim) {
+TEST(SplitEdge, WhereItCameApartMakesNoOriginalBoundary) {
   TriangleMesh mesh = threeByThree();
   MeshEditor editor(mesh);
   ASSERT_TRUE(editor.splitVertex(1, {2, 3}));  // opens 1-4; the copy is 9
@@ -407,7 +403,7 @@ TEST(SplitFace, MakesThreeByWeight) {
   EXPECT_FALSE(isOriginalBoundaryEdge(mesh, 1, 4));
 }
 
-TEST(FlipEdge, SwapsTheDiagonalAndKeepsTheRim) {
+TEST(FlipEdge, SwapsTheDiagonalAndKeepsTheOriginalBoundary) {
   for (const bool reversed : {false, true}) {
     TriangleMesh mesh = threeByThree();
     MeshEditor editor(mesh);
@@ -469,8 +465,7 @@ TEST(MoveVertex, AlongAStraightBorderKeepsTheArea) {
   EXPECT_THAT(changes.touched, ElementsAre(0, 1, 2, 4, 5));
 }
 
-// ---- taking pieces away
-// --------------------------------------------------------------------------
+// ---- removing components ------------------------------------------------------------------------
 
 /// Separate unit squares at u = 0, 2, 4 ...: square k has vertices 4 k to 4 k + 3 and faces 2 k and
 /// 2 k + 1.
@@ -485,7 +480,7 @@ TriangleMesh squares(int count) {
   return TriangleMesh(std::move(material), std::move(faces));
 }
 
-TEST(RemovePieces, TheLastTakeTheFreePlaces) {
+TEST(RemoveComponents, TheLastTakeTheFreePlaces) {
   TriangleMesh mesh = squares(3);
   MeshEditor editor(mesh);
   editor.raiseGeneration(4);
@@ -507,7 +502,7 @@ TEST(RemovePieces, TheLastTakeTheFreePlaces) {
   EXPECT_NEAR(testing_support::rimLength(mesh), 8.0, 1e-14);
 }
 
-TEST(RemovePieces, OfTheEndRenumbersNothing) {
+TEST(RemoveComponents, OfTheEndRenumbersNothing) {
   TriangleMesh mesh = squares(3);
   const std::vector<Face> before(mesh.faces().begin(), mesh.faces().begin() + 4);
   MeshEditor editor(mesh);
@@ -517,8 +512,8 @@ TEST(RemovePieces, OfTheEndRenumbersNothing) {
   EXPECT_EQ(mesh.faces(), before);
 }
 
-TEST(RemovePieces, AnyOfManyAndDataFollows) {
-  // Every subset of five pieces that leaves something.
+TEST(RemoveComponents, AnyOfManyAndDataFollows) {
+  // Every subset of five components that leaves something.
   for (unsigned gone = 1; gone < 31U; ++gone) {
     TriangleMesh mesh = squares(5);
     VertexData<Vec2> data(mesh.material());
@@ -546,8 +541,7 @@ TEST(RemovePieces, AnyOfManyAndDataFollows) {
   }
 }
 
-// ---- any edits
-// -----------------------------------------------------------------------------------
+// ---- any edits ----------------------------------------------------------------------------------
 
 TEST(MeshEditor, LongRandomSequencesKeepAManifoldAndItsData) {
   using namespace testing_support;
@@ -630,8 +624,7 @@ TEST(MeshEditor, ListsOfChangesAreSortedAndNameAllThatChanged) {
   }
 }
 
-// ---- data that follows
-// ---------------------------------------------------------------------------
+// ---- data that follows --------------------------------------------------------------------------
 
 using Kind = VertexEdit::Kind;
 

@@ -81,14 +81,19 @@ TEST(MomentumOf, LeavesOutWhatTheMassesDoNotKnow) {
   EXPECT_EQ(more.angular, known.angular);
 }
 
+/// Checks that the momentum of all particles is restored after their velocities have changed.
+void expectRestored(Particles& p, Generator& random) {
+  const Momentum wanted = momentumOf(p.all, p.mass, p.state);
+  p.shakeVelocities(random);
+  restoreMomentum(wanted, p.all, p.mass, p.state);
+  expectMomentum(p, wanted);
+}
+
 TEST(RestoreMomentum, OfRandomParticlesToRounding) {
   Generator random(3);
   for (int trial = 0; trial < 200; ++trial) {
     Particles p(whole(random, 3, 30), random);
-    const Momentum wanted = momentumOf(p.all, p.mass, p.state);
-    p.shakeVelocities(random);
-    restoreMomentum(wanted, p.all, p.mass, p.state);
-    expectMomentum(p, wanted);
+    expectRestored(p, random);
   }
 }
 
@@ -99,10 +104,7 @@ TEST(RestoreMomentum, OfFlatOnesFarFromTheOrigin) {
     Particles p(whole(random, 4, 12), random);
     const Vec3 away = randomVector(random, 2.0);
     for (Vec3& x : p.state.x) x = away + Vec3(0.02 * x.x(), 0.02 * x.y(), 0.0);
-    const Momentum wanted = momentumOf(p.all, p.mass, p.state);
-    p.shakeVelocities(random);
-    restoreMomentum(wanted, p.all, p.mass, p.state);
-    expectMomentum(p, wanted);
+    expectRestored(p, random);
   }
 }
 

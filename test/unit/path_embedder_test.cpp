@@ -22,8 +22,7 @@ constexpr double kLeastAngle = 5.0 * kDegree;
 
 using Polyline = std::vector<Vec2>;
 
-// ---- polylines as paths over a mesh
-// --------------------------------------------------------------
+// ---- polylines as paths over a mesh -------------------------------------------------------------
 
 /// A part of a segment, within one face.
 struct Stretch {
@@ -109,8 +108,7 @@ SurfacePath pathAlong(const TriangleMesh& mesh, const Polyline& line) {
   return paths.at(0);
 }
 
-// ---- what must hold
-// ------------------------------------------------------------------------------
+// ---- what must hold -----------------------------------------------------------------------------
 
 void expectSound(const TriangleMesh& mesh, double area) {
   EXPECT_EQ(validateMesh(mesh), "");
@@ -177,8 +175,7 @@ EmbeddedPath embed(const SurfacePath& path, Remesher& remesher, PathEnd end = Pa
   return done;
 }
 
-// ---- straight across
-// -----------------------------------------------------------------------------
+// ---- straight across ----------------------------------------------------------------------------
 
 /// Returns the area of the part of a rectangle (from the origin) to the left of p-q.
 double areaLeftOf(const Vec2& size, const Vec2& p, const Vec2& q) {
@@ -328,8 +325,7 @@ TEST(EmbedPath, GoesThroughAVertexThatLiesOnIt) {
               ElementsAre(testing::DoubleNear(8.0, 1e-12), testing::DoubleNear(8.0, 1e-12)));
 }
 
-// ---- ends inside
-// ---------------------------------------------------------------------------------
+// ---- ends inside --------------------------------------------------------------------------------
 
 TEST(EmbedPath, EndsAtExactlyItsLastPoint) {
   Generator random(2);
@@ -418,8 +414,7 @@ TEST(EmbedPath, KeepsTheAreaIfAnEndIsJustBesideTheBorder) {
   }
 }
 
-// ---- closed
-// --------------------------------------------------------------------------------------
+// ---- closed -------------------------------------------------------------------------------------
 
 TEST(EmbedPath, AClosedOneFreesADisc) {
   Generator random(4);
@@ -455,8 +450,7 @@ TEST(EmbedPath, AClosedOneFreesADisc) {
   }
 }
 
-// ---- several
-// -------------------------------------------------------------------------------------
+// ---- several ------------------------------------------------------------------------------------
 
 TEST(EmbedPath, ACrossOfTwoGivesFourPieces) {
   Generator random(5);
@@ -509,8 +503,7 @@ TEST(EmbedPath, ACrossOfTwoGivesFourPieces) {
   EXPECT_GT(crossings, 50);
 }
 
-// ---- deviation
-// -----------------------------------------------------------------------------------
+// ---- deviation ----------------------------------------------------------------------------------
 
 /// A line across a grid that passes a held vertex at a fraction of the side of a cell.
 TEST(EmbedPath, BendsToAHeldVertexByNoMoreThanSnap) {
@@ -630,8 +623,7 @@ TEST(EmbedPath, ManyStrokesKeepTheLimits) {
   }
 }
 
-// ---- finding faces
-// -------------------------------------------------------------------------------
+// ---- finding faces ------------------------------------------------------------------------------
 
 TEST(Locate, FindsTheFaceFromNearby) {
   Generator random(7);

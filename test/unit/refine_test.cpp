@@ -16,8 +16,7 @@ namespace {
 
 using namespace testing_support;
 
-// ---- nearest points
-// ------------------------------------------------------------------------------
+// ---- nearest points -----------------------------------------------------------------------------
 
 using Triangle = std::array<Vec3, 3>;
 
@@ -84,8 +83,7 @@ TEST(NearestPoint, OfWhatHasNoArea) {
   EXPECT_EQ(nearestPoint({x, x, x}, Vec3(4.0, 1.0, 0.0)), x);
 }
 
-// ---- neighbourhoods
-// ------------------------------------------------------------------------------
+// ---- neighbourhoods -----------------------------------------------------------------------------
 
 TEST(Neighbourhood, OfAPointIsABall) {
   Generator random(3);
@@ -136,8 +134,7 @@ TEST(Neighbourhood, OfAPathThatStandsStill) {
   EXPECT_FALSE(Neighbourhood({p, p, p}, 0.49).reaches(t));
 }
 
-// ---- refining
-// ------------------------------------------------------------------------------------
+// ---- refining -----------------------------------------------------------------------------------
 
 VertexData<Vec3> lifted(const TriangleMesh& mesh) {
   std::vector<Vec3> points;
@@ -157,17 +154,6 @@ Triangle placeOf(const TriangleMesh& mesh, FaceId f) {
   return t;
 }
 
-bool conforms(const TriangleMesh& mesh) {
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const Face& face = mesh.face(f);
-      const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
-      if (border != mesh.isOriginalBoundary(f, k)) return false;
-    }
-  }
-  return true;
-}
-
 constexpr std::int32_t kMany = 1 << 20;
 
 /// Refines a flat cloth, and checks the invariants.
@@ -179,7 +165,7 @@ void refineFlat(const std::vector<Vec3>& path, const Refinement& refinement,
   refineNear(near, refinement, lifted(mesh), allFaces(mesh), kMany, remesher);
   remesher.finish();
   EXPECT_EQ(validateMesh(mesh), "");
-  EXPECT_TRUE(conforms(mesh));
+  EXPECT_TRUE(isConforming(mesh));
   EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
 }
 
@@ -308,7 +294,7 @@ TEST(RefineNear, GivesUpAtTheMostVertices) {
   EXPECT_GT(mesh.vertexCount(), 400) << "so that the one who asked can tell";
   EXPECT_LT(mesh.vertexCount(), 400 + 64) << "one chain of bisections more";
   EXPECT_EQ(validateMesh(mesh), "");
-  EXPECT_TRUE(conforms(mesh));
+  EXPECT_TRUE(isConforming(mesh));
 }
 
 TEST(RefineNear, FollowsEditsThatCameBefore) {

@@ -38,8 +38,7 @@ void expectSound(const TriangleMesh& mesh, double area) {
   EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
 }
 
-// ---- what is allowed
-// -----------------------------------------------------------------------------
+// ---- what is allowed ----------------------------------------------------------------------------
 
 TEST(AngleIfSplit, IsTheSmallestOfTheHalves) {
   TriangleMesh mesh = threeByThree();
@@ -141,8 +140,7 @@ TEST(AngleIfMoved, RefusesTheMouthOfANotch) {
   }
 }
 
-// ---- doing it
-// ------------------------------------------------------------------------------------
+// ---- doing it -----------------------------------------------------------------------------------
 
 TEST(Remesher, SplitsOnAnEdgeAndBesideIt) {
   TriangleMesh mesh = threeByThree();
@@ -205,20 +203,7 @@ TEST(Remesher, WhatIsMadeBetweenHeldVerticesIsHeld) {
   EXPECT_LT(second.angleIfMoved(inFace, Vec2(0.65, 0.3)), 0.0);
 }
 
-// ---- bisection
-// -----------------------------------------------------------------------------------
-
-/// Returns whether all border edges belong to the original border.
-bool conforms(const TriangleMesh& mesh) {
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      const Face& face = mesh.face(f);
-      const bool border = mesh.facesOnEdge(face[k], face[(k + 1) % 3])[1] == kNone;
-      if (border != mesh.isOriginalBoundary(f, k)) return false;
-    }
-  }
-  return true;
-}
+// ---- bisection ----------------------------------------------------------------------------------
 
 TEST(Bisect, HalvesAFaceAndItsNeighbourAtTheLongestEdge) {
   TriangleMesh mesh = threeByThree();
@@ -239,7 +224,7 @@ TEST(Bisect, HalvesAFaceAndItsNeighbourAtTheLongestEdge) {
   EXPECT_EQ(mesh.generation(below), 2);
   remesher.finish();
   expectSound(mesh, 4.0);
-  EXPECT_TRUE(conforms(mesh));
+  EXPECT_TRUE(isConforming(mesh));
 }
 
 TEST(Bisect, HalvesOthersThatMustComeFirst) {
@@ -254,7 +239,7 @@ TEST(Bisect, HalvesOthersThatMustComeFirst) {
   EXPECT_EQ(mesh.facesOnEdge(1, 5)[0], kNone);
   EXPECT_EQ(mesh.facesOnEdge(1, 4)[0], kNone);
   EXPECT_EQ(mesh.vertexCount(), 12);
-  EXPECT_TRUE(conforms(mesh));
+  EXPECT_TRUE(isConforming(mesh));
   EXPECT_EQ(mesh.generation(right), 2);
 }
 
@@ -269,7 +254,7 @@ TEST(Bisect, OfARightAngledGridKeepsItsAnglesAndHalvesAreas) {
     Remesher remesher(mesh, {}, {});
     for (int k = 0; k < 80; ++k) {
       ASSERT_TRUE(remesher.bisect(whole(random, 0, mesh.faceCount() - 1)));
-      ASSERT_TRUE(conforms(mesh));
+      ASSERT_TRUE(isConforming(mesh));
     }
     remesher.finish();
     expectSound(mesh, area);
@@ -299,7 +284,7 @@ TEST(Bisect, OfIrregularMeshesKeepsHalfOfTheSmallestAngle) {
       ASSERT_TRUE(remesher.bisect(f)) << "sequence " << sequence << ", bisection " << k;
       EXPECT_GT(mesh.faceCount(), faces);
       EXPECT_GT(mesh.generation(f), generation);
-      ASSERT_TRUE(conforms(mesh));
+      ASSERT_TRUE(isConforming(mesh));
     }
     remesher.finish();
     expectSound(mesh, area);
@@ -316,7 +301,7 @@ TEST(Bisect, EndsWhereTheLimitsForbidIt) {
   EXPECT_GE(shortestEdge(mesh), 0.6);
   remesher.finish();
   expectSound(mesh, 4.0);
-  EXPECT_TRUE(conforms(mesh));
+  EXPECT_TRUE(isConforming(mesh));
 }
 
 TEST(Bisect, MarksGoOnOverHalves) {
@@ -331,8 +316,7 @@ TEST(Bisect, MarksGoOnOverHalves) {
   EXPECT_THAT(pieceAreas(mesh), ElementsAre(2.0, 2.0));
 }
 
-// ---- improving
-// -----------------------------------------------------------------------------------
+// ---- improving ----------------------------------------------------------------------------------
 
 TEST(Improve, FlipsTheDiagonalThatMakesBadAngles) {
   // A flat rhombus along its long diagonal, whose border is split: from 2 that half of the border
@@ -378,8 +362,7 @@ TEST(Improve, MakesNothingWorseAndKeepsMarks) {
   }
 }
 
-// ---- opening
-// -------------------------------------------------------------------------------------
+// ---- opening ------------------------------------------------------------------------------------
 
 using Chain = std::vector<VertexId>;
 
@@ -405,7 +388,7 @@ MeshChanges openAlong(const std::vector<Chain>& chains, TriangleMesh& mesh) {
   return changes;
 }
 
-TEST(OpenMarks, AChainAcrossGivesTwoPieces) {
+TEST(OpenMarkedEdges, APolylineAcrossGivesTwoPieces) {
   const Grid grid{5, 5, 1.0, 1.0};
   TriangleMesh mesh = makeGridMesh(grid);
   const MeshChanges changes = openAlong({{1, 6, 11, 16, 21}}, mesh);
@@ -413,7 +396,7 @@ TEST(OpenMarks, AChainAcrossGivesTwoPieces) {
   EXPECT_THAT(pieceAreas(mesh), ElementsAre(0.25, 0.75));
 }
 
-TEST(OpenMarks, AClosedChainFreesADisc) {
+TEST(OpenMarkedEdges, AClosedPolylineFreesADisc) {
   const Grid grid{5, 5, 1.0, 1.0};
   TriangleMesh mesh = makeGridMesh(grid);
   const MeshChanges changes = openAlong({{6, 7, 8, 13, 18, 17, 16, 11, 6}}, mesh);
@@ -421,14 +404,14 @@ TEST(OpenMarks, AClosedChainFreesADisc) {
   EXPECT_THAT(pieceAreas(mesh), UnorderedElementsAre(0.75, 0.25));
 }
 
-TEST(OpenMarks, ASingleInnerEdgeOpensNothing) {
+TEST(OpenMarkedEdges, ASingleInnerEdgeOpensNothing) {
   TriangleMesh mesh = makeGridMesh({5, 5, 1.0, 1.0});
   const MeshChanges changes = openAlong({{12, 13}}, mesh);
   EXPECT_TRUE(changes.empty());
   EXPECT_EQ(mesh.vertexCount(), 25);
 }
 
-TEST(OpenMarks, TwoInnerEdgesInARowOpenAtTheVertexBetween) {
+TEST(OpenMarkedEdges, TwoInnerEdgesInARowOpenAtTheVertexBetween) {
   TriangleMesh mesh = makeGridMesh({5, 5, 1.0, 1.0});
   const MeshChanges changes = openAlong({{11, 12, 13}}, mesh);
   ASSERT_EQ(changes.vertices.size(), 1U);
@@ -439,7 +422,7 @@ TEST(OpenMarks, TwoInnerEdgesInARowOpenAtTheVertexBetween) {
   EXPECT_TRUE(mesh.isBoundary(13));
 }
 
-TEST(OpenMarks, AnEdgeFromTheBorderOpensANotch) {
+TEST(OpenMarkedEdges, AnEdgeFromTheBorderOpensANotch) {
   TriangleMesh mesh = makeGridMesh({5, 5, 1.0, 1.0});
   const MeshChanges changes = openAlong({{2, 7}}, mesh);
   ASSERT_EQ(changes.vertices.size(), 1U);
@@ -505,7 +488,7 @@ TEST_P(Junctions, ATeeWithTipsOpensOnlyInside) {
   expectPieces({{10, 11, 12, 13}, {12, 7}}, {1.0}, 4);
 }
 
-TEST_P(Junctions, TwoChainsFromOneBorderVertex) {
+TEST_P(Junctions, TwoPolylinesFromOneBorderVertex) {
   // The middle, and from its upper end down to the left border over the diagonal 16-22.
   expectPieces({{2, 7, 12, 17, 22}, {15, 16, 22}}, {0.5, 0.40625, 0.09375}, 5 + 2 + 1);
 }
@@ -560,7 +543,7 @@ Expected expectedFor(const TriangleMesh& mesh, const std::set<EdgeKey>& marks) {
   return {corners.count(), faces.count()};
 }
 
-TEST(OpenMarks, AnySetOfEdgesOpensExactlyAlongThem) {
+TEST(OpenMarkedEdges, AnySetOfEdgesOpensExactlyAlongThem) {
   Generator random(5);
   for (int trial = 0; trial < 300; ++trial) {
     TriangleMesh mesh =

@@ -11,8 +11,7 @@ namespace {
 
 using namespace testing_support;
 
-// ---- figures
-// -------------------------------------------------------------------------------------
+// ---- figures ------------------------------------------------------------------------------------
 
 TEST(State, FigureOfARigidMotion) {
   // A cloth that moves at u and turns at w about its centre: p = M u, and about the centre
@@ -111,8 +110,7 @@ TEST(StateHash, TellsEveryBitApart) {
   EXPECT_NE(stateHash(other, state), hash);
 }
 
-// ---- forces
-// --------------------------------------------------------------------------------------
+// ---- forces -------------------------------------------------------------------------------------
 
 /// Methods that integrate forces directly: from rest, the first substep gives v = h a(x).
 class ForceMethods : public testing::TestWithParam<std::string> {

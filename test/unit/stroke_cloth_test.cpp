@@ -79,7 +79,7 @@ TEST(FindPaths, CutsWithABladeThatTurnsInItsPlane) {
 }
 
 /// Crossing points of folded, crumpled cloth lie on the swept surface, here a plane.
-TEST(FindPaths, LiesOnTheStrip) {
+TEST(FindPaths, LiesOnTheSweptSurface) {
   const Cloth cloth = shapedCloth({33, 33, 1.0, 1.0}, [](const Vec3& p) {
     return Vec3(0.3 * std::sin(9.0 * p.x()), p.y() + 0.1 * std::cos(7.0 * p.x()),
                 0.2 * std::cos(9.0 * p.x()) + 0.05 * std::sin(11.0 * p.y()));

@@ -131,7 +131,7 @@ TEST(FindPaths, TurnsAtVertices) {
   }
 }
 
-TEST(FindPaths, CrossesNothingThatLiesInThePlaneOfTheStrip) {
+TEST(FindPaths, CrossesNothingThatLiesInThePlaneOfTheSweptSurface) {
   Cloth cloth = squareCloth();
   Stroke stroke = strokeAlong({{-1.0, 0.5, 0.0}, {2.0, 0.5, 0.0}}, Vec3::UnitY(), 0.3);
   EXPECT_TRUE(pathsOf(stroke, cloth).empty());

@@ -307,7 +307,7 @@ TEST(TearingSpeed, ATipRunsNoFasterThanItMay) {
   }
 }
 
-TEST(TearingFollow, SpringsThatAnEditMadeMayFailToo) {
+TEST(TearingChanges, SpringsThatAnEditMadeMayFailToo) {
   // Pulled farther and farther, at an angle to the threads, so that tears split springs.
   const Vec2 d(std::cos(0.4), std::sin(0.4));
   Model model = clothModel(9, 6);
@@ -328,7 +328,7 @@ TEST(TearingFollow, SpringsThatAnEditMadeMayFailToo) {
   EXPECT_EQ(validationError(model.mesh), "");
 }
 
-TEST(TearingFollow, SeesAfterEditsWhatANewOneWould) {
+TEST(TearingChanges, SeesAfterEditsWhatANewOneWould) {
   const auto limitsOf = [](Tearing& tearing, const Model& model, const State& state) {
     std::vector<LengthLimit> limits;
     tearing.listLimits(model, state, limits);

@@ -64,8 +64,7 @@ Collider incline(double angle, double friction) {
   return Collider(plane, 0.001);
 }
 
-// ---- tunnelling
-// ----------------------------------------------------------------------------------
+// ---- tunnelling ---------------------------------------------------------------------------------
 
 /// Shoots particles at a collider from all around in one substep of 1/60 s, along lines through
 /// points of the solid, and expects none of them inside or beyond.
@@ -187,8 +186,7 @@ TEST(ContactTunnellingMoving, AFastSphereDoesNotPassAParticleAtRest) {
   EXPECT_GT(end.x(), collider.poseAt(h).position.x());  // in front of it, not behind
 }
 
-// ---- friction
-// ------------------------------------------------------------------------------------
+// ---- friction -----------------------------------------------------------------------------------
 
 TEST(ContactFriction, SticksExactlyBelowTheAngleOfFriction) {
   const double mu = 0.3;
@@ -302,8 +300,7 @@ TEST(ContactMoving, ASpherePushesAParticleInFrontOfIt) {
   EXPECT_NEAR(particle.v.x(), 1.0, 1e-9);
 }
 
-// ---- overlap, impulse, prescribed particles
-// ------------------------------------------------------
+// ---- overlap, impulse, prescribed particles -----------------------------------------------------
 
 TEST(ContactOverlap, AParticleInsideLeavesAtABoundedSpeed) {
   Obstacle sphere;

@@ -1,4 +1,4 @@
-/// \file The shipped scenes that show published demos: each ends as its authors describe.
+/// \file The shipped scenes that reproduce published demos: each ends as its authors describe.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-/// \file `projective` with one solve a frame on obstacles, which act after the solve: what they
-/// bore in the last substep takes part in it (src/solver/warm_contacts.h).
+/// \file `projective` with one solve per frame on obstacles. Obstacles act after the solve; the
+/// load that they bore in the last substep takes part in it (src/solver/contact_warm_start.h).
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWeight = 0.2 * verify_support::kGravity;  // [N]
 
-/// A cloth of 1 m and 0.2 kg that falls flat from `height` on what stands on the ground.
+/// A scene with a cloth of 1 m and 0.2 kg that falls flat from `height` on the given obstacles.
 Simulation falling(double height, const std::string& obstacles) {
   return Simulation(parseScene("cloth:\n  particles: [64, 64]\n  pose: {position: [0, 0, " +
                                    std::to_string(height) +
@@ -43,7 +43,7 @@ double borne(const Simulation& simulation) {
   return -force * 60.0;
 }
 
-/// How much longer the worst column is than at rest.
+/// Returns the strain of the column that is stretched most.
 double columnStretch(const Simulation& simulation) {
   const Grid& grid = *simulation.model().cloths[0].grid;
   double worst = 0.0;

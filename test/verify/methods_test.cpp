@@ -1,5 +1,5 @@
-/// \file Every registered method against mechanics that can be solved by hand. Tolerances follow
-/// from the substep h and the method's order; each says how.
+/// \file Every registered method against analytic solutions. Each tolerance follows from the
+/// substep h and the order of the method, as a comment says.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ class Methods : public testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Registry, Methods, testing::ValuesIn(solverNames()),
                          [](const auto& test) { return test.param; });
 
-/// Runs `steps` steps of length `dt` and one substep.
+/// Takes `steps` steps of length `dt` with one substep each.
 void advance(Solver& solver, const Model& model, State& state, const Controls& controls, double dt,
              int steps) {
   Contacts contacts;
@@ -35,7 +35,7 @@ void advance(Solver& solver, const Model& model, State& state, const Controls& c
   }
 }
 
-/// Soft enough that every method resolves it at h = 1e-3 s.
+/// A fabric so soft that every method resolves it at h = 1e-3 s.
 Fabric softFabric() {
   Fabric fabric;
   fabric.arealDensity = 0.2;
@@ -47,8 +47,7 @@ Fabric softFabric() {
   return fabric;
 }
 
-// ---- free flight
-// ---------------------------------------------------------------------------------
+// ---- free flight --------------------------------------------------------------------------------
 
 TEST_P(Methods, FreeFall) {
   // N substeps of v += h g, x += h v fall g h^2 N (N + 1) / 2: g h T / 2 too far. A method of
@@ -94,7 +93,7 @@ TEST_P(Methods, ClothAtRestStaysAtRest) {
   }
 }
 
-/// A cloth that flies, turns and vibrates, with dashpots.
+/// A damped cloth that flies, turns and vibrates.
 struct Flight {
   explicit Flight(std::uint64_t seed) {
     Fabric fabric = softFabric();
@@ -122,7 +121,7 @@ TEST_P(Methods, FlightKeepsLinearMomentum) {
   EXPECT_LT((after - before).norm(), 1e-10 * before.norm());
 }
 
-/// What a flight of 0.2 s with substeps of `h` loses of its angular momentum, relative.
+/// Returns the relative loss of angular momentum in a flight of 0.2 s with substeps of `h`.
 double angularLoss(const SolverInfo& info, double h) {
   Flight flight(3);
   const Vec3 centre = centreOfMass(flight.model, flight.state);
@@ -134,7 +133,8 @@ double angularLoss(const SolverInfo& info, double h) {
   return (after - before).norm() / before.norm();
 }
 
-/// Those whose forces are central at the positions that they multiply: they lose none at all.
+/// Methods whose forces are central at the positions of the cross product: they lose no angular
+/// momentum.
 const std::set<std::string> kKeepAngularMomentum{"symplectic_euler", "verlet"};
 
 TEST_P(Methods, FlightKeepsAngularMomentum) {
@@ -151,13 +151,12 @@ TEST_P(Methods, FlightKeepsAngularMomentum) {
   EXPECT_GT(std::log2(loss / angularLoss(info(), 1e-4)), std::min(info().order, 3) - 0.2);
 }
 
-// ---- one spring
-// ----------------------------------------------------------------------------------
+// ---- one spring ---------------------------------------------------------------------------------
 
 constexpr double kLength = 0.5;  // [m]
 
 /// One spring of stiffness k between vertices 0 and 1, along x: a single face whose other edges
-/// have (next to) no stiffness.
+/// have almost no stiffness.
 Model oneSpring(double k, double mass0, double mass1) {
   Fabric fabric;
   fabric.tensileWarp = 2.0 * k;  // k = K A / L^2 with A = L^2 / 2
@@ -173,14 +172,14 @@ Model oneSpring(double k, double mass0, double mass1) {
   return model;
 }
 
-/// What one substep does to the phase and to the amplitude of an oscillator, with a = omega h.
+/// The change of phase and amplitude of an oscillator in one substep, with a = omega h.
 struct Advance {
   double phase;
   double amplitude;
 };
 
-/// The eigenvalue of a linear method's substep, from the sequence of extensions that it makes: two
-/// by two, so c[n+1] = trace c[n] - det c[n-1].
+/// Returns the eigenvalue of a substep of a linear method from a sequence c of extensions. The
+/// matrix of the substep is 2 x 2, so c[n+1] = trace c[n] - det c[n-1].
 Advance measureOscillator(const SolverInfo& info, double a) {
   const double k = 50.0, m0 = 0.02, m1 = 0.03;
   const double omega = std::sqrt(k * (1.0 / m0 + 1.0 / m1));
@@ -206,8 +205,8 @@ Advance measureOscillator(const SolverInfo& info, double a) {
   return {std::acos(0.5 * traceAndDet[0] / amplitude), amplitude};
 }
 
-/// By name: cos(phase) = 1 - a^2/2 at constant amplitude for the symplectic methods; projection of
-/// a single spring is implicit Euler, whose eigenvalues are 1 / (1 +- i a).
+/// Expected values by method: cos(phase) = 1 - a^2/2 at constant amplitude for symplectic methods.
+/// The projection of a single spring is implicit Euler, with the eigenvalues 1 / (1 +- i a).
 std::optional<Advance> predictedOscillator(const std::string& name, double a) {
   if (name == "symplectic_euler" || name == "verlet") return Advance{2.0 * std::asin(0.5 * a), 1.0};
   if (name == "xpbd") return Advance{std::atan(a), 1.0 / std::sqrt(1.0 + a * a)};
@@ -258,10 +257,9 @@ TEST_P(Methods, PendulumSwingsInItsPeriod) {
   EXPECT_NEAR((crossings[2] - crossings[0]) / period, 1.0, 5e-4);
 }
 
-// ---- order
-// ---------------------------------------------------------------------------------------
+// ---- order --------------------------------------------------------------------------------------
 
-/// An independent reference: classical Runge-Kutta on x'' = a(x, v), written from the springs.
+/// Independent reference: classical Runge-Kutta on x'' = a(x, v), written from the springs.
 class RungeKutta {
  public:
   RungeKutta(const Model& model, const Controls& controls) : model_(model), controls_(controls) {}
@@ -395,8 +393,7 @@ TEST_P(Methods, AStepThatDivergesLeavesTheStateAlone) {
   }
 }
 
-// ---- what holders bear
-// ---------------------------------------------------------------------------
+// ---- what holders bear --------------------------------------------------------------------------
 
 TEST_P(Methods, AHeldClothInTheWindIsBorneByItsHolders) {
   // Every particle is held, so its holders bear its weight and 1/2 rho c A |v|^2 along the normal.

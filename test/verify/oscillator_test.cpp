@@ -1,5 +1,5 @@
-/// \file Oscillators and what methods do to them: phase, energy and the limit of stability. What is
-/// expected follows from the order and the limit that the registry states.
+/// \file Phase, energy and limit of stability of oscillators with every method. The expected values
+/// follow from the order and the limit that the registry states.
 
 #include <gtest/gtest.h>
 
@@ -19,15 +19,14 @@ class Oscillators : public OverMethods {};
 INSTANTIATE_TEST_SUITE_P(Registry, Oscillators, testing::ValuesIn(solverNames()),
                          [](const auto& test) { return test.param; });
 
-// ---- one mass on a spring
-// ------------------------------------------------------------------------
+// ---- one mass on a spring -----------------------------------------------------------------------
 
 constexpr double kStiffness = 50.0;  // [N/m]
 constexpr double kMass = 0.02;       // [kg]
 constexpr double kSpacing = 0.5;     // [m]
 constexpr double kPull = 0.1;        // [m]
 
-/// Where a mass on a spring is in its phase plane, over its first extension.
+/// A point of the phase plane of a mass on a spring, relative to its first extension.
 struct Phase {
   double position = 0.0;
   double velocity = 0.0;  ///< over -omega
@@ -36,7 +35,7 @@ struct Phase {
   double angle() const { return std::atan2(velocity, position); }
 };
 
-/// After `steps` of which `perPeriod` make a period.
+/// Returns the point after `steps` steps, `perPeriod` of which make a period.
 Phase swing(const SolverInfo& info, int perPeriod, int steps) {
   Rig rig(info, chainOf(2, kSpacing, kStiffness, kMass));
   rig.controls.gravity.setZero();
@@ -77,13 +76,11 @@ TEST_P(Oscillators, ErrorScalesWithTheOrder) {
   EXPECT_NEAR(order, info().order, 0.1);
 }
 
-// ---- energy
-// --------------------------------------------------------------------------------------
+// ---- energy -------------------------------------------------------------------------------------
 
 constexpr double kLongStep = 0.2;  ///< omega_max h
 
-/// A chain with free ends that vibrates along itself at speeds of up to 0.1 m/s, unpinned, without
-/// damping.
+/// A chain with free ends that vibrates longitudinally at speeds of up to 0.1 m/s, without damping.
 Rig vibratingChain(const SolverInfo& info) {
   Rig rig(info, chainOf(12, kSpacing, kStiffness, kMass));
   rig.controls.gravity.setZero();
@@ -92,7 +89,8 @@ Rig vibratingChain(const SolverInfo& info) {
   return rig;
 }
 
-/// Energy over the first one, step by step, until it is above `enough` or the method gives up.
+/// Returns the energy after each step relative to that at the start, until it exceeds `enough` or
+/// the method fails.
 std::vector<double> energyHistory(const SolverInfo& info, int steps, double enough) {
   Rig rig = vibratingChain(info);
   const double h = kLongStep / frequencyBound(rig.model);
@@ -155,10 +153,10 @@ TEST_P(Oscillators, SymplecticMethodsKeepTheirEnergyWithoutATrend) {
   EXPECT_LT(std::abs(trend), 0.05 * (*high - *low));
 }
 
-// ---- stability
-// -----------------------------------------------------------------------------------
+// ---- stability ----------------------------------------------------------------------------------
 
-/// A chain between two held ends in the fastest of its modes, at a thousandth of its spacing.
+/// A chain between two held ends in its fastest mode, with an amplitude of a thousandth of its
+/// spacing.
 struct HeldChain {
   static constexpr int kMasses = 10;
   static constexpr double kSize = 1e-3 * kSpacing;
@@ -167,8 +165,8 @@ struct HeldChain {
     return 2.0 * std::sqrt(kStiffness / kMass) * std::sin(0.5 * M_PI * kMasses / (kMasses + 1.0));
   }
 
-  /// By what factor the largest amplitude has grown after `steps` at `a` = omega h; infinity if
-  /// the method says that it failed.
+  /// Returns the growth factor of the largest amplitude after `steps` steps at `a` = omega h;
+  /// infinity if the method fails.
   static double growth(const SolverInfo& info, double a, int steps) {
     Rig rig(info, chainOf(kMasses + 2, kSpacing, kStiffness, kMass));
     rig.controls.gravity.setZero();
@@ -188,7 +186,7 @@ struct HeldChain {
     return amplitude(rig, rest) / before;
   }
 
-  /// Largest over the particles.
+  /// Returns the largest amplitude of all particles.
   static double amplitude(const Rig& rig, const State& rest) {
     double largest = 0.0;
     for (VertexId v = 0; v < rig.model.particleCount(); ++v) {

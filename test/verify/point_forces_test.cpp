@@ -1,4 +1,4 @@
-/// \file Forces on single particles: every method takes them for what they are.
+/// \file External forces on single particles, with every method.
 
 #include "verify/verify_support.h"
 
@@ -11,8 +11,8 @@ using verify_support::Rig;
 
 class PointForces : public OverMethods {};
 
-/// m g on each particle is gravity. The two runs differ by round-off only (but for methods that
-/// iterate to a tolerance, by that: 1e-6 of the way).
+/// A force m g on each particle acts like gravity. The two runs differ by rounding or, for methods
+/// that iterate to a tolerance, by 1e-6 of the displacement.
 TEST_P(PointForces, OfEachParticlesWeightAreGravity) {
   Fabric fabric = fabricPreset("silk");
   fabric.tensileWarp = fabric.tensileWeft = 100.0;

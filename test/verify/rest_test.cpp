@@ -1,5 +1,5 @@
-/// \file Whole cloths at rest on obstacles, or coming to rest: Coulomb's law and what obstacles
-/// bear.
+/// \file Cloths at rest on obstacles, or coming to rest: Coulomb friction and the loads on
+/// obstacles.
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ using namespace verify_support;
 
 class Resting : public OverMethods {
  protected:
-  /// A scene with the method of the test, whose substeps resolve the cloth: omega_max h = 0.5, and
-  /// dashpots of the retardation time 1 / omega_max, with which forward Euler is stable too.
+  /// Returns a scene with the method of the test. Its substeps resolve the cloth, omega_max h =
+  /// 0.5, and its retardation time is 1 / omega_max, with which forward Euler is stable too.
   Scene sceneOf(ClothSpec cloth, double dt) const {
     cloth.fabric.damping = 0.0;
     const double omega = frequencyBound(buildModel(cloth));
@@ -47,7 +47,7 @@ Fabric sheet() {
   return fabric;
 }
 
-/// A table whose top goes through the origin, turned by `angle` about y; the cloth lies on it.
+/// A cloth on a table whose top contains the origin and is rotated by `angle` about y.
 void layOnTable(Scene& scene, double angle) {
   const Quat turn(Eigen::AngleAxisd(angle, Vec3::UnitY()));
   Obstacle table;
@@ -67,8 +67,7 @@ void run(Simulation& simulation, double seconds) {
   }
 }
 
-// ---- friction
-// ------------------------------------------------------------------------------------
+// ---- friction -----------------------------------------------------------------------------------
 
 TEST_P(Resting, AMinuteOnATiltedTableIsNoDrift) {
   // At 0.01 rad below the angle of friction. In the first second the cloth may settle to where its
@@ -113,10 +112,9 @@ TEST_P(Resting, SlidesOnALevelTableByCoulombsDistance) {
             1.001 * kGravity * kDt / simulation.lastReport().substeps);
 }
 
-// ---- weight
-// --------------------------------------------------------------------------------------
+// ---- weight -------------------------------------------------------------------------------------
 
-/// Mean force on all obstacles over `seconds`.
+/// Returns the mean force on all obstacles over `seconds` [N].
 Vec3 meanForce(Simulation& simulation, double seconds) {
   Vec3 impulse = Vec3::Zero();
   const double from = simulation.time();

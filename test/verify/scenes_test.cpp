@@ -1,4 +1,4 @@
-/// \file Whole simulations against statics and Coulomb's law, for every registered method.
+/// \file Simulations against statics and Coulomb friction, with every registered method.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ constexpr double kGravity = 9.81;  // [m/s^2]
 
 class Scenes : public testing::TestWithParam<std::string> {
  protected:
-  /// The scene with the method of the test in it.
+  /// Inserts the method of the test into a scene.
   Simulation simulate(const std::string& yaml, std::vector<std::string> overrides = {}) const {
     overrides.push_back("solver.method=" + GetParam());
     return Simulation(parseScene(yaml, "test.yaml", overrides));
@@ -35,8 +35,7 @@ void run(Simulation& simulation, double seconds) {
   }
 }
 
-// ---- weight
-// --------------------------------------------------------------------------------------
+// ---- weight -------------------------------------------------------------------------------------
 
 // A soft knit, so that 40 substeps resolve it for every method.
 const char* const kHanging = R"(
@@ -83,8 +82,7 @@ TEST_P(Scenes, ClampsBearTheWeightOfAHangingCloth) {
   EXPECT_LT(both.force.head<2>().norm(), 0.01 * weight);
 }
 
-// ---- a strip under its own weight
-// ----------------------------------------------------------------
+// ---- a strip under its own weight ---------------------------------------------------------------
 
 TEST_P(Scenes, AStripStretchesUnderItsOwnWeight) {
   if (!findSolver(GetParam()).followsFabric) GTEST_SKIP() << "its stiffness is its own";
@@ -115,15 +113,14 @@ drag: 15.0
   EXPECT_NEAR(elongation / expected, 1.0, 3e-3);
 }
 
-// ---- friction
-// ------------------------------------------------------------------------------------
+// ---- friction -----------------------------------------------------------------------------------
 
-/// How far the middle of the cloth has slid.
+/// Returns the distance by which the middle of the cloth has slid [m].
 double slide(const Simulation& simulation, const Vec3& start) {
   return (centreOfMass(simulation.model(), simulation.state()) - start).norm();
 }
 
-/// A cloth that lies, from rest, on a plane tilted by `angle`, with friction 0.5.
+/// A cloth that starts at rest on a plane tilted by `angle`, with a friction coefficient of 0.5.
 std::string incline(double angle) {
   const Quat turn(Eigen::AngleAxisd(angle, Vec3::UnitY()));
   const Vec3 up = turn * Vec3(0.0, 0.0, 0.5 * fabricPreset("interlock").thickness);
@@ -159,8 +156,7 @@ TEST_P(Scenes, ClothSlidesJustAboveTheAngleOfFriction) {
   EXPECT_NEAR(slide(simulation, start) / expected, 1.0, 2e-3);
 }
 
-// ---- tunnelling
-// ----------------------------------------------------------------------------------
+// ---- tunnelling ---------------------------------------------------------------------------------
 
 TEST_P(Scenes, NothingPassesTheTableOrTheSphereAt20MetresPerSecond) {
   // The obstacles of the shipped tearing run, with its step of 1/60 s: 0.33 m in one step.

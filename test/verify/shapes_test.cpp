@@ -32,8 +32,7 @@ double root(const Function& f, double low, double high) {
   return 0.5 * (low + high);
 }
 
-// ---- catenary
-// ------------------------------------------------------------------------------------
+// ---- catenary -----------------------------------------------------------------------------------
 
 /// Half of an elastic chain between two pins at one height (Irvine, Cable Structures, 1981, ch. 1),
 /// by the rest length s from its lowest point.
@@ -117,8 +116,7 @@ TEST_P(Shapes, CatenaryBetweenTwoPins) {
   EXPECT_LT(miss, 0.125 * spacing * spacing * HangingChain::kWeight / exact.pull);
 }
 
-// ---- heavy elastica
-// ------------------------------------------------------------------------------
+// ---- heavy elastica -----------------------------------------------------------------------------
 
 /// A strip clamped level that bends under its own weight: B theta'' = -w (L - s) cos(theta) with
 /// theta(0) = 0, theta'(L) = 0, theta the slope downwards. By shooting at theta'(0).
@@ -254,8 +252,7 @@ TEST_P(Shapes, TheBendingEnergyBendsLikeTheHeavyElastica) {
   }
 }
 
-// ---- drape
-// ---------------------------------------------------------------------------------------
+// ---- drape --------------------------------------------------------------------------------------
 
 using Triangle = std::array<Vec2, 3>;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Small models with closed forms, for the tests of verification.
+/// \file Small models with analytic solutions.
 
 #include <gtest/gtest.h>
 
@@ -13,28 +13,28 @@ namespace cloth_sim::verify_support {
 
 constexpr double kGravity = 9.81;  // [m/s^2]
 
-/// Whether the method converges to the fabric's stiffness at all.
+/// Returns whether the method converges to the stiffness of the fabric.
 inline bool isConsistent(const SolverInfo& info) { return info.order > 0; }
 
-/// Bound on the largest angular frequency of a model, by Gershgorin's circles [rad/s].
+/// Returns a bound on the largest angular frequency of a model, by Gershgorin's circles [rad/s].
 inline double frequencyBound(const Model& model) {
   const double h = stableStep(model), tau = model.cloths[0].fabric.damping;
   return 2.0 / std::sqrt(h * h + 2.0 * h * tau);
 }
 
-/// A method at work on a model of its own.
+/// A method with a model and a state of its own.
 class Rig {
  public:
-  /// Steps have one substep unless `parameters` say otherwise.
+  /// Makes a run with one substep per step unless `parameters` give another number.
   Rig(const SolverInfo& info, Model cloth, const SolverParameters& parameters = {{"substeps", 1.0}})
       : model(std::move(cloth)),
         state(testing_support::flatState(model)),
         solver_(info.create(model, completeParameters(info, parameters))) {}
 
-  /// Holds a particle where it is.
+  /// Holds a particle at its position.
   void hold(VertexId v) { controls.kinematic.push_back({v, state.x[v], Vec3::Zero()}); }
 
-  /// Takes `steps` steps of length `h`. \return whether the method said that all was well.
+  /// Takes `steps` steps of length `h`. \return whether the method reported no failure.
   bool run(double h, int steps) {
     for (int k = 0; k < steps; ++k) {
       Contacts contacts;
@@ -53,9 +53,9 @@ class Rig {
   std::unique_ptr<Solver> solver_;
 };
 
-/// A chain along x: `count` masses m [kg] at distances of `spacing` [m], joined by springs k [N/m]
-/// with the retardation time tau [s]. It is there twice, as the two rows of a strip, with (next to)
-/// nothing between them.
+/// Makes a chain along x: `count` masses m [kg] at distances of `spacing` [m], joined by springs of
+/// stiffness k [N/m] and retardation time tau [s]. The model has two such chains, the rows of a
+/// strip with almost no stiffness between them.
 inline Model chainOf(int count, double spacing, double k, double m, double tau = 0.0) {
   Fabric fabric;
   fabric.tensileWarp = 2.0 * k;  // k = K A / L^2, with one face, A = L^2 / 2, on each edge
@@ -84,14 +84,14 @@ inline double totalEnergy(const Rig& rig) {
   return e.kinetic + e.elastic + e.gravity;
 }
 
-/// Leaves a measured figure in the XML report.
+/// Records a measured value in the XML report.
 inline void record(const std::string& name, double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
   testing::Test::RecordProperty(name, text);
 }
 
-/// Runs the tests of one file over the registry.
+/// Instantiates the tests of a file for every registered method.
 class OverMethods : public testing::TestWithParam<std::string> {
  protected:
   const SolverInfo& info() const { return findSolver(GetParam()); }

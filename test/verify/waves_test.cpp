@@ -1,4 +1,4 @@
-/// \file Waves in a membrane and in a strip against their closed forms.
+/// \file Waves in a membrane and in a strip, against their analytic solutions.
 
 #include <gtest/gtest.h>
 
@@ -29,14 +29,13 @@ Fabric plainFabric() {
   return fabric;
 }
 
-// ---- a membrane under tension
-// --------------------------------------------------------------------
+// ---- a membrane under tension -------------------------------------------------------------------
 
 constexpr int kCells = 16;
 constexpr double kStrain = 0.1;
 
-/// A square of one metre (at rest), stretched by kStrain both ways, its border held, bulged in its
-/// fundamental mode by a thousandth.
+/// A square of 1 m (at rest), stretched by kStrain in both directions, with its border held,
+/// deflected in its fundamental mode by a thousandth of its side.
 class Drum {
  public:
   explicit Drum(const SolverInfo& info) : rig(info, membrane()) {
@@ -51,7 +50,7 @@ class Drum {
     });
   }
 
-  /// How far the fundamental mode is out.
+  /// Returns the amplitude of the fundamental mode [m].
   double bulge() const {
     double sum = 0.0;
     forGrid(rig.model, [&](int row, int column, VertexId v) {
@@ -73,7 +72,7 @@ class Drum {
   }
 };
 
-/// Angular frequency, from the quarter and the three quarters of the first period.
+/// Returns the angular frequency, from a quarter and three quarters of the first period.
 double drumFrequency(const SolverInfo& info) {
   Drum drum(info);
   const double h = kFineStep / frequencyBound(drum.rig.model);
@@ -110,14 +109,13 @@ TEST_P(Waves, FundamentalFrequencyOfATensionedSquareMembrane) {
   EXPECT_NEAR(measured / continuum, 1.0, 4e-3);
 }
 
-// ---- a wave along a strip
-// ------------------------------------------------------------------------
+// ---- a wave along a strip -----------------------------------------------------------------------
 
 constexpr int kMasses = 161;
 constexpr double kSpacing = 0.01;  // [m]
 constexpr double kWidth = 8.0;     ///< of the pulse: standard deviation in spacings
 
-/// Where the kinetic energy is [m].
+/// Returns the centroid of the kinetic energy [m].
 double centreOfMotion(const Rig& rig) {
   double moment = 0.0, sum = 0.0;
   for (VertexId v = 0; v < rig.model.particleCount(); ++v) {

@@ -74,9 +74,9 @@ struct SurfacePath {
 /// Between two poses with blades that are not parallel, the ruled surface is divided into slices
 /// whose planes are within 1e-5 of the length of the blade. There are at most 1024 slices between
 /// two poses and, except for 16 slices between any two poses, 8192 in all. A blade of 0.1 m that
-/// twists by 10 degrees is represented within 5 micrometres. \param positions  of the vertices in
-/// the world, (vertexCount,) [m]. \throws std::invalid_argument if the stroke is not valid, or the
-/// number of positions is wrong.
+/// twists by 10 degrees is represented within 5 micrometres.
+/// \param positions  of the vertices in the world, (vertexCount,) [m].
+/// \throws std::invalid_argument if the stroke is not valid, or the number of positions is wrong.
 std::vector<SurfacePath> findPaths(const Stroke& stroke, const TriangleMesh& mesh,
                                    const VertexData<Vec3>& positions);
 
