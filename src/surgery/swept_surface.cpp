@@ -96,7 +96,7 @@ class SweptSurfaceBuilder {
       addSlices(k);
     }
     if (closed) renumber(current_, 0);
-    markTurns();
+    markStraightEdges();
     return std::move(surface_);
   }
 
@@ -190,7 +190,8 @@ class SweptSurfaceBuilder {
     return lastSpans ? addEdge(at, Keep::kNever) : last;
   }
 
-  /// Borders without a number are rails: they get one.
+  /// Adds a facet unless it is degenerate. Edges without a number lie on the rails and get a new
+  /// one.
   void addFacet(const std::array<Vec3, 3>& corners, const std::array<std::int32_t, 3>& edges) {
     if (!spanPlane(corners[0], corners[1], corners[2])) return;
     SweptFacet facet;
@@ -216,7 +217,7 @@ class SweptSurfaceBuilder {
   }
 
   /// Finds the edges at which the surface does not turn: paths do not need points there.
-  void markTurns() {
+  void markStraightEdges() {
     std::vector<std::array<const SweptFacet*, 2>> facetsAt(surface_.edges.size());
     std::vector<int> count(surface_.edges.size(), 0);
     for (const SweptFacet& facet : surface_.facets) {
