@@ -61,7 +61,8 @@ phases:
     timeout: 3
 )";
 
-// ---- what is there by default -------------------------------------------------------------------
+// ---- what is there by default
+// --------------------------------------------------------------------
 
 TEST(Scene, NeedsOnlyACloth) {
   const Scene scene = parse("cloth: {}");
@@ -306,7 +307,8 @@ TEST(Scene, ConditionsAndTimeouts) {
   EXPECT_EQ(phase.onTimeout, OnTimeout::kContinue);
 }
 
-// ---- shipped scenes -----------------------------------------------------------------------------
+// ---- shipped scenes
+// ------------------------------------------------------------------------------
 
 TEST(ShippedScenes, AllLoad) {
   for (const char* name : {"tear_seam", "tear_seam_explicit", "hang", "drape_sphere", "table_edge",
@@ -371,7 +373,8 @@ TEST(ShippedScenes, ExplicitTearSeamHasThePublishedConstants) {
   EXPECT_EQ(scene.obstacles[0].tangentialDecay, 2.0);
 }
 
-// ---- overrides ----------------------------------------------------------------------------------
+// ---- overrides
+// -----------------------------------------------------------------------------------
 
 TEST(Overrides, ReplaceAddAndRemove) {
   const Scene scene =
@@ -419,7 +422,8 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   EXPECT_THAT(complaint(yaml, {"drag=[1"}), testing::HasSubstr("not valid YAML"));
 }
 
-// ---- bad input ----------------------------------------------------------------------------------
+// ---- bad input
+// -----------------------------------------------------------------------------------
 
 struct BadScene {
   const char* yaml;
@@ -730,7 +734,8 @@ TEST(Scene, FilesThatCannotBeRead) {
   EXPECT_THAT(message("/"), testing::StartsWith("/: "));
 }
 
-// ---- documentation ------------------------------------------------------------------------------
+// ---- documentation
+// -------------------------------------------------------------------------------
 
 /// Keys of the tables of docs/scene.md, by the heading that they stand under.
 std::map<std::string, std::set<std::string>> documentedKeys() {
