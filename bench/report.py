@@ -104,7 +104,8 @@ def with_spread(entry, figure):
 def floors(document):
     """Cost of a spring relative to the floor, measured in turns."""
     rows = []
-    for kind, title in (('grid', 'grid'), ('any', 'arbitrary'), ('refined', 'refined around cuts')):
+    kinds = {'grid': 'grid', 'any': 'arbitrary', 'later': 'overflow', 'refined': 'refined'}
+    for kind, title in kinds.items():
         for side, entry in by_suffix(document, 'floor/%s/side:' % kind).items():
             rows.append([title, side] + [nanoseconds(entry['median'][figure])
                                         for figure in ('own', 'double', 'float')] +
@@ -248,8 +249,9 @@ there; its other settings are not known.
 Nanoseconds per spring, measured in turns with the floors. A floor is a sweep that does nothing
 but correct lengths: on a grid whose structure is known, and over any topology by colours; in
 double precision, which `xpbd` uses, and in single precision. *Arbitrary*: particles along a Z
-curve, so that no springs form a row. *Overflow*: the springs of a grid that three slits with
-refinement have created or moved, also over any topology (`bench/kernels/floor_bench.cpp`).
+curve, so that no springs form a row. *Overflow*: only the springs of a grid that three slits with
+refinement have created or moved, over any topology; *refined*: the whole grid with these slits
+(`bench/kernels/floor_bench.cpp`).
 
 %(floors)s
 
