@@ -8,10 +8,11 @@ time per simulated second. Runs that failed stand in the strip above the chart, 
 From DIR/stability_limits.csv: DIR/stability.svg and .png, from DIR/resolution.csv: DIR/resolution.svg
 and .png. Tables that are not there are left out.
 """
-import csv
 import math
 import os
 import sys
+
+from tables import read
 
 try:
     import matplotlib
@@ -41,15 +42,6 @@ plt.rcParams.update({
     'grid.linewidth': 0.6, 'lines.linewidth': 1.4, 'legend.frameon': False, 'svg.fonttype': 'none',
     'svg.hashsalt': 'cloth_study', 'figure.dpi': 100, 'savefig.dpi': 160,
 })
-
-
-def read(folder, name):
-    """The rows of a table as dictionaries; none if there is no such table."""
-    path = os.path.join(folder, name)
-    if not os.path.exists(path):
-        return []
-    with open(path, newline='') as file:
-        return list(csv.DictReader(file))
 
 
 def unique(values):

@@ -7,16 +7,12 @@ In the template, {{ expression }} becomes the value of a Python expression over 
 (the functions of the class Tables), and a line "%% expression" is a claim that the text makes: it
 must be true, and does not show. A claim that is false ends the program with status 1, and names it.
 """
-import csv
 import math
 import os
 import re
 import sys
 
-
-def read(folder, name):
-    with open(os.path.join(folder, name), newline='') as file:
-        return list(csv.DictReader(file))
+from tables import read
 
 
 def text_of(folder, name):

@@ -2,40 +2,29 @@
 #include <filesystem>
 #include <fstream>
 #include <iomanip>
-#include <locale>
-#include <map>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
 
 #include "auto_method.h"
 #include "built_in_auto_table.h"
+#include "support/csv.h"
 
 namespace cloth_sim {
 namespace {
 
-const char* const kTableHeader = "class,error,solver,dt,scale,substep,longest_s,cost_s";
-const char* const kCacheHeader = "scene,error,solver,dt,parameters";
+using Columns = std::vector<std::string>;
+const Columns kTableColumns{"class", "error",   "solver",    "dt",
+                            "scale", "substep", "longest_s", "cost_s"};
+const Columns kCacheColumns{"scene", "error", "solver", "dt", "parameters"};
 
-using Fields = std::vector<std::string>;
-
-Fields split(const std::string& line, char separator) {
-  Fields fields;
-  std::istringstream in(line);
-  for (std::string field; std::getline(in, field, separator);) fields.push_back(field);
-  return fields;
-}
-
-/// \throws std::invalid_argument
-double positive(const std::string& text) {
-  std::istringstream in(text);
-  in.imbue(std::locale::classic());
-  double number = 0.0;
-  in >> number;
-  if (in.fail() || !in.eof() || !(number > 0.0)) {
-    throw std::invalid_argument("expected a number > 0 (got '" + text + "')");
+void writeHeader(std::ostream& out, const Columns& columns) {
+  const char* separator = "";
+  for (const std::string& column : columns) {
+    out << separator << column;
+    separator = ",";
   }
-  return number;
+  out << '\n';
 }
 
 SceneClass readClass(const std::string& text) {
@@ -45,45 +34,19 @@ SceneClass readClass(const std::string& text) {
   throw std::invalid_argument("expected smooth, contact or tearing (got '" + text + "')");
 }
 
-/// Calls `read` with the fields of each line below the header.
-template <typename Read>
-void readLines(std::istream& in, const std::string& header, const Read& read) {
-  const std::size_t columns = split(header, ',').size();
-  bool begun = false;
-  int number = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
-    if (line.empty() || line[0] == '#') continue;
-    try {
-      if (!begun) {
-        if (line != header) throw std::invalid_argument("expected the header " + header);
-        begun = true;
-        continue;
-      }
-      const Fields fields = split(line, ',');
-      if (fields.size() != columns) {
-        throw std::invalid_argument("expected " + std::to_string(columns) + " fields");
-      }
-      read(fields);
-    } catch (const std::invalid_argument& error) {
-      throw std::runtime_error("line " + std::to_string(number) + ": " + error.what());
-    }
-  }
-}
-
-AutoRow readRow(const Fields& fields) {
+AutoRow toAutoRow(const CsvRow& fields) {
   AutoRow row;
-  row.kind = readClass(fields[0]);
-  row.error = positive(fields[1]);
-  row.method = &findSolver(fields[2]);
-  row.dt = positive(fields[3]);
-  if (fields[4] != toString(scaleOf(*row.method))) {
+  row.kind = readClass(fields.text("class"));
+  row.error = fields.positive("error");
+  row.method = &findSolver(fields.text("solver"));
+  row.dt = fields.positive("dt");
+  if (fields.text("scale") != toString(scaleOf(*row.method))) {
     throw std::invalid_argument("steps of " + row.method->name + " scale with the " +
                                 toString(scaleOf(*row.method)));
   }
-  row.substep = positive(fields[5]);
-  row.longest = positive(fields[6]);
-  row.cost = positive(fields[7]);
+  row.substep = fields.positive("substep");
+  row.longest = fields.positive("longest_s");
+  row.cost = fields.positive("cost_s");
   return row;
 }
 
@@ -93,19 +56,26 @@ struct CacheEntry {
   SolverSpec solver;
 };
 
-CacheEntry readEntry(const Fields& fields) {
-  CacheEntry entry;
-  entry.key = fields[0];
-  entry.error = positive(fields[1]);
-  entry.solver.method = fields[2];
-  entry.solver.dt = positive(fields[3]);
-  SolverParameters given;
-  for (const std::string& item : split(fields[4], ' ')) {
+/// Reads "name=value name=value ...".
+SolverParameters readParameters(const std::string& text) {
+  SolverParameters parameters;
+  std::istringstream in(text);
+  for (std::string item; in >> item;) {
     const std::size_t equals = item.find('=');
     if (equals == std::string::npos) throw std::invalid_argument("expected name=value ...");
-    given[item.substr(0, equals)] = positive(item.substr(equals + 1));
+    parameters[item.substr(0, equals)] = parseNumber(item.substr(equals + 1));
   }
-  entry.solver.parameters = completeParameters(findSolver(entry.solver.method), given);
+  return parameters;
+}
+
+CacheEntry toCacheEntry(const CsvRow& fields) {
+  CacheEntry entry;
+  entry.key = fields.text("scene");
+  entry.error = fields.positive("error");
+  entry.solver.method = fields.text("solver");
+  entry.solver.dt = fields.positive("dt");
+  entry.solver.parameters = completeParameters(findSolver(entry.solver.method),
+                                               readParameters(fields.text("parameters")));
   return entry;
 }
 
@@ -114,8 +84,8 @@ std::vector<CacheEntry> readCache(const std::string& file) {
   std::ifstream in(file);
   if (!in) return entries;
   try {
-    readLines(in, kCacheHeader,
-              [&](const Fields& fields) { entries.push_back(readEntry(fields)); });
+    readCsv(in, kCacheColumns,
+            [&](const CsvRow& fields) { entries.push_back(toCacheEntry(fields)); });
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(file + ": " + error.what() + " (it is a cache: it may be deleted)");
   }
@@ -138,7 +108,7 @@ void writeEntry(std::ostream& out, const CacheEntry& entry) {
 void writeAutoTable(std::ostream& out, const AutoTable& table, const std::string& remark) {
   std::istringstream lines(remark);
   for (std::string line; std::getline(lines, line);) out << "# " << line << '\n';
-  out << kTableHeader << '\n';
+  writeHeader(out, kTableColumns);
   for (const AutoRow& row : table) {
     out << toString(row.kind) << ',' << std::setprecision(6) << row.error << ',' << row.method->name
         << ',' << row.dt << ',' << toString(scaleOf(*row.method)) << ',' << std::setprecision(4)
@@ -148,7 +118,7 @@ void writeAutoTable(std::ostream& out, const AutoTable& table, const std::string
 
 AutoTable readAutoTable(std::istream& in) {
   AutoTable table;
-  readLines(in, kTableHeader, [&](const Fields& fields) { table.push_back(readRow(fields)); });
+  readCsv(in, kTableColumns, [&](const CsvRow& fields) { table.push_back(toAutoRow(fields)); });
   return table;
 }
 
@@ -178,8 +148,8 @@ void AutoCache::add(const std::string& key, double error, const SolverSpec& solv
   const std::vector<CacheEntry> before = readCache(file_);
   const std::string temporary = file_ + ".tmp";
   std::ofstream out(temporary);
-  out << "# Written by cloth_study --advise --cache; see solver.method auto in docs/scene.md.\n"
-      << kCacheHeader << '\n';
+  out << "# Written by cloth_study --advise --cache; see solver.method auto in docs/scene.md.\n";
+  writeHeader(out, kCacheColumns);
   for (const CacheEntry& entry : before) {
     if (entry.key != key || entry.error != error) writeEntry(out, entry);
   }

@@ -5,10 +5,9 @@
 #include <istream>
 #include <optional>
 #include <set>
-#include <sstream>
-#include <stdexcept>
 
 #include "run.h"
+#include "support/csv.h"
 
 namespace cloth_sim {
 namespace {
@@ -19,45 +18,6 @@ const double kErrors[] = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 
 constexpr double kMargin = 0.7;
 /// A reference says nothing about errors below this many times its own.
 constexpr double kResolved = 3.0;
-
-using Columns = std::map<std::string, std::string>;
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream in(line);
-  for (std::string field; std::getline(in, field, ',');) fields.push_back(field);
-  return fields;
-}
-
-/// The rows of a CSV table; fields are not quoted, but for what comes last.
-std::vector<Columns> readTable(std::istream& in, const std::vector<std::string>& needed) {
-  std::string line;
-  std::getline(in, line);
-  const std::vector<std::string> names = split(line);
-  for (const std::string& name : needed) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      throw std::runtime_error("expected a column " + name);
-    }
-  }
-  std::vector<Columns> rows;
-  while (std::getline(in, line)) {
-    const std::vector<std::string> fields = split(line);
-    Columns row;
-    for (std::size_t k = 0; k < std::min(names.size(), fields.size()); ++k) {
-      row[names[k]] = fields[k];
-    }
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
-
-double numberOf(const Columns& row, const std::string& name) {
-  try {
-    return std::stod(row.at(name));
-  } catch (const std::exception&) {
-    throw std::runtime_error(name + ": expected a number");
-  }
-}
 
 /// What one method needs in one scene.
 struct Need {
@@ -168,28 +128,28 @@ class TableMaker {
 
 std::vector<MeasuredRun> readWorkPrecision(std::istream& in) {
   std::vector<MeasuredRun> runs;
-  for (const Columns& row : readTable(in, {"scene", "solver", "dt", "substeps", "iterations",
-                                           "cpu_s_per_sim_s", "error", "status"})) {
-    MeasuredRun run;
-    run.scene = row.at("scene");
-    run.method = row.at("solver");
-    run.dt = numberOf(row, "dt");
-    run.substeps = static_cast<int>(numberOf(row, "substeps"));
-    run.iterations = static_cast<int>(numberOf(row, "iterations"));
-    run.cost = numberOf(row, "cpu_s_per_sim_s");
-    run.error = numberOf(row, "error");
-    run.ok = row.at("status") == toString(Outcome::kOk);
-    run.skipped = row.at("status") == toString(Outcome::kSkipped);
-    runs.push_back(std::move(run));
-  }
+  readCsv(in,
+          {"scene", "solver", "dt", "substeps", "iterations", "cpu_s_per_sim_s", "error", "status"},
+          [&](const CsvRow& row) {
+            MeasuredRun run;
+            run.scene = row.text("scene");
+            run.method = row.text("solver");
+            run.dt = row.number("dt");
+            run.substeps = static_cast<int>(row.number("substeps"));
+            run.iterations = static_cast<int>(row.number("iterations"));
+            run.cost = row.number("cpu_s_per_sim_s");
+            run.error = row.number("error");
+            run.ok = row.text("status") == toString(Outcome::kOk);
+            run.skipped = row.text("status") == toString(Outcome::kSkipped);
+            runs.push_back(std::move(run));
+          });
   return runs;
 }
 
 std::map<std::string, double> readOwnErrors(std::istream& in) {
   std::map<std::string, double> errors;
-  for (const Columns& row : readTable(in, {"scene", "own_error"})) {
-    errors[row.at("scene")] = numberOf(row, "own_error");
-  }
+  readCsv(in, {"scene", "own_error"},
+          [&](const CsvRow& row) { errors[row.text("scene")] = row.number("own_error"); });
   return errors;
 }
 

@@ -10,6 +10,7 @@
 
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/scene/build.h"
+#include "support/csv.h"
 
 namespace cloth_sim {
 namespace {
@@ -73,10 +74,9 @@ bool sameFigures(const std::vector<double>& a, const std::vector<double>& b) {
   });
 }
 
-/// The numbers of a line, whatever separates them.
-std::vector<double> numbersIn(std::string line) {
-  std::replace(line.begin(), line.end(), ',', ' ');
-  std::istringstream in(line);
+/// Reads numbers separated by spaces.
+std::vector<double> numbersIn(const std::string& text) {
+  std::istringstream in(text);
   std::vector<double> numbers;
   for (double number = 0.0; in >> number;) numbers.push_back(number);
   return numbers;
@@ -92,17 +92,18 @@ const char* const kSource = "# source: ";
 const char* const kFigures = "# figures of the scene: ";
 const char* const kOwnError = "# own error: ";
 
-void readRow(const std::string& line, Trajectory& trajectory) {
-  const std::vector<double> row = numbersIn(line);
-  if (row.size() != 5) throw std::runtime_error("expected t,vertex,x,y,z");
-  if (trajectory.times.empty() || row[0] > trajectory.times.back()) {
-    trajectory.times.push_back(row[0]);
+/// Adds a row "t,vertex,x,y,z" to a trajectory. Rows are ordered by time, then by vertex.
+void addRow(const CsvRow& row, Trajectory& trajectory) {
+  const double time = row.number("t");
+  if (trajectory.times.empty() || time > trajectory.times.back()) {
+    trajectory.times.push_back(time);
     trajectory.positions.emplace_back();
   }
-  if (row[1] != static_cast<double>(trajectory.positions.back().size())) {
-    throw std::runtime_error("vertices are not in order");
+  std::vector<Vec3>& positions = trajectory.positions.back();
+  if (row.number("vertex") != static_cast<double>(positions.size())) {
+    throw std::invalid_argument("vertices are not in order");
   }
-  trajectory.positions.back().emplace_back(row[2], row[3], row[4]);
+  positions.emplace_back(row.number("x"), row.number("y"), row.number("z"));
 }
 
 }  // namespace
@@ -156,7 +157,7 @@ void writeReference(std::ostream& out, const StudyScene& study, const Reference&
       << kOwnError << reference.ownError << '\n'
       << kFigures << std::setprecision(17);
   for (const double figure : figuresOf(study)) out << figure << ' ';
-  out << "\n# t,vertex,x,y,z\n" << std::setprecision(12);
+  out << "\nt,vertex,x,y,z\n" << std::setprecision(12);
   for (std::size_t k = 0; k < reference.trajectory.times.size(); ++k) {
     const std::vector<Vec3>& x = reference.trajectory.positions[k];
     for (std::size_t v = 0; v < x.size(); ++v) {
@@ -171,18 +172,15 @@ Reference readReference(const std::string& file, const StudyScene& study) {
   if (!in) throw std::runtime_error(file + ": cannot be read");
   Reference reference;
   std::vector<double> figures;
+  const auto readComment = [&](const std::string& line) {
+    if (const auto source = after(kSource, line)) reference.source = *source;
+    if (const auto error = after(kOwnError, line)) reference.ownError = parseNumber(*error);
+    if (const auto text = after(kFigures, line)) figures = numbersIn(*text);
+  };
   try {
-    for (std::string line; std::getline(in, line);) {
-      if (const auto source = after(kSource, line)) {
-        reference.source = *source;
-      } else if (const auto error = after(kOwnError, line)) {
-        reference.ownError = std::stod(*error);
-      } else if (const auto text = after(kFigures, line)) {
-        figures = numbersIn(*text);
-      } else if (!line.empty() && line[0] != '#') {
-        readRow(line, reference.trajectory);
-      }
-    }
+    readCsv(
+        in, {"t", "vertex", "x", "y", "z"},
+        [&](const CsvRow& row) { addRow(row, reference.trajectory); }, readComment);
   } catch (const std::exception& error) {
     throw std::runtime_error(file + ": " + error.what());
   }

@@ -1,3 +1,0 @@
-#include "ros/viewer.h"
-
-int main(int argc, char** argv) { return cloth_sim::runViewer(argc, argv); }
