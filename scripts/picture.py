@@ -16,6 +16,7 @@ import sys
 import matplotlib
 matplotlib.use('Agg')
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 import numpy as np  # noqa: E402
 import rosbag  # noqa: E402
@@ -93,16 +94,45 @@ class Topology:
         self.uv = np.array(message.uv, dtype=float).reshape(-1, 2)
         self.torn = np.array(message.torn_edges, dtype=np.int64).reshape(-1, 2)
 
-    def strain(self, points):
-        """Largest principal stretch of each face, less 1."""
-        a, b, c = (self.faces[:, k] for k in range(3))
-        rest = np.stack([self.uv[b] - self.uv[a], self.uv[c] - self.uv[a]], axis=2)
-        now = np.stack([points[b] - points[a], points[c] - points[a]], axis=2)
-        usable = np.abs(np.linalg.det(rest)) > 1e-14
-        rest[~usable] = np.eye(2)
-        gradient = now @ np.linalg.inv(rest)
-        largest = np.linalg.eigvalsh(gradient.transpose(0, 2, 1) @ gradient)[:, 1]
-        return np.where(usable, np.sqrt(np.maximum(largest, 0.0)) - 1.0, 0.0)
+        self.lines = strain_lines(self.faces, self.uv)
+
+
+# ---- strain: the definition of include/cloth_sim/cloth/strain.h ------------------------------------
+
+def strain_lines(faces, uv):
+    """Vertex pairs (n, 2) of the structural and shear springs: every edge, and across every inner
+    bias edge the other diagonal, if that is a bias direction, too."""
+    edges = np.concatenate([np.sort(faces[:, [k, (k + 1) % 3]], axis=1) for k in range(3)])
+    opposite = np.concatenate([faces[:, (k + 2) % 3] for k in range(3)])
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    edges, opposite = edges[order], opposite[order]
+    twice = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    across = np.stack([opposite[twice], opposite[twice + 1]], axis=1)
+    bias = is_bias(uv, edges[twice]) & is_bias(uv, across)
+    return np.concatenate([np.delete(edges, twice + 1, axis=0), across[bias]])
+
+
+def is_bias(uv, pairs):
+    """Whether pairs are farther than 22.5 degrees from both thread directions."""
+    direction = np.abs(uv[pairs[:, 1]] - uv[pairs[:, 0]])
+    length = np.linalg.norm(direction, axis=1)
+    return (direction <= math.cos(math.pi / 8) * length[:, None]).all(axis=1)
+
+
+def vertex_strains(topology, points):
+    """Largest strain of the springs at each vertex: length over rest length less 1, or 0 if slack."""
+    a, b = topology.lines.T
+    rest = np.maximum(np.linalg.norm(topology.uv[b] - topology.uv[a], axis=1), 1e-6)
+    strain = np.linalg.norm(points[b] - points[a], axis=1) / rest - 1.0
+    strains = np.zeros(len(points))
+    for ends in (a, b):
+        np.maximum.at(strains, ends, strain)
+    return strains
+
+
+def face_strains(topology, points):
+    """Largest strain of the three corners of each face."""
+    return vertex_strains(topology, points)[topology.faces].max(axis=1)
 
 
 # ---- what stands around --------------------------------------------------------------------------
@@ -249,158 +279,73 @@ class Camera:
                          self.height / 2 - self.focal * local[..., 1] / depth, depth], axis=-1)
 
 
-def covered(screen, width, height):
-    """The pixels whose middle lies in a triangle: (triangle, x, y, barycentric weights).
+class Picture:
+    """Triangles with a colour each, drawn by matplotlib from far to near."""
 
-    screen: (n, 3, 2 or more) corners in pixels. Triangles are handled together by the size of their
-    bounding box.
-    """
-    corners = screen[..., :2]
-    low = np.clip(np.floor(corners.min(axis=1)), 0, (width, height)).astype(int)
-    high = np.clip(np.ceil(corners.max(axis=1)), 0, (width, height)).astype(int)
-    size = high - low
-    sides = np.array([0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256])
-    sides = np.append(sides[sides < max(width, height)], max(width, height))
-    size = sides[np.searchsorted(sides, size)]
-    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    usable = (size > 0).all(axis=1) & (np.abs(area) > 1e-9)
-    found = []
-    for w, h in np.unique(size[usable], axis=0):
-        members = np.flatnonzero(usable & (size == (w, h)).all(axis=1))
-        for part in np.array_split(members, -(-len(members) * w * h // 4000000)):
-            p, base = corners[part], low[part]
-            x = base[:, :1] + np.tile(np.arange(w), h)
-            y = base[:, 1:] + np.repeat(np.arange(h), w)
-            weights = []
-            for k in (1, 2):  # the weight of corner k: its share of the area
-                start, end = p[:, (k + 1) % 3], p[:, (k + 2) % 3]
-                ex, ey = ((end - start) / area[part, None]).T[..., None]
-                weights.append(ex * (y + 0.5 - start[:, 1:]) - ey * (x + 0.5 - start[:, :1]))
-            first = 1.0 - weights[0] - weights[1]
-            hit = ((first >= 0) & (weights[0] >= 0) & (weights[1] >= 0)
-                   & (x < width) & (y < height))
-            row = np.nonzero(hit)[0]
-            found.append((part[row], x[hit], y[hit],
-                          np.stack([first[hit], weights[0][hit], weights[1][hit]], axis=1)))
-    if not found:  # all seen edge on
-        none = np.zeros(0, dtype=int)
-        return none, none, none, np.zeros((0, 3))
-    return tuple(np.concatenate(column) for column in zip(*found))
+    def __init__(self, camera):
+        self.camera = camera
+        self.parts = []  # (corners on the screen, depth, colour, width of the outline)
+
+    def add_solid(self, triangles, colour):
+        """Triangles (n, 3, 3) of a closed body. Where something lies on it, that is in front."""
+        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+        towards_us = np.einsum('td,td->t', normal, self.camera.eye - triangles[:, 0]) > 0
+        triangles, normal = triangles[towards_us], unit(normal[towards_us])
+        screen = self.camera.project(triangles)
+        self._add(screen, screen[..., 2].max(axis=1), colour * lighting(normal)[:, None])
+
+    def add_cloth(self, points, topology):
+        """Both sides of a cloth, coloured by strain, and its torn edges."""
+        faces = topology.faces
+        normals = vertex_normals(points, faces)[faces].mean(axis=1)
+        from_front = np.einsum('td,td->t', normals, self.camera.eye - points[faces[:, 0]]) > 0
+        level = np.clip(face_strains(topology, points) / FULL_STRAIN, 0.0, 1.0)
+        colours = np.where(from_front[:, None], FRONT(level)[:, :3], BACK(level)[:, :3])
+        light = lighting(unit(np.where(from_front[:, None], normals, -normals)))
+        screen = self.camera.project(points[faces])
+        self._add(screen, screen[..., 2].mean(axis=1), colours * light[:, None])
+        torn = self.camera.project(points[topology.torn])[:, [0, 1, 1]]
+        self._add(torn, torn[..., 2].min(axis=1), TORN, width=1.5)
+
+    def _add(self, screen, depth, colours, width=0.5):
+        shape = (len(screen), 3)
+        self.parts.append((screen[..., :2], depth, np.broadcast_to(np.clip(colours, 0, 1), shape),
+                           np.full(len(screen), width)))
+
+    def draw(self, axes):
+        corners, depth, colours, widths = (np.concatenate(part) for part in zip(*self.parts))
+        order = np.argsort(-depth)
+        # Outlines in the colour of the face, so that no background shows between two faces.
+        axes.add_collection(PolyCollection(corners[order], facecolors=colours[order],
+                                           edgecolors=colours[order], linewidths=widths[order]))
+        axes.set_xlim(0, self.camera.width)
+        axes.set_ylim(self.camera.height, 0)
+        axes.set_aspect('equal')
+        axes.set_facecolor(BACKGROUND)
+        axes.set_xticks([])
+        axes.set_yticks([])
+        for side in axes.spines.values():
+            side.set_visible(False)
 
 
-class Surfaces:
-    """Triangles with a colour, a normal per corner, and whether the cloth shades them."""
-
-    def __init__(self):
-        self.parts = []
-
-    def add(self, triangles, colour, normals=None, shaded=True):
-        if normals is None:
-            flat = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-            normals = np.repeat(flat[:, None], 3, axis=1)
-        colours = np.broadcast_to(colour, (len(triangles), 3))
-        self.parts.append((triangles, colours, normals, np.full(len(triangles), shaded)))
-
-    def render(self, camera, shadow):
-        """(colour, depth) of every pixel."""
-        triangles, colours, normals, shaded = (np.concatenate(part) for part in zip(*self.parts))
-        screen = camera.project(triangles)
-        which, x, y, weights = covered(screen, camera.width, camera.height)
-        nearness = np.einsum('sk,sk->s', weights, 1.0 / screen[which, :, 2])
-        pixel = y * camera.width + x
-        order = np.argsort(nearness)  # of those put in one place, the last stays: the nearest
-        front = np.full(camera.width * camera.height, -1)
-        front[pixel[order]] = order
-        seen = np.flatnonzero(front >= 0)
-        hit = front[seen]
-
-        which, nearness = which[hit], nearness[hit]
-        weights = weights[hit] / screen[which, :, 2] / nearness[:, None]  # in space
-        world = np.einsum('sk,skd->sd', weights, triangles[which])
-        normal = np.einsum('sk,skd->sd', weights, normals[which])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
-        away = np.einsum('sd,sd->s', normal, camera.eye - world) < 0
-        normal[away] *= -1
-        light = lighting(normal) * np.where(shaded[which], shadow.factor(world), 1.0)
-
-        colour = np.tile(BACKGROUND, (len(front), 1))
-        colour[seen] = np.clip(colours[which] * light[:, None], 0, 1)
-        depth = np.full(len(front), np.inf)
-        depth[seen] = 1.0 / nearness
-        shape = (camera.height, camera.width)
-        return colour.reshape(shape + (3,)), depth.reshape(shape)
+def unit(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12)
 
 
 def lighting(normal):
+    """Factor of a colour: light from the side and from above, and some from everywhere."""
     light = TO_LIGHT / np.linalg.norm(TO_LIGHT)
     return 0.50 + 0.42 * np.maximum(normal @ light, 0.0) + 0.12 * (0.5 + 0.5 * normal[:, 2])
 
 
-class Shadow:
-    """What lies straight below the cloth, softened."""
-
-    CELLS = 240
-
-    def __init__(self, triangles):
-        flat = triangles.reshape(-1, 3)
-        self.low = flat[:, :2].min(axis=0) - 0.1
-        self.scale = self.CELLS / (flat[:, :2].max(axis=0) + 0.1 - self.low).max()
-        which, x, y, weights = covered((triangles[..., :2] - self.low) * self.scale,
-                                       self.CELLS, self.CELLS)
-        height = np.einsum('sk,sk->s', weights, triangles[which, :, 2])
-        order = np.argsort(height)
-        self.top = np.full((self.CELLS, self.CELLS), -np.inf)
-        self.top[x[order], y[order]] = height[order]
-        cover = np.isfinite(self.top).astype(float)
-        for _ in range(3):
-            cover = sum(np.roll(cover, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9
-        self.cover = cover
-
-    def factor(self, world):
-        cell = ((world[:, :2] - self.low) * self.scale).astype(int)
-        inside = ((cell >= 0) & (cell < self.CELLS)).all(axis=1)
-        cell = np.clip(cell, 0, self.CELLS - 1)
-        top = self.top[cell[:, 0], cell[:, 1]]
-        below = ~np.isfinite(top) | (world[:, 2] < top - 1e-4)
-        return np.where(inside & below, 1.0 - 0.35 * self.cover[cell[:, 0], cell[:, 1]], 1.0)
-
-
 def vertex_normals(points, faces):
+    """Mean normals of the faces around each vertex, weighted by area."""
     flat = np.cross(points[faces[:, 1]] - points[faces[:, 0]],
                     points[faces[:, 2]] - points[faces[:, 0]])
     normals = np.zeros_like(points)
     for k in range(3):
         np.add.at(normals, faces[:, k], flat)
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12), flat
-
-
-def draw(points, topology, solids, camera):
-    surfaces = Surfaces()
-    for triangles, colour in solids:
-        surfaces.add(triangles, colour)
-    faces = topology.faces
-    corners = points[faces]
-    normals, flat = vertex_normals(points, faces)
-    level = np.clip(topology.strain(points) / FULL_STRAIN, 0.0, 1.0)
-    faces_us = np.einsum('fd,fd->f', flat, camera.eye - corners.mean(axis=1)) > 0
-    colour = np.where(faces_us[:, None], FRONT(level)[:, :3], BACK(level)[:, :3])
-    surfaces.add(corners, colour, normals=normals[faces], shaded=False)
-    image, depth = surfaces.render(camera, Shadow(corners))
-    draw_lines(image, depth, camera.project(points[topology.torn]))
-    # Four pixels averaged into one.
-    return (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / 4
-
-
-def draw_lines(image, depth, ends):
-    """Lines (n, 2, 3) on the screen, three pixels thick, where nothing is in front of them."""
-    along = np.linspace(0, 1, 24)[None, :, None]
-    line = (ends[:, :1] * (1 - along) + ends[:, 1:] * along).reshape(-1, 3)
-    for dx, dy in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
-        x, y = (line[:, :2] + (dx, dy)).astype(int).T
-        inside = (x >= 0) & (x < depth.shape[1]) & (y >= 0) & (y < depth.shape[0])
-        x, y, z = x[inside], y[inside], line[inside, 2]
-        visible = z < depth[y, x] + 0.01
-        image[y[visible], x[visible]] = TORN
+    return unit(normals)
 
 
 def plot_figures(axes, run):
@@ -441,8 +386,7 @@ def main():
     azimuth, elevation = (float(part) for part in args.view.split(','))
     width, height = (int(part) for part in args.size.split('x'))
     everywhere = np.concatenate([points[::7] for points, _ in shapes])
-    # Twice the size: the image is averaged down.
-    camera = Camera(everywhere, azimuth, elevation, 2 * width, 2 * height)
+    camera = Camera(everywhere, azimuth, elevation, width, height)
 
     only_one = args.times is not None and len(moments) == 1
     panels = len(moments) + (0 if args.times else 1)
@@ -455,8 +399,11 @@ def main():
     for number, ((name, index), (points, topology)) in enumerate(zip(moments, shapes)):
         state = run.states[index][1]
         axes = figure.add_subplot(rows, columns, number + 1)
-        axes.imshow(draw(points, topology, scene.solids(state), camera))
-        axes.set_axis_off()
+        picture = Picture(camera)
+        for triangles, colour in scene.solids(state):
+            picture.add_solid(triangles, colour)
+        picture.add_cloth(points, topology)
+        picture.draw(axes)
         if not only_one:
             title = f'{number + 1}  {name}' if name else f'{number + 1}'
             axes.set_title(f'{title}   {state.time:.2f} s', fontsize=11, loc='left')

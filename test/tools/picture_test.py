@@ -1,0 +1,76 @@
+#!/usr/bin/python3
+"""scripts/picture.py: draws a bag, and colours by the strain that the figures tell."""
+import importlib.util
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rosunit
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import find_program  # noqa: E402
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+PICTURE = os.path.join(HERE, os.pardir, os.pardir, 'scripts', 'picture.py')
+SCENE = """
+cloth: {size: [0.4, 0.4], particles: [17, 17], pose: {position: [0.0, 0.0, 0.5]},
+        pins: [corner_01, corner_11], fabric: cotton}
+obstacles: {table: {type: board, size: [1.0, 1.0, 0.05], position: [0.0, 0.0, -0.025]}}
+clamps: {hand: {pose: {position: [0.15, -0.15, 0.6]}}}
+phases:
+  - {name: fall, timeout: 0.2}
+  - name: operate
+    refine: {point: [0.0, 0.0, 0.45], radius: 0.1, generations: 2}
+    notch: [[0.2, 0.0], [0.2, 0.1]]
+    cut: {path: [[-0.1, 0.013, 0.6], [0.1, 0.017, 0.6]], direction: [0, 0, -1]}
+    timeout: 0.3
+"""
+
+
+def load_picture():
+    spec = importlib.util.spec_from_file_location('picture', PICTURE)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class PictureTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.scene = os.path.join(folder.name, 'scene.yaml')
+        cls.bag = os.path.join(folder.name, 'run.bag')
+        cls.image = os.path.join(folder.name, 'run.png')
+        with open(cls.scene, 'w') as file:
+            file.write(SCENE)
+        subprocess.run([find_program('cloth_run'), cls.scene, '--bag', cls.bag], check=True,
+                       capture_output=True)
+
+    def draw(self, *arguments):
+        subprocess.run([sys.executable, PICTURE, self.bag, '--out', self.image,
+                        '--scene', self.scene, *arguments], check=True, timeout=300)
+        with open(self.image, 'rb') as file:
+            self.assertEqual(file.read(8), b'\x89PNG\r\n\x1a\n')
+
+    def test_phases_and_single_times_are_drawn(self):
+        self.draw('--size', '120x100')
+        self.draw('--size', '120x100', '--times', '0.45')
+
+    def test_the_strain_of_the_colours_is_that_of_the_figures(self):
+        picture = load_picture()
+        run = picture.Run(self.bag)
+        self.assertGreaterEqual(len(run.topologies), 2, 'the mesh has changed')
+        largest = 0.0
+        for index, (_, state) in enumerate(run.states):
+            points, topology = run.shape(index)
+            strain = picture.vertex_strains(topology, points).max()
+            self.assertAlmostEqual(strain, state.max_strain, delta=1e-4, msg=f't = {state.time}')
+            largest = max(largest, strain)
+        self.assertGreater(largest, 0.01)
+
+
+if __name__ == '__main__':
+    rosunit.unitrun('cloth_sim', 'picture', PictureTest)
