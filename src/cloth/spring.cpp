@@ -1,5 +1,7 @@
 #include "cloth_sim/cloth/spring.h"
 
+#include <cmath>
+
 #include "support/hash.h"
 
 namespace cloth_sim {
@@ -24,6 +26,14 @@ std::size_t bucketOf(const Spring& spring) {
 }
 
 }  // namespace
+
+ThreadDirection threadDirection(const Vec2& direction) {
+  static const double threadCosine = std::cos(M_PI / 8.0);
+  const double least = threadCosine * direction.norm();
+  if (std::abs(direction.x()) > least) return ThreadDirection::kWarp;
+  if (std::abs(direction.y()) > least) return ThreadDirection::kWeft;
+  return ThreadDirection::kBias;
+}
 
 bool Spring::operator==(const Spring& other) const {
   return a == other.a && b == other.b && support == other.support && kind == other.kind &&

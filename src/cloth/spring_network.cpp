@@ -19,17 +19,8 @@ namespace {
 
 /// A bend spring joins neighbours in the directions of a thread, if their cosines exceed this.
 constexpr double kStraight = 0.9;
-/// Edges within 22.5 degrees of a thread direction belong to that thread.
-const double kThreadCosine = std::cos(M_PI / 8.0);
 /// Springs per vertex in the interior of a grid.
 constexpr std::size_t kUsualSprings = 6;
-
-ThreadDirection threadDirection(const Vec2& d) {
-  const double length = d.norm();
-  if (std::abs(d.x()) > kThreadCosine * length) return ThreadDirection::kWarp;
-  if (std::abs(d.y()) > kThreadCosine * length) return ThreadDirection::kWeft;
-  return ThreadDirection::kBias;
-}
 
 template <typename Faces>
 double areaOf(const TriangleMesh& mesh, const Faces& faces) {

@@ -13,6 +13,7 @@
 
 #include "clock_publisher.h"
 #include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/ros/markers.h"
 
 namespace cloth_sim {
 namespace {
@@ -103,6 +104,7 @@ struct BagWriter::Impl {
   int broken = -1;  ///< springs; -1: nothing written yet
   FailureLog failures;
   ClothFrame frame;
+  MarkerBuilder markers{MarkerStyle()};
 };
 
 BagWriter::BagWriter(const std::string& file, const std::string& scene) {
@@ -129,6 +131,8 @@ void BagWriter::write(const Observation& observation, const std::vector<FailureE
     }
     impl_->writeClamps(snapshot);
     impl_->write("state", toStateMessage(observation, impl_->header));
+    impl_->write("scene_markers", impl_->markers.buildSurroundings(snapshot, *snapshot.figures,
+                                                                   impl_->header.stamp));
   });
 }
 

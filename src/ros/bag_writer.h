@@ -16,7 +16,7 @@ constexpr double kRepeatPeriod = 5.0;
 /// Writes what the node "/cloth" would publish: /cloth/scene, /cloth/topology (latched, whenever a
 /// frame has a new revision, and again every kRepeatPeriod), /cloth/frame, /cloth/state,
 /// /cloth/commands, /cloth/tear_events, /cloth/grasp_events, /cloth/broken_springs, /cloth/phase,
-/// /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
+/// /cloth/scene_markers, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
 /// 1 ns, since a stamp of 0 means "none" in ROS.
 ///
 /// The bag grows as "<file>.active" and takes its name when it is complete.

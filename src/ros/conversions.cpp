@@ -213,7 +213,7 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.elastic_energy = figures.energies.elastic;
   message.gravity_energy = figures.energies.gravity;
   message.mean_speed = figures.meanSpeed;
-  message.max_strain = figures.maxStretch - 1.0;
+  message.max_strain = strainOfStretch(figures.maxStretch);
   message.state_hash = hashText(figures.hash);
   message.paused = observation.paused;
   message.failed = snapshot.failed;

@@ -8,6 +8,7 @@
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
+#include "vertex_normals.h"
 
 namespace cloth_sim {
 namespace {
@@ -40,17 +41,6 @@ void setScale(Marker& marker, double x, double y, double z) {
   marker.scale.x = x;
   marker.scale.y = y;
   marker.scale.z = z;
-}
-
-/// \param side  1 for the front, -1 for the back.
-void paintFaces(const FaceLooks::Block& faces, const StrainColours& colours, float side,
-                std::vector<Colour>& out) {
-  const FaceLooks::Lanes light =
-      brightness<FaceLooks::Lanes>(side * faces.x, side * faces.y, side * faces.z);
-  for (std::size_t k = 0; k < faces.count; ++k) {
-    const auto lane = static_cast<Eigen::Index>(k);
-    out[faces.first + k] = shaded(colours(faces.strain[lane]), light[lane]);
-  }
 }
 
 int markerType(DrawnPart::Kind kind) {
@@ -100,7 +90,7 @@ std::string statusLine(const Snapshot& snapshot, const Figures& figures) {
       "%s  t = %.2f s\n%d particles, pieces %d\nbroken %d (torn %d, cut %d)  strain %.2f%s",
       snapshot.phase.empty() ? "no script" : snapshot.phase.c_str(), snapshot.time,
       snapshot.particles, static_cast<int>(figures.pieces.size()), snapshot.broken.total,
-      snapshot.broken.torn, snapshot.broken.cut, figures.maxStretch - 1.0,
+      snapshot.broken.torn, snapshot.broken.cut, strainOfStretch(figures.maxStretch),
       snapshot.failed ? "\nFAILED" : "");
   return text.data();
 }
@@ -162,35 +152,40 @@ Marker& MarkerBuilder::next(const char* space, int type) {
 }
 
 void MarkerBuilder::addCloth(const Snapshot& snapshot) {
-  const std::size_t faces = snapshot.topology->faces.size();
-  const bool byFace = faces >= kManyFaces;
-  if (!byFace || style_.twoSided) vertexLooks(snapshot, looks_);
+  const std::vector<Face>& faces = snapshot.topology->faces;
+  const bool byFace = faces.size() >= kManyFaces;
+  if (!byFace || style_.twoSided) vertexNormals(faces, snapshot.positions, normals_);
+  vertexStrains(snapshot.topology->strainLines, snapshot.positions, strains_);
   markers_.topology = snapshot.topology;
   markers_.sides.resize(style_.twoSided ? 2 : 1);
   for (std::size_t k = 0; k < markers_.sides.size(); ++k) {
     MarkerSide& side = markers_.sides[k];
     side.byFace = byFace;
-    side.colours.resize(byFace ? faces : looks_.size());
+    side.colours.resize(byFace ? faces.size() : snapshot.positions.size());
     placeCorners(snapshot, k == 0, side.corners);
     Marker& marker = next(k == 0 ? "cloth" : "cloth_back", Marker::TRIANGLE_LIST);
-    if (faces == 0) marker.action = Marker::DELETE;
+    if (faces.empty()) marker.action = Marker::DELETE;
   }
-  if (byFace) {
-    faceLooks_.visit(snapshot, [this](const FaceLooks::Block& block) {
-      paintFaces(block, frontColours_, 1.0f, markers_.sides[0].colours);
-      if (style_.twoSided) paintFaces(block, backColours_, -1.0f, markers_.sides[1].colours);
-    });
-  } else {
-    for (std::size_t v = 0; v < looks_.size(); ++v) paint(v, looks_[v]);
+  byFace ? paintFaces(snapshot) : paintVertices();
+}
+
+void MarkerBuilder::paintVertices() {
+  for (std::size_t v = 0; v < strains_.size(); ++v) paint(v, normals_[v], strains_[v]);
+}
+
+void MarkerBuilder::paintFaces(const Snapshot& snapshot) {
+  const std::vector<Face>& faces = snapshot.topology->faces;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const Eigen::Vector3f normal = unitNormal(areaNormal(faces[f], snapshot.positions));
+    paint(f, normal, faceStrain(faces[f], strains_));
   }
 }
 
 /// Sets colour number k of each side.
-void MarkerBuilder::paint(std::size_t k, const Look& look) {
-  const Eigen::Vector3f normal = look.head<3>();
-  markers_.sides[0].colours[k] = shaded(frontColours_(look[3]), brightness(normal));
+void MarkerBuilder::paint(std::size_t k, const Eigen::Vector3f& normal, float strain) {
+  markers_.sides[0].colours[k] = shaded(frontColours_(strain), brightness(normal));
   if (!style_.twoSided) return;
-  markers_.sides[1].colours[k] = shaded(backColours_(look[3]), brightness(-normal));
+  markers_.sides[1].colours[k] = shaded(backColours_(strain), brightness(-normal));
 }
 
 /// Places the corners at the particles. Of two sides, each is offset along the normals.
@@ -200,8 +195,7 @@ void MarkerBuilder::placeCorners(const Snapshot& snapshot, bool front,
   const auto offset = static_cast<float>(front ? style_.surfaceOffset : -style_.surfaceOffset);
   for (std::size_t v = 0; v < out.size(); ++v) {
     const Vec3& place = snapshot.positions[v];
-    out[v] =
-        toPoint(style_.twoSided ? place + (offset * looks_[v].head<3>()).cast<double>() : place);
+    out[v] = toPoint(style_.twoSided ? place + (offset * normals_[v]).cast<double>() : place);
   }
 }
 

@@ -305,7 +305,7 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("step time [s]", diagnosed_.stepTime);
   status.add("CPU time of steps [s]", diagnosed_.stepCpuTime);
   status.add("simulated time [s]", snapshot.time);
-  status.add("max strain", figures.maxStretch - 1.0);
+  status.add("max strain", strainOfStretch(figures.maxStretch));
   const double substep = diagnosed_.substep;
   status.add("substep [s]", substep);
   status.add("substep over the limit of explicit methods", substep / snapshot.topology->stableStep);

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "vertex_normals.h"
+
 namespace cloth_sim {
 namespace {
 
 using Eigen::Vector3f;
 using Map = Eigen::Map<const Vector3f>;
 
-constexpr float kLeastRest = 1e-12f;         ///< squared rest length of an edge [m^2]
 constexpr std::size_t kRibbonVertices = 8;   ///< of one torn edge
 constexpr std::size_t kRibbonTriangles = 4;  ///< of one torn edge
 
@@ -26,20 +27,19 @@ bool allBelow(const std::vector<std::uint32_t>& numbers, std::size_t count) {
                      [count](std::uint32_t number) { return number < count; });
 }
 
-/// 1 / squared rest lengths of the edges from each corner of each face to its next.
-std::vector<float> inverseRestLengths(const std::vector<std::uint32_t>& triangles,
-                                      const std::vector<float>& uv) {
-  std::vector<float> result(triangles.size());
-  for (std::size_t first = 0; first < triangles.size(); first += 3) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = 2 * triangles[first + k];
-      const std::uint32_t b = 2 * triangles[first + (k + 1) % 3];
-      const float du = uv[b] - uv[a];
-      const float dv = uv[b + 1] - uv[a + 1];
-      result[first + k] = 1.0f / std::max(kLeastRest, du * du + dv * dv);
-    }
+std::vector<Face> toFaces(const std::vector<std::uint32_t>& triangles) {
+  std::vector<Face> faces(triangles.size() / 3);
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    faces[k / 3][k % 3] = static_cast<VertexId>(triangles[k]);
   }
-  return result;
+  return faces;
+}
+
+std::vector<Vec2> toMaterial(const std::vector<float>& uv) {
+  std::vector<Vec2> material;
+  material.reserve(uv.size() / 2);
+  for (std::size_t k = 0; k < uv.size(); k += 2) material.emplace_back(uv[k], uv[k + 1]);
+  return material;
 }
 
 }  // namespace
@@ -53,9 +53,10 @@ std::string Surface::setTopology(const ClothTopology& topology) {
   if (!allBelow(topology.torn_edges, count)) return "torn_edges: a vertex that is not there";
   revision_ = topology.revision;
   triangles_ = topology.triangles;
-  uv_ = topology.uv;
+  vertexCount_ = count;
   tornEdges_ = topology.torn_edges;
-  inverseRest_ = inverseRestLengths(triangles_, uv_);
+  faces_ = toFaces(triangles_);
+  strainLines_ = strainLines(faces_, toMaterial(topology.uv));
   positions_.clear();
   return "";
 }
@@ -71,8 +72,13 @@ std::string Surface::setFrame(const ClothFrame& frame, const SurfaceStyle& style
     return "positions: not finite";
   }
   positions_ = frame.positions;
+  vertices_.clear();
+  for (std::size_t k = 0; k < positions_.size(); k += 3) {
+    vertices_.emplace_back(positions_[k], positions_[k + 1], positions_[k + 2]);
+  }
   computeBox();
-  computeNormalsAndStrain();
+  vertexNormals(faces_, vertices_, normals_);
+  vertexStrains(strainLines_, vertices_, strain_);
   paint(style);
   addRibbons(style.tornWidth);
   return "";
@@ -85,31 +91,6 @@ void Surface::computeBox() {
     const Map position(&positions_[3 * v]);
     low_ = low_.cwiseMin(position);
     high_ = high_.cwiseMax(position);
-  }
-}
-
-void Surface::computeNormalsAndStrain() {
-  normals_.assign(vertexCount(), Vector3f::Zero());
-  strain_.assign(vertexCount(), 1.0f);  // of squared lengths, for now
-  for (std::size_t first = 0; first < triangles_.size(); first += 3) {
-    const std::array<std::uint32_t, 3> v{triangles_[first], triangles_[first + 1],
-                                         triangles_[first + 2]};
-    const Map a(&positions_[3 * v[0]]);
-    const Map b(&positions_[3 * v[1]]);
-    const Map c(&positions_[3 * v[2]]);
-    const std::array<Vector3f, 3> edge{b - a, c - b, a - c};
-    const Vector3f normal = edge[0].cross(edge[1]);
-    for (std::size_t k = 0; k < 3; ++k) {
-      normals_[v[k]] += normal;
-      const float squared = edge[k].squaredNorm() * inverseRest_[first + k];
-      strain_[v[k]] = std::max(strain_[v[k]], squared);
-      strain_[v[(k + 1) % 3]] = std::max(strain_[v[(k + 1) % 3]], squared);
-    }
-  }
-  for (std::size_t v = 0; v < vertexCount(); ++v) {
-    const float length = normals_[v].norm();
-    normals_[v] = length > 0.0f ? Vector3f(normals_[v] / length) : Vector3f::UnitZ();
-    strain_[v] = std::sqrt(strain_[v]) - 1.0f;
   }
 }
 

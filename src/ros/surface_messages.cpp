@@ -3,14 +3,16 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 
 #include "cloth_sim/ros/conversions.h"
-#include "cloth_sim/ros/looks.h"
+#include "vertex_normals.h"
 
 namespace cloth_sim {
 
 sensor_msgs::PointCloud2 toPointCloud(const Snapshot& snapshot, const std_msgs::Header& header) {
   using sensor_msgs::PointField;
-  std::vector<Look> looks;
-  vertexLooks(snapshot, looks);
+  std::vector<Eigen::Vector3f> normals;
+  vertexNormals(snapshot.topology->faces, snapshot.positions, normals);
+  std::vector<float> strains;
+  vertexStrains(snapshot.topology->strainLines, snapshot.positions, strains);
   sensor_msgs::PointCloud2 cloud;
   cloud.header = header;
   cloud.is_dense = 1;
@@ -24,8 +26,8 @@ sensor_msgs::PointCloud2 toPointCloud(const Snapshot& snapshot, const std_msgs::
   for (std::size_t v = 0; v < snapshot.positions.size(); ++v, ++out) {
     const Eigen::Vector3f place = snapshot.positions[v].cast<float>();
     for (int k = 0; k < 3; ++k) out[k] = place[k];
-    out[3] = looks[v][3];
-    for (int k = 0; k < 3; ++k) out[4 + k] = looks[v][k];
+    out[3] = strains[v];
+    for (int k = 0; k < 3; ++k) out[4 + k] = normals[v][k];
   }
   return cloud;
 }

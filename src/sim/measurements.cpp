@@ -8,13 +8,13 @@
 namespace cloth_sim {
 namespace {
 
-std::vector<Topology::Link> linksOf(const SpringNetwork& springs) {
-  std::vector<Topology::Link> links;
+std::vector<StrainLine> strainLinesOf(const SpringNetwork& springs) {
+  std::vector<StrainLine> lines;
   for (const Spring& spring : springs.slots()) {
     if (!spring.exists() || !traitsOf(spring.kind).isMembrane) continue;
-    links.push_back({spring.a, spring.b, spring.restLength});
+    lines.push_back({spring.a, spring.b, spring.restLength});
   }
-  return links;
+  return lines;
 }
 
 std::vector<std::array<VertexId, 2>> tornEdgesOf(const TriangleMesh& mesh) {
@@ -40,7 +40,7 @@ std::shared_ptr<const Topology> makeTopology(const Model& model) {
   }
   topology->faces = model.mesh.faces();
   topology->material = model.mesh.material();
-  topology->links = linksOf(model.springs);
+  topology->strainLines = strainLinesOf(model.springs);
   topology->tornEdges = tornEdgesOf(model.mesh);
   topology->shortestEdge = shortestEdge(model.mesh);
   topology->stableStep = stableStep(model);

@@ -4,6 +4,8 @@
 #include <iomanip>
 #include <ostream>
 
+#include "cloth_sim/cloth/strain.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -29,7 +31,7 @@ Number costOf(const WorkPrecisionRow& row) {
 }
 
 Number strainOf(const WorkPrecisionRow& row) {
-  return {row.run.simulatedTime > 0.0 ? row.run.largestStretch - 1.0 : none()};
+  return {row.run.simulatedTime > 0.0 ? strainOfStretch(row.run.largestStretch) : none()};
 }
 
 /// A text as one field.

@@ -281,7 +281,7 @@ TEST(Snapshot, ShowsTheSimulation) {
   EXPECT_NEAR(shot->figures->pieces[0].restArea, 0.12, 1e-15);
   EXPECT_NEAR(shot->figures->restArea, 0.12, 1e-15);
   EXPECT_FALSE(shot->failed);
-  EXPECT_EQ(shot->topology->links.size(), 8U * 7 + 9 * 6 + 2 * 8 * 6) << "no bend springs";
+  EXPECT_EQ(shot->topology->strainLines.size(), 8U * 7 + 9 * 6 + 2 * 8 * 6) << "no bend springs";
   EXPECT_TRUE(shot->topology->tornEdges.empty());
   EXPECT_FALSE(simulation.snapshot(Detail::kShape)->figures) << "not asked for";
 }

@@ -14,6 +14,9 @@ namespace cloth_sim {
 
 /// Direction of a spring in the weave.
 enum class ThreadDirection : std::uint8_t { kWarp, kWeft, kBias };
+/// Classifies a direction in material coordinates: within 22.5 degrees of a thread it is that
+/// thread's, else it is a bias direction.
+ThreadDirection threadDirection(const Vec2& direction);
 
 /// Parameters of a damped linear spring. Its force along the line between its ends is
 /// f = -(k (l - l0) + c dl/dt).

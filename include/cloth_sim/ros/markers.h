@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "cloth_sim/ros/cloth_markers.h"
-#include "cloth_sim/ros/looks.h"
 #include "cloth_sim/ros/shading.h"
 #include "cloth_sim/sim/snapshot.h"
 
@@ -46,7 +45,9 @@ class MarkerBuilder {
   Marker& next(const char* space, int type);
   void addCloth(const Snapshot& snapshot);
   void placeCorners(const Snapshot& snapshot, bool front, std::vector<geometry_msgs::Point>& out);
-  void paint(std::size_t k, const Look& look);
+  void paintVertices();
+  void paintFaces(const Snapshot& snapshot);
+  void paint(std::size_t k, const Eigen::Vector3f& normal, float strain);
   void addTornEdges(const Snapshot& snapshot);
   void addSurroundings(const Snapshot& snapshot, const Figures& figures);
   void addObstacle(const Obstacle& obstacle);
@@ -59,9 +60,9 @@ class MarkerBuilder {
   ClothMarkers markers_;
   ros::Time stamp_;
   std::size_t used_ = 0;
-  std::size_t mostUsed_ = 0;  ///< by any call
-  FaceLooks faceLooks_;
-  std::vector<Look> looks_;  ///< by vertex
+  std::size_t mostUsed_ = 0;              ///< by any call
+  std::vector<Eigen::Vector3f> normals_;  ///< by vertex
+  std::vector<float> strains_;            ///< by vertex [-]
 };
 
 /// Returns the text of the markers, such as "pull  t = 7.20 s", "16384 particles, pieces 1" and

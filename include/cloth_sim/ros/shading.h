@@ -1,5 +1,5 @@
 #pragma once
-/// \file The colours of a cloth on a screen. Markers and the rviz display share them.
+/// \file The colours of a cloth on a screen, shared by the markers and the rviz display.
 
 #include <std_msgs/ColorRGBA.h>
 
@@ -18,15 +18,16 @@ inline std_msgs::ColorRGBA makeColour(float r, float g, float b, float a = 1.0f)
   return result;
 }
 
-/// Colour of a strain, from 0 (or below) to 1 (or above) times the range, on a map of even
-/// perceptual steps from blue over green to yellow.
+/// Returns the colour of a strain, on a perceptually uniform map from blue over green to yellow.
+/// \param fraction  strain over the range of the map [-]; values outside 0 to 1 are clamped.
 std_msgs::ColorRGBA strainColour(double fraction);
 
-/// That map in even steps: a look-up instead of a blend for each vertex.
+/// Table of `strainColour` in even steps, so that a vertex costs a look-up instead of a blend.
 class StrainColours {
  public:
   /// \param range  strain of the last colour [-], > 0
-  /// \param wash, part  this much of that colour is mixed into all.
+  /// \param wash   colour that is mixed into all others
+  /// \param part   fraction of `wash` in the mix, 0 to 1
   explicit StrainColours(double range, const std_msgs::ColorRGBA& wash = {}, float part = 0.0f);
 
   /// \param strain  >= 0 [-]
@@ -42,20 +43,17 @@ class StrainColours {
   float scale_ = 0.0f;
 };
 
-/// Light from above and a little from the side, soft all around the surface (half Lambert): rviz
-/// does not light vertices with colours of their own.
-/// \param x, y, z  of a unit normal towards the viewer's side of the surface, or of many.
-/// \return factor of a colour, 0.3 ... 1.05, or many.
-template <typename Number>
-Number brightness(const Number& x, const Number& y, const Number& z) {
-  const Number half = 0.5f + 0.5f * (0.450586f * x - 0.350456f * y + 0.821068f * z);
+/// Returns the factor of a colour, 0.3 to 1.05, under light from above and slightly from the side,
+/// soft all around the surface (half Lambert). Lighting is part of the colours because rviz does
+/// not light vertices that have colours of their own.
+/// \param normal  unit normal of the side of the surface that is seen.
+inline float brightness(const Eigen::Vector3f& normal) {
+  const float cosine = normal.dot(Eigen::Vector3f(0.450586f, -0.350456f, 0.821068f));
+  const float half = 0.5f + 0.5f * cosine;
   return 0.30f + 0.75f * half * half;
 }
-inline float brightness(const Eigen::Vector3f& normal) {
-  return brightness(normal.x(), normal.y(), normal.z());
-}
 
-/// Opaque, no brighter than white.
+/// Returns `base` times `factor`, opaque and no brighter than white.
 inline std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& base, float factor) {
   static_assert(sizeof(std_msgs::ColorRGBA) == 4 * sizeof(float));
   std_msgs::ColorRGBA result;

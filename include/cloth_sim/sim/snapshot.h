@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cloth_sim/clamp/grip_event.h"
+#include "cloth_sim/cloth/strain.h"
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/counts.h"
 #include "cloth_sim/solver/step_guard.h"
@@ -28,13 +29,7 @@ struct Topology {
   std::vector<ClothPlace> cloths;
   std::vector<Face> faces;     ///< vertex triples, counter-clockwise in material coordinates
   std::vector<Vec2> material;  ///< material coordinates by vertex [m]
-  /// A structural or shear spring: strains are computed from these (cloth/strain.h).
-  struct Link {
-    VertexId a = kNone;
-    VertexId b = kNone;
-    double restLength = 0.0;  ///< [m]
-  };
-  std::vector<Link> links;
+  std::vector<StrainLine> strainLines;  ///< structural and shear springs (cloth/strain.h)
   /// Boundary edges that were not boundary at the start: the edges of tears and cuts.
   std::vector<std::array<VertexId, 2>> tornEdges;
   double shortestEdge = 0.0;  ///< at rest [m]

@@ -12,7 +12,7 @@ namespace {
 Snapshot triangle() {
   auto topology = std::make_shared<Topology>();
   topology->faces = {{0, 1, 2}};
-  topology->links = {{0, 1, 0.8}, {1, 2, 2.0}};
+  topology->strainLines = {{0, 1, 0.8}, {1, 2, 2.0}};
   Snapshot snapshot;
   snapshot.positions = {Vec3(0.0, 0.0, 2.0), Vec3(1.0, 0.0, 2.0), Vec3(0.0, 1.0, 2.0)};
   snapshot.topology = topology;

@@ -7,6 +7,10 @@
 
 #include <limits>
 
+#include "cloth_sim/ros/conversions.h"
+#include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/simulation.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -39,6 +43,36 @@ TEST(Surface, StrainIsThatOfTheMostStretchedEdge) {
   ASSERT_EQ(surface.setFrame(pulled(1.1f), SurfaceStyle()), "");
   // Every corner has an edge along x, which is stretched more than the diagonal.
   EXPECT_THAT(surface.strain(), testing::Each(testing::FloatNear(0.1f, 1e-6f)));
+}
+
+/// A receiver of messages derives the springs that the simulation has, also where it was cut and
+/// refined.
+TEST(Surface, ShowsTheStrainOfTheSimulation) {
+  Simulation simulation(parseScene(R"(
+cloth: {size: [0.3, 0.3], particles: [12, 12], pins: [corner_00, corner_10, corner_01],
+        raw_springs: {structural: 20.0, shear: 5.0}, particle_mass: 0.01}
+wind: {velocity: [3.0, 2.0, 5.0]}
+)",
+                                   "test"));
+  for (int k = 0; k < 20; ++k) simulation.step();
+  const Stroke middle =
+      strokeAlong({Vec3(-1.0, 0.02, 0.0), Vec3(1.0, 0.05, 0.0)}, Vec3::UnitZ(), 1.0);
+  ASSERT_TRUE(simulation.apply(CutAlong{middle}).success);
+  for (int k = 0; k < 10; ++k) simulation.step();
+  const auto snapshot = simulation.snapshot();
+  std::vector<float> wanted;
+  vertexStrains(snapshot->topology->strainLines, snapshot->positions, wanted);
+
+  const std_msgs::Header header;
+  ClothFrame frame;
+  fillFrame(*snapshot, header, frame);
+  Surface surface;
+  ASSERT_EQ(surface.setTopology(toTopologyMessage(*snapshot->topology, header)), "");
+  ASSERT_EQ(surface.setFrame(frame, SurfaceStyle()), "");
+  EXPECT_THAT(surface.strain(), testing::Pointwise(testing::FloatNear(1e-4f), wanted));
+  const float largest = *std::max_element(surface.strain().begin(), surface.strain().end());
+  EXPECT_GT(largest, 0.01f);
+  EXPECT_NEAR(largest, strainOfStretch(snapshot->figures->maxStretch), 1e-4);
 }
 
 TEST(Surface, WhatIsPushedTogetherHasNoStrain) {
