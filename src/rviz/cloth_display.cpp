@@ -37,7 +37,8 @@ std_msgs::ColorRGBA toColour(const rviz::ColorProperty& property) {
                     static_cast<float>(colour.blueF()));
 }
 
-/// "/cloth/topology" for "/cloth/frame".
+/// Returns the topic of the topology beside a topic of frames: "/cloth/topology" for
+/// "/cloth/frame".
 std::string topologyTopic(const std::string& frameTopic) {
   return ros::names::append(ros::names::parentNamespace(frameTopic), "topology");
 }
@@ -47,7 +48,7 @@ std::string topologyTopic(const std::string& frameTopic) {
 ClothDisplay::ClothDisplay() {
   topic_ = new rviz::RosTopicProperty(
       "Topic", "/cloth/frame", QString::fromStdString(ros::message_traits::datatype<ClothFrame>()),
-      "The frames of a cloth; the topic \"topology\" beside it is taken too.", this);
+      "Frames of a cloth; the topic \"topology\" in the same namespace is subscribed, too.", this);
   connect(topic_, &rviz::Property::changed, this, [this] {
     unsubscribe();
     surface_ = Surface();
@@ -57,24 +58,27 @@ ClothDisplay::ClothDisplay() {
   const auto restyle = [this](rviz::Property* property) {
     connect(property, &rviz::Property::changed, this, [this] { applyStyle(); });
   };
-  mode_ = new rviz::EnumProperty("Style", "Surface", "What is drawn of the cloth.", this);
+  mode_ = new rviz::EnumProperty("Style", "Surface", "Parts of the cloth that are drawn.", this);
   mode_->addOption("Surface", kSurface);
   mode_->addOption("Surface and wireframe", kSurfaceAndWireframe);
   mode_->addOption("Wireframe", kWireframe);
   strain_ = new rviz::BoolProperty("Strain", true, "Colour the front by strain.", this);
   strainRange_ = new rviz::FloatProperty("Strain Range", 0.2f,
-                                         "Strain that gets the last colour of the map.", strain_);
+                                         "Strain of the last colour of the map.", strain_);
   strainRange_->setMin(1e-4f);
-  showLegend_ = new rviz::BoolProperty("Legend", true, "The colours and their strains.", strain_);
+  showLegend_ =
+      new rviz::BoolProperty("Legend", true, "Show the colours with their strains.", strain_);
   frontColour_ = new rviz::ColorProperty("Front Color", QColor(59, 107, 158),
-                                         "Of the front, where strain is not shown.", this);
+                                         "Colour of the front when strain is not shown.", this);
   showBack_ = new rviz::BoolProperty("Back", true, "Draw the back side.", this);
-  backColour_ = new rviz::ColorProperty("Color", QColor(219, 189, 158), "Of the back.", showBack_);
+  backColour_ =
+      new rviz::ColorProperty("Color", QColor(219, 189, 158), "Colour of the back.", showBack_);
   wireColour_ =
-      new rviz::ColorProperty("Wire Color", QColor(26, 31, 41), "Of the wireframe.", this);
+      new rviz::ColorProperty("Wire Color", QColor(26, 31, 41), "Colour of the wireframe.", this);
   tornColour_ = new rviz::ColorProperty("Torn Color", QColor(230, 13, 64),
-                                        "Of the edges that tearing and cutting made.", this);
-  tornWidth_ = new rviz::FloatProperty("Torn Width", 0.005f, "Of those edges [m].", this);
+                                        "Colour of the edges made by tears and cuts.", this);
+  tornWidth_ = new rviz::FloatProperty("Torn Width", 0.005f,
+                                       "Width of the edges made by tears and cuts [m].", this);
   tornWidth_->setMin(0.0f);
   for (rviz::Property* property : std::initializer_list<rviz::Property*>{
            mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
@@ -120,7 +124,7 @@ void ClothDisplay::subscribe() {
   try {
     topologySubscriber_ =
         update_nh_.subscribe(topologyTopic(frames), 10, &ClothDisplay::onTopology, this);
-    // Only the newest counts: a slow screen shows fewer frames, not old ones.
+    // A queue of one: a slow screen shows fewer frames instead of old ones.
     frameSubscriber_ = update_nh_.subscribe(frames, 1, &ClothDisplay::onFrame, this,
                                             ros::TransportHints().tcpNoDelay());
     setStatus(Status::Warn, "Topic", "no topology yet");
@@ -135,12 +139,12 @@ void ClothDisplay::unsubscribe() {
 }
 
 void ClothDisplay::onTopology(const ClothTopology::ConstPtr& topology) {
-  const std::string defect = surface_.setTopology(*topology);
-  if (!defect.empty()) {
-    setStatusStd(Status::Error, "Topic", "topology: " + defect);
+  const std::string error = surface_.setTopology(*topology);
+  if (!error.empty()) {
+    setStatusStd(Status::Error, "Topic", "topology: " + error);
     return;
   }
-  // What is on the screen stays until the first frame of the new revision.
+  // The screen keeps the old surface until the first frame of the new revision.
   visualIsStale_ = true;
   setStatus(Status::Ok, "Topic", "OK");
 }
@@ -155,14 +159,14 @@ void ClothDisplay::update(float wallDt, float /*rosDt*/) {
 void ClothDisplay::drawWaiting() {
   if (!waiting_) return;
   if (!surface_.fits(*waiting_)) {
-    // Its topology may be on the way; a frame that comes later takes its place.
+    // The topology may be on its way; a newer frame replaces this one.
     if (waiting_ != counted_) ++statistics_.dropped;
     counted_ = waiting_;
     return;
   }
   const double start = now();
-  const std::string defect = surface_.setFrame(*waiting_, style());
-  if (defect.empty() && placeInScene(waiting_->header.frame_id)) {
+  const std::string error = surface_.setFrame(*waiting_, style());
+  if (error.empty() && placeInScene(waiting_->header.frame_id)) {
     if (std::exchange(visualIsStale_, false)) visual_->updateTriangles(surface_);
     visual_->updateVertices(surface_);
     drawn_ = waiting_;
@@ -171,13 +175,14 @@ void ClothDisplay::drawWaiting() {
     ++statistics_.frames;
     statistics_.busy += took;
     statistics_.slowest = std::max(statistics_.slowest, took);
-  } else if (!defect.empty()) {
-    setStatusStd(Status::Error, "Topic", "frame: " + defect);
+  } else if (!error.empty()) {
+    setStatusStd(Status::Error, "Topic", "frame: " + error);
   }
   waiting_.reset();
 }
 
-/// Where the frame of the positions is in the fixed frame.
+/// Moves the scene node to the pose of the positions' frame in the fixed frame.
+/// \return false if tf does not know the pose.
 bool ClothDisplay::placeInScene(const std::string& frame) {
   Ogre::Vector3 position;
   Ogre::Quaternion orientation;
@@ -202,23 +207,23 @@ SurfaceStyle ClothDisplay::style() const {
   return style;
 }
 
-SurfaceLook ClothDisplay::look() const {
-  SurfaceLook look;
-  look.faces = mode_->getOptionInt() != kWireframe;
-  look.wireframe = mode_->getOptionInt() != kSurface;
-  look.back = showBack_->getBool();
-  look.wireColour = wireColour_->getOgreColor();
-  look.tornColour = tornColour_->getOgreColor();
-  return look;
+SurfaceParts ClothDisplay::parts() const {
+  SurfaceParts parts;
+  parts.faces = mode_->getOptionInt() != kWireframe;
+  parts.wireframe = mode_->getOptionInt() != kSurface;
+  parts.back = showBack_->getBool();
+  parts.wireColour = wireColour_->getOgreColor();
+  parts.tornColour = tornColour_->getOgreColor();
+  return parts;
 }
 
 void ClothDisplay::applyStyle() {
   if (!visual_) return;
-  visual_->setLook(look());
+  visual_->setParts(parts());
   legend_->setRange(strainRange_->getFloat());
   legend_->show(isEnabled() && strain_->getBool() && showLegend_->getBool() &&
                 mode_->getOptionInt() != kWireframe);
-  if (!waiting_) waiting_ = drawn_;  // paint it anew
+  if (!waiting_) waiting_ = drawn_;  // repaint
   context_->queueRender();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// \file rviz display of a cloth, straight from ~topology and ~frame.
+/// \file rviz display of a cloth, from ~topology and ~frame.
 
 #include <ros/subscriber.h>
 #include <rviz/display.h>
@@ -21,8 +21,8 @@ namespace cloth_sim {
 
 class StrainLegend;
 
-/// Draws the newest frame whose topology is known, once per frame of rviz. Frames of another
-/// revision are dropped; one that is ahead of its topology waits for it.
+/// Draws the newest frame whose topology is known, once per frame of rviz. A frame that arrives
+/// before its topology waits for it; other frames of another revision are dropped.
 class ClothDisplay : public rviz::Display {
  public:
   ClothDisplay();
@@ -39,13 +39,13 @@ class ClothDisplay : public rviz::Display {
   void fixedFrameChanged() override { reset(); }
 
  private:
-  /// Since the last report.
+  /// Counts since the last report.
   struct Statistics {
     int frames = 0;        ///< drawn
-    int dropped = 0;       ///< of another revision
-    double busy = 0.0;     ///< time in computing and writing what is drawn [s]
-    double slowest = 0.0;  ///< of it, in one frame [s]
-    double elapsed = 0.0;  ///< [s]
+    int dropped = 0;       ///< frames of another revision
+    double busy = 0.0;     ///< time spent on computing vertices and filling buffers [s]
+    double slowest = 0.0;  ///< largest time spent on one frame [s]
+    double elapsed = 0.0;  ///< since the last report [s]
   };
 
   void subscribe();
@@ -56,7 +56,7 @@ class ClothDisplay : public rviz::Display {
   bool placeInScene(const std::string& frame);
   void applyStyle();
   SurfaceStyle style() const;
-  SurfaceLook look() const;
+  SurfaceParts parts() const;
   void report(double elapsed);
 
   Surface surface_;
@@ -64,10 +64,10 @@ class ClothDisplay : public rviz::Display {
   std::unique_ptr<StrainLegend> legend_;
   ros::Subscriber topologySubscriber_;
   ros::Subscriber frameSubscriber_;
-  ClothFrame::ConstPtr waiting_;  ///< came, not drawn yet
-  ClothFrame::ConstPtr counted_;  ///< the last one that was dropped
+  ClothFrame::ConstPtr waiting_;  ///< received, not drawn yet
+  ClothFrame::ConstPtr counted_;  ///< the last frame counted as dropped
   ClothFrame::ConstPtr drawn_;
-  bool visualIsStale_ = true;  ///< its triangles are those of another revision
+  bool visualIsStale_ = true;  ///< the triangles of `visual_` are of another revision
   Statistics statistics_;
 
   // Owned by rviz.

@@ -30,18 +30,18 @@ namespace {
 
 constexpr int kPhaseColumns = 3;
 constexpr int kMostSteps = 100000;
-constexpr double kRatePeriod = 1.0;  ///< over which frames are counted [s]
+constexpr double kRatePeriod = 1.0;  ///< time over which frames are counted [s]
 constexpr double kLeastTear = 0.01;  ///< strain at the left end of the slider [-]
 
-/// A slider over a parameter of cfg/Cloth.cfg.
-struct Turned {
-  const char* parameter;
+/// A parameter of cfg/Cloth.cfg with a slider.
+struct SliderParameter {
+  const char* name;
   const char* title;
   const char* unit;
   double ClothConfig::*value;
   bool logarithmic;
 };
-constexpr Turned kTurned[] = {
+constexpr SliderParameter kSliderParameters[] = {
     {"gravity", "Gravity", "m/s²", &ClothConfig::gravity, false},
     {"wind_x", "Wind x", "m/s", &ClothConfig::wind_x, false},
     {"wind_y", "Wind y", "m/s", &ClothConfig::wind_y, false},
@@ -50,12 +50,12 @@ constexpr Turned kTurned[] = {
     {"stiffness", "Stiffness", "×", &ClothConfig::stiffness, true},
 };
 
-SliderRange rangeOf(const Turned& turned) {
+SliderRange rangeOf(const SliderParameter& parameter) {
   SliderRange range;
-  range.low = ClothConfig::__getMin__().*turned.value;
-  range.high = ClothConfig::__getMax__().*turned.value;
-  range.logarithmic = turned.logarithmic;
-  if (turned.value == &ClothConfig::tear_strain) range.low = kLeastTear;
+  range.low = ClothConfig::__getMin__().*parameter.value;
+  range.high = ClothConfig::__getMax__().*parameter.value;
+  range.logarithmic = parameter.logarithmic;
+  if (parameter.value == &ClothConfig::tear_strain) range.low = kLeastTear;
   return range;
 }
 
@@ -129,10 +129,11 @@ void ClothPanel::addTimeRow(QBoxLayout& column) {
 }
 
 void ClothPanel::addSliders(QBoxLayout& column) {
-  for (const Turned& turned : kTurned) {
-    const std::string name = turned.parameter;
-    auto* slider = new ValueSlider(turned.title, QString::fromUtf8(turned.unit), rangeOf(turned),
-                                   [this, name](double value) { setParameter(name, value); });
+  for (const SliderParameter& parameter : kSliderParameters) {
+    const std::string name = parameter.name;
+    auto* slider =
+        new ValueSlider(parameter.title, QString::fromUtf8(parameter.unit), rangeOf(parameter),
+                        [this, name](double value) { setParameter(name, value); });
     column.addWidget(slider);
     sliders_[name] = slider;
   }
@@ -233,17 +234,17 @@ void ClothPanel::askForPhases() {
 void ClothPanel::showPhases(const std::vector<std::string>& phases) {
   for (const auto& entry : phaseButtons_) entry.second->deleteLater();
   phaseButtons_.clear();
-  int place = 0;
+  int index = 0;
   for (const std::string& phase : phases) {
     auto* button = new QPushButton(QString::fromStdString(phase));
-    phaseGrid_->addWidget(button, place / kPhaseColumns, place % kPhaseColumns);
+    phaseGrid_->addWidget(button, index / kPhaseColumns, index % kPhaseColumns);
     phaseButtons_[phase] = button;
     connect(button, &QPushButton::clicked, this, [this, phase] {
       StartPhase::Request request;
       request.phase = phase;
       call<StartPhase>("set_phase", request);
     });
-    ++place;
+    ++index;
   }
 }
 

@@ -29,8 +29,8 @@ class ServiceQueue;
 class StripChart;
 class ValueSlider;
 
-/// Phases, pause, steps and reset by the node's services; sliders by its dynamic parameters;
-/// counts, rates and broken springs from its ~state. Nothing in here waits for the node.
+/// Commands phases, pause, steps and reset by the node's services, sets its dynamic parameters by
+/// sliders, and shows counts, rates and broken springs from its ~state. Never waits for the node.
 class ClothPanel : public rviz::Panel {
  public:
   explicit ClothPanel(QWidget* parent = nullptr);
@@ -58,7 +58,7 @@ class ClothPanel : public rviz::Panel {
   void showPhases(const std::vector<std::string>& phases);
   void countFrame();
 
-  /// Calls a service of the node in the background, and shows what it says if it refuses.
+  /// Calls a service of the node in the background, and shows its message if it refuses.
   template <typename Service>
   void call(const std::string& name, const typename Service::Request& request);
   void setParameter(const std::string& name, double value);
@@ -74,7 +74,7 @@ class ClothPanel : public rviz::Panel {
   double time_ = 0.0;  ///< simulated [s]
   bool paused_ = false;
   Clock::time_point framesSince_;
-  int frames_ = 0;          ///< of rviz, since then
+  int frames_ = 0;          ///< of rviz, since `framesSince_`
   double frameRate_ = 0.0;  ///< [Hz]
 
   // Widgets are owned by this.
@@ -90,7 +90,7 @@ class ClothPanel : public rviz::Panel {
   StripChart* chart_ = nullptr;
   QLabel* message_ = nullptr;
 
-  std::unique_ptr<ServiceQueue> services_;  // last: its tasks name what is above
+  std::unique_ptr<ServiceQueue> services_;  // last: its tasks use everything above
 };
 
 }  // namespace cloth_sim

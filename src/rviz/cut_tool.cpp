@@ -14,11 +14,11 @@
 namespace cloth_sim {
 namespace {
 
-constexpr int kPointSpacing = 3;           ///< between points of a stroke, at least [px]
-constexpr std::size_t kMostPoints = 4096;  ///< points of a stroke
-constexpr float kLineAt = 1.0f;            ///< from the camera, where the stroke is drawn [m]
+constexpr int kPointSpacing = 3;           ///< least distance between points of a stroke [px]
+constexpr std::size_t kMostPoints = 4096;  ///< of a stroke
+constexpr float kLineAt = 1.0f;            ///< distance of the drawn stroke from the camera [m]
 constexpr double kLineWidth = 3.0;         ///< [px]
-constexpr float kNearest = 0.02f;          ///< from the camera, where the blade begins [m]
+constexpr float kNearest = 0.02f;          ///< distance of the blade's heel from the camera [m]
 
 geometry_msgs::Point toPoint(const Ogre::Vector3& value) {
   geometry_msgs::Point point;
@@ -39,25 +39,24 @@ void CutTool::onInitialize() {
   topic_ =
       new rviz::RosTopicProperty("Topic", "/cloth/cut_stroke",
                                  QString::fromStdString(ros::message_traits::datatype<CutStroke>()),
-                                 "Where strokes are sent.", getPropertyContainer());
-  reach_ = new rviz::FloatProperty("Reach", 10.0f, "Of the blade from the camera [m].",
+                                 "Topic of the strokes.", getPropertyContainer());
+  reach_ = new rviz::FloatProperty("Reach", 10.0f, "Length of the blade from the camera [m].",
                                    getPropertyContainer());
   reach_->setMin(0.1f);
-  firstLayerOnly_ = new rviz::BoolProperty("First Layer Only", false,
-                                           "Of cloth in layers, cut only the one in front.",
-                                           getPropertyContainer());
+  firstLayerOnly_ = new rviz::BoolProperty(
+      "First Layer Only", false, "Cut only the layer of cloth in front.", getPropertyContainer());
   QObject::connect(topic_, &rviz::Property::changed, this, [this] { advertise(); });
   advertise();
   line_ = std::make_unique<rviz::BillboardLine>(scene_manager_);
   line_->setMaxPointsPerLine(kMostPoints);
-  line_->setColor(0.90f, 0.05f, 0.25f, 0.99f);  // not opaque: drawn after what is
+  line_->setColor(0.90f, 0.05f, 0.25f, 0.99f);  // not opaque, so it is drawn after opaque objects
   line_->getMaterial()->setDepthCheckEnabled(false);
 }
 
 void CutTool::advertise() { publisher_ = node_.advertise<CutStroke>(topic_->getTopicStd(), 10); }
 
 QString CutTool::hint() const {
-  return "<b>Left-Click</b>: Cut along the stroke. <b>Right-Click</b>: Give the stroke up. "
+  return "<b>Left-Click</b>: Cut along the stroke. <b>Right-Click</b>: Abandon the stroke. "
          "<b>Shift, other buttons</b>: Move the camera.";
 }
 
@@ -93,7 +92,8 @@ void CutTool::add(const Pointer& point) {
 }
 
 void CutTool::send() {
-  stroke_.header.frame_id = context_->getFixedFrame().toStdString();  // stamp 0: as it is now
+  stroke_.header.frame_id =
+      context_->getFixedFrame().toStdString();  // stamp 0: the latest transform
   stroke_.first_layer_only = firstLayerOnly_->getBool();
   publisher_.publish(stroke_);
 }

@@ -16,7 +16,7 @@ class FloatProperty;
 namespace cloth_sim {
 
 /// Draws the stroke while the button is down, and sends it as a ~cut_stroke when it is released.
-/// The blade lies along the line of sight, so that the cloth is cut along what was drawn on the
+/// The blade lies along the line of sight, so that the cloth is cut along the line drawn on the
 /// screen.
 class CutTool : public PointerTool {
  public:

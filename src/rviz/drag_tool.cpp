@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::chrono::milliseconds kResendPeriod{50};  ///< of messages while the pointer rests
+constexpr std::chrono::milliseconds kResendPeriod{50};  ///< while the pointer rests
 
 }  // namespace
 
@@ -19,7 +19,7 @@ void DragTool::onInitialize() {
   setName("Drag");
   topic_ = new rviz::RosTopicProperty(
       "Topic", "/cloth/drag", QString::fromStdString(ros::message_traits::datatype<DragRay>()),
-      "Where the pointer's ray is sent.", getPropertyContainer());
+      "Topic of the pointer's ray.", getPropertyContainer());
   QObject::connect(topic_, &rviz::Property::changed, this, [this] { advertise(); });
   advertise();
 }
@@ -59,7 +59,8 @@ void DragTool::update(float /*wallDt*/, float /*rosDt*/) {
 
 void DragTool::send() {
   sent_ = std::chrono::steady_clock::now();
-  message_.header.frame_id = context_->getFixedFrame().toStdString();  // stamp 0: as it is now
+  message_.header.frame_id =
+      context_->getFixedFrame().toStdString();  // stamp 0: the latest transform
   publisher_.publish(message_);
 }
 

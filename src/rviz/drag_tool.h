@@ -8,12 +8,12 @@
 
 namespace cloth_sim {
 
-/// Sends the pointer's ray as ~drag while the button is down, and once that the particle is free.
+/// Sends the pointer's ray as ~drag while the button is down, and a release when it comes up.
 class DragTool : public PointerTool {
  public:
   DragTool();
 
-  /// Sends the ray again, so that the node knows that somebody holds on.
+  /// Sends the ray again while the pointer rests; the node releases a particle without news.
   void update(float wallDt, float rosDt) override;
 
  protected:

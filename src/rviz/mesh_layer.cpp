@@ -8,16 +8,22 @@
 #include <OgreTechnique.h>
 
 #include <algorithm>
+#include <atomic>
 
 namespace cloth_sim {
 namespace {
 
 constexpr auto kUsage = Ogre::HardwareBuffer::HBU_DYNAMIC_WRITE_ONLY_DISCARDABLE;
 
-/// Grows by half, so that a tear that adds a vertex a frame does not make a buffer a frame.
+/// Capacity grows by half, so that a tear, which adds a vertex per frame, needs few new buffers.
 std::size_t grown(std::size_t needed) { return needed + needed / 2; }
 
 }  // namespace
+
+std::string uniqueOgreName(const std::string& part) {
+  static std::atomic<int> count{0};
+  return "cloth_sim/" + part + "/" + std::to_string(count++);
+}
 
 bool VertexStream::write(const void* data, std::size_t vertices) {
   if (vertices == 0) return false;
@@ -55,7 +61,7 @@ MeshLayer::MeshLayer(const std::string& name, bool coloured) : Ogre::SimpleRende
   Ogre::MaterialPtr material = Ogre::MaterialManager::getSingleton().create(
       name + "/material", Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME);
   material->setReceiveShadows(false);
-  // Vertices with colours are shaded already; the others glow in their one colour.
+  // Colours of vertices include the shading; a layer of one colour is emissive.
   material->getTechnique(0)->setLightingEnabled(!coloured);
   setMaterial(material);
 }

@@ -1,22 +1,26 @@
 #pragma once
-/// \file One drawn list of triangles over vertex buffers that may be shared.
+/// \file A drawn list of triangles over vertex buffers that layers may share.
 
 #include <OgreHardwareIndexBuffer.h>
 #include <OgreHardwareVertexBuffer.h>
 #include <OgreMaterial.h>
 #include <OgreSimpleRenderable.h>
 
+#include <string>
 #include <vector>
 
 namespace cloth_sim {
 
-/// A vertex buffer that grows and is written as a whole.
+/// Returns a name that no other object of Ogre has: "cloth_sim/<part>/<number>".
+std::string uniqueOgreName(const std::string& part);
+
+/// A hardware vertex buffer that is written as a whole and grows when needed.
 class VertexStream {
  public:
-  /// \param vertexBytes  size of one vertex.
+  /// \param vertexBytes  size of one vertex [bytes].
   explicit VertexStream(std::size_t vertexBytes) : vertexBytes_(vertexBytes) {}
 
-  /// \return whether the buffer is another one than before.
+  /// \return true if the buffer was replaced by a larger one.
   bool write(const void* data, std::size_t vertices);
   const Ogre::HardwareVertexBufferSharedPtr& buffer() const { return buffer_; }
 
@@ -26,10 +30,10 @@ class VertexStream {
   Ogre::HardwareVertexBufferSharedPtr buffer_;
 };
 
-/// An index buffer of the same kind.
+/// A hardware index buffer that is written as a whole and grows when needed.
 class IndexStream {
  public:
-  /// \return whether the buffer is another one than before.
+  /// \return true if the buffer was replaced by a larger one.
   bool write(const std::vector<std::uint32_t>& indices);
   const Ogre::HardwareIndexBufferSharedPtr& buffer() const { return buffer_; }
 
@@ -41,13 +45,14 @@ class IndexStream {
 /// Triangles with a material of their own.
 class MeshLayer : public Ogre::SimpleRenderable {
  public:
-  /// \param coloured  vertices have colours, from a second stream; else `setColour` counts.
+  /// \param coloured  true: the colours of the vertices come from a second stream; false: all have
+  ///                  that of `setColour`.
   MeshLayer(const std::string& name, bool coloured);
   ~MeshLayer() override;
   MeshLayer(const MeshLayer&) = delete;
   MeshLayer& operator=(const MeshLayer&) = delete;
 
-  /// For its settings that are not here.
+  /// The material's only pass, for settings without a method here.
   Ogre::Pass& pass();
   void setColour(const Ogre::ColourValue& colour);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What tools have in common that act on the cloth with the left mouse button.
+/// \file Base class of the tools that act on the cloth with the left mouse button.
 
 #include <OgreRay.h>
 #include <ros/node_handle.h>
@@ -13,7 +13,7 @@ class RosTopicProperty;
 namespace cloth_sim {
 
 /// Turns presses, moves and releases of the left button into rays. The other buttons, the wheel,
-/// and the left button with Shift move the camera as ever.
+/// and the left button with Shift move the camera as usual.
 class PointerTool : public rviz::Tool {
  public:
   ~PointerTool() override;
@@ -23,10 +23,10 @@ class PointerTool : public rviz::Tool {
   int processMouseEvent(rviz::ViewportMouseEvent& event) override;
 
  protected:
-  /// A place of the pointer.
+  /// Position of the pointer.
   struct Pointer {
     Ogre::Ray ray;       ///< from the camera through the pixel, in the fixed frame
-    double pixel = 0.0;  ///< width of a pixel 1 m along the ray [m]
+    double pixel = 0.0;  ///< width of a pixel at 1 m along the ray [m]
     int x = 0;           ///< [px]
     int y = 0;           ///< [px]
   };
@@ -34,7 +34,7 @@ class PointerTool : public rviz::Tool {
   virtual void begin(const Pointer& at) = 0;
   virtual void move(const Pointer& to) = 0;
   virtual void end(const Pointer& at) = 0;
-  /// The gesture is given up: the tool was put away, or the right button pressed.
+  /// Abandons the gesture: another tool was chosen, or the right button pressed.
   virtual void cancel() = 0;
   virtual QString hint() const = 0;
   /// Advertises `topic_`, which derived classes create.

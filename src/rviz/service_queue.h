@@ -1,5 +1,5 @@
 #pragma once
-/// \file Service calls off the thread of the user interface.
+/// \file Service calls outside of the thread of the user interface.
 
 #include <QObject>
 #include <condition_variable>
@@ -10,14 +10,14 @@
 
 namespace cloth_sim {
 
-/// Carries out tasks one after the other in a thread of its own: a node that is slow to answer, or
-/// gone, does not hold up rviz.
+/// Runs tasks one after the other in a thread of its own, so that a node that is slow to answer,
+/// or gone, does not block rviz.
 class ServiceQueue {
  public:
   using Task = std::function<void()>;
 
   ServiceQueue() : thread_([this] { run(); }) {}
-  /// Waits for the task that is being carried out; the others are dropped.
+  /// Waits for the running task; drops the others.
   ~ServiceQueue();
   ServiceQueue(const ServiceQueue&) = delete;
   ServiceQueue& operator=(const ServiceQueue&) = delete;
@@ -31,10 +31,10 @@ class ServiceQueue {
   std::condition_variable arrived_;
   std::deque<Task> tasks_;
   bool stopping_ = false;
-  std::thread thread_;  // last: starts when everything above is there
+  std::thread thread_;  // last: it uses everything above
 };
 
-/// Has `task` carried out in the thread of `receiver`, unless that is gone by then.
+/// Runs `task` in the thread of `receiver`; drops it if the receiver is gone by then.
 inline void runIn(QObject* receiver, std::function<void()> task) {
   QMetaObject::invokeMethod(receiver, std::move(task), Qt::QueuedConnection);
 }

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "cloth_sim/ros/shading.h"
+#include "mesh_layer.h"
 
 namespace cloth_sim {
 namespace {
@@ -59,15 +60,10 @@ QImage paintLegend(double range) {
   return image;
 }
 
-std::string legendName() {
-  static int count = 0;
-  return "cloth_sim/strain_legend/" + std::to_string(count++);
-}
-
 }  // namespace
 
 StrainLegend::StrainLegend() {
-  const std::string name = legendName();
+  const std::string name = uniqueOgreName("strain_legend");
   texture_ = Ogre::TextureManager::getSingleton().createManual(
       name + "/texture", Ogre::ResourceGroupManager::DEFAULT_RESOURCE_GROUP_NAME, Ogre::TEX_TYPE_2D,
       kLegendWidth, kLegendHeight, 0, Ogre::PF_A8R8G8B8, Ogre::TU_DEFAULT);

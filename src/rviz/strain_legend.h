@@ -1,5 +1,5 @@
 #pragma once
-/// \file The strain map with its numbers, over a corner of the 3D view.
+/// \file The legend of the strain colours, over a corner of the 3D view.
 
 #include <OgreTexture.h>
 
@@ -10,6 +10,7 @@ class PanelOverlayElement;
 
 namespace cloth_sim {
 
+/// Shows the colour map with its numbers.
 class StrainLegend {
  public:
   StrainLegend();

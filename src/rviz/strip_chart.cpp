@@ -41,7 +41,7 @@ void StripChart::paintEvent(QPaintEvent* /*event*/) {
                    Qt::AlignLeft | Qt::AlignTop, title_ + " " + last);
 }
 
-/// From the least to the most value shown, the newest at the right.
+/// Scales the curve from the least to the largest value shown; the newest is at the right.
 void StripChart::drawCurve(QPainter& painter) const {
   const auto [low, high] =
       std::minmax_element(points_.begin(), points_.end(),

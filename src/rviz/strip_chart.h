@@ -1,17 +1,17 @@
 #pragma once
-/// \file A number over the last seconds.
+/// \file A chart of a number over the last seconds.
 
 #include <QWidget>
 #include <deque>
 
 namespace cloth_sim {
 
-/// Draws how a count grew over the last seconds of simulated time.
+/// Draws a count over the last seconds of simulated time.
 class StripChart : public QWidget {
  public:
   explicit StripChart(const QString& title, QWidget* parent = nullptr);
 
-  /// \param time  simulated [s]; one that goes back begins the chart anew.
+  /// \param time  simulated [s]; a smaller time than before clears the chart.
   void add(double time, int value);
 
  protected:

@@ -1,5 +1,5 @@
 #pragma once
-/// \file A `Surface` in an Ogre scene: hardware buffers that are written in place.
+/// \file A `Surface` in an Ogre scene, in hardware buffers that are written in place.
 
 #include <OgreColourValue.h>
 
@@ -14,17 +14,17 @@ class SceneNode;
 
 namespace cloth_sim {
 
-/// Which parts of a surface are drawn.
-struct SurfaceLook {
+/// The parts of a surface that are drawn, and their colours.
+struct SurfaceParts {
   bool faces = true;
-  bool back = true;  ///< of `faces`: also the back side
+  bool back = true;  ///< the back side of `faces`, too
   bool wireframe = false;
   Ogre::ColourValue wireColour{0.10f, 0.12f, 0.16f};
   Ogre::ColourValue tornColour{0.90f, 0.05f, 0.25f};
 };
 
 /// Front, back, wireframe and torn edges of a cloth. Front, back and wireframe share one buffer of
-/// positions and one of triangles; what is empty is hidden.
+/// positions and one of triangles. Parts without triangles are hidden.
 class SurfaceVisual {
  public:
   /// \param parent  outlives this.
@@ -33,21 +33,21 @@ class SurfaceVisual {
   SurfaceVisual(const SurfaceVisual&) = delete;
   SurfaceVisual& operator=(const SurfaceVisual&) = delete;
 
-  /// Writes what `setTopology` of the surface changed. Nothing is shown until the next
+  /// Copies the triangles of the surface, after its `setTopology`. Nothing is shown until the next
   /// `updateVertices`.
   void updateTriangles(const Surface& surface);
-  /// Writes what `setFrame` of the surface changed.
+  /// Copies the vertices and colours of the surface, after its `setFrame`.
   void updateVertices(const Surface& surface);
-  void setLook(const SurfaceLook& look);
+  void setParts(const SurfaceParts& parts);
   void hide();
 
  private:
-  struct Parts;
+  struct Layers;
   void showParts();
 
-  std::unique_ptr<Parts> parts_;
-  SurfaceLook look_;
-  bool filled_ = false;  ///< there are vertices that fit the triangles
+  std::unique_ptr<Layers> layers_;
+  SurfaceParts parts_;
+  bool filled_ = false;  ///< the vertices belong to the triangles
 };
 
 }  // namespace cloth_sim

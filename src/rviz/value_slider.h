@@ -1,5 +1,5 @@
 #pragma once
-/// \file A slider with its name and value.
+/// \file A slider for a parameter.
 
 #include <QLabel>
 #include <QSlider>
@@ -9,15 +9,15 @@
 
 namespace cloth_sim {
 
-/// What a slider stands for.
+/// The range of values of a slider.
 struct SliderRange {
   double low = 0.0;
   double high = 1.0;
-  bool logarithmic = false;  ///< then `low` > 0
+  bool logarithmic = false;  ///< needs `low` > 0
 };
 
-/// Tells of a value that the user chose, not more often than ten times a second. Values that come
-/// from elsewhere move it only while nobody holds it.
+/// A slider with its name and value. It reports values that the user chooses, at most ten times a
+/// second. Values from elsewhere move it only while the user does not hold it.
 class ValueSlider : public QWidget {
  public:
   using Chosen = std::function<void(double)>;
@@ -25,7 +25,7 @@ class ValueSlider : public QWidget {
   ValueSlider(const QString& title, const QString& unit, const SliderRange& range, Chosen chosen,
               QWidget* parent = nullptr);
 
-  /// What others made of it.
+  /// Shows a value that was set elsewhere.
   void show(double value);
 
  private:

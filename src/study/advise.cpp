@@ -9,21 +9,21 @@ namespace cloth_sim {
 namespace {
 
 constexpr int kMostSubsteps = 4096;
-/// The converged run shall be better than what it judges by this factor ...
+/// Error of the converged run, over the error that it judges.
 constexpr double kReferencePart = 0.1;
-/// ... and is divided this often for that, at most ...
+/// Largest number of halvings of the converged run.
 constexpr int kHalvings = 4;
-/// ... with this part of the budget.
+/// Fraction of the budget for the converged run.
 constexpr double kReferenceBudget = 0.4;
-/// Candidates have steps up to this many times the scene's.
+/// Longest step of a candidate, over the scene's.
 constexpr int kLongestStep = 2;
-/// Runs that take less are repeated, and the best counts [s of CPU time].
+/// Runs that take less CPU time are repeated, and the fastest counts [s].
 constexpr double kRepeatBelow = 0.05;
 constexpr int kRepetitions = 3;
-/// A run that costs this many times as much as the best is of no interest: the one with twice its
-/// substeps only confirms.
+/// A run is stopped when it costs this many times as much as the best: a run with twice the
+/// substeps of the best only confirms it.
 constexpr double kTooDear = 2.2;
-/// A change that saves less than this part is not worth making.
+/// Least fraction of the cost that a change must save.
 constexpr double kLeastSaving = 0.03;
 
 double costOf(const RunResult& run) { return run.cpuPerSimulatedSecond(); }
@@ -34,34 +34,34 @@ class Adviser {
       : request_(request), announce_(announce) {}
 
   Advice advise() {
-    look();
+    prepareReference();
     chooseMethod();
     if (advice_.best && request_.simplify) {
       for (const Simplification& change : simplificationsOf(advice_.study.scene)) consider(change);
-      lighten();
+      reduceSubsteps();
     }
     return std::move(advice_);
   }
 
  private:
-  /// A method on its way up the substeps.
+  /// A method with the number of substeps of its next run.
   struct Climber {
     const SolverInfo* method;
     double dt;              ///< [s]
     int substeps = 1;       ///< of its next run
-    double expected = 0.0;  ///< what that will cost, by the run before [s/s]
-    bool within = false;    ///< the run before
+    double expected = 0.0;  ///< cost of the next run, from the last one [s/s]
+    bool within = false;    ///< the last run kept the bound
     bool done = false;
     WorkPrecisionRow last;
   };
 
-  void look() {
+  void prepareReference() {
     const Scene scene = request_.load({});
     advice_.study = studyOf(scene, request_.duration, kLongestStep);
     advice_.bound = request_.bound;
     announce_("the scene's own configuration");
     advice_.own = runScene(advice_.study);
-    // Where it does not come apart, positions are what there is to compare.
+    // A cloth that does not come apart is judged by its positions.
     advice_.study.tearing = !std::isnan(advice_.own.tearing.separation);
     announce_("a converged run");
     advice_.reference = convergeReference(
@@ -82,8 +82,8 @@ class Adviser {
     climb(best, 0.5 * dt);
   }
 
-  /// Always the one whose next run will cost least: so the dear runs are made only as long as no
-  /// cheaper one keeps the bound.
+  /// Runs the method whose next run is the cheapest, again and again, so that expensive runs are
+  /// made only while no cheaper one keeps the bound.
   void climb(const std::vector<const SolverInfo*>& methods, double dt) {
     std::vector<Climber> climbers;
     for (const SolverInfo* method : methods) {
@@ -113,7 +113,7 @@ class Adviser {
     if (climber.within && within) accept(climber.last);
     climber.substeps *= 2;
     climber.expected = 2.0 * costOf(row.run);
-    // What is within the bound still needs its confirmation; what is not gets only dearer.
+    // A run within the bound still needs confirmation; one beyond it only becomes more expensive.
     if (!within && outcome == Outcome::kOk && climber.expected > cheapest()) climber.done = true;
     climber.within = within;
     climber.last = std::move(row);
@@ -126,7 +126,7 @@ class Adviser {
                      static_cast<int>(std::lround(count)));
   }
 
-  /// One run, and its error against the scene as it is.
+  /// Runs a scene and determines its error relative to the unchanged scene.
   WorkPrecisionRow attempt(const StudyScene& scene, const Configuration& configuration) {
     announce_(configuration.method->name + ", " + std::to_string(configuration.substeps) +
               " substeps of " + std::to_string(configuration.dt) + " s");
@@ -174,7 +174,7 @@ class Adviser {
     return advice_.complete;
   }
 
-  /// Tries a change on top of those made, and makes it if it keeps the bound and saves something.
+  /// Tries a change on top of those kept, and keeps it if it saves cost within the bound.
   void consider(const Simplification& change) {
     if (!mayGoOn()) return;
     TriedChange tried{change, {}, std::numeric_limits<double>::quiet_NaN(), cheapest(), false};
@@ -200,7 +200,7 @@ class Adviser {
     advice_.changes.push_back(std::move(tried));
   }
 
-  /// Of several resolutions the coarsest that will do has been made.
+  /// Tells whether `change` is a resolution and a coarser one was kept already.
   bool madeCoarser(const Simplification& change) const {
     const auto isResolution = [](const std::string& text) {
       return text.rfind("cloth.particles=", 0) == 0;
@@ -215,8 +215,8 @@ class Adviser {
     return study;
   }
 
-  /// Fewer substeps, now that the scene is a simpler one.
-  void lighten() {
+  /// Tries fewer substeps for the simplified scene.
+  void reduceSubsteps() {
     if (advice_.overrides.empty()) return;
     const StudyScene study = changed(advice_.overrides);
     for (const double part : {0.5, 0.5, 0.5, 0.75}) {

@@ -1,12 +1,12 @@
 #pragma once
-/// \file Where a property that holds below a limit ceases to hold.
+/// \file Bisection for the limit below which a property holds.
 
 #include <functional>
 #include <vector>
 
 namespace cloth_sim {
 
-/// One question that the bisection asked.
+/// One value that was tested.
 struct Probe {
   double value = 0.0;
   bool holds = false;
@@ -16,17 +16,17 @@ struct Bisection {
   /// Between the largest value that holds and the smallest that does not; 0 if it does not hold at
   /// the lower end, infinity if it holds at the upper one.
   double limit = 0.0;
-  std::vector<Probe> probes;  ///< in the order of asking
+  std::vector<Probe> probes;  ///< in the order of the tests
 };
 
-/// Where to look, on a logarithmic scale.
+/// The interval of the search, which bisects on a logarithmic scale.
 struct BisectionRange {
   double low = 0.0;           ///< > 0
   double high = 0.0;          ///< > low
   double resolution = 0.005;  ///< relative width of the last bracket, > 0
 };
 
-/// \throws std::invalid_argument if the range is none.
+/// Bisects for the limit. \throws std::invalid_argument unless 0 < low < high and resolution > 0.
 Bisection bisectLimit(const BisectionRange& range, const std::function<bool(double)>& holds);
 
 }  // namespace cloth_sim

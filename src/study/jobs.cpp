@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-/// What the threads share.
+/// The jobs and the next one to run, for all threads.
 class Queue {
  public:
   explicit Queue(const Jobs& jobs) : jobs_(jobs) {}

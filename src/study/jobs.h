@@ -1,5 +1,5 @@
 #pragma once
-/// \file Independent pieces of work, done by several threads.
+/// \file Independent jobs on several threads.
 
 #include <functional>
 #include <vector>
@@ -8,8 +8,9 @@ namespace cloth_sim {
 
 using Jobs = std::vector<std::function<void()>>;
 
-/// Does all jobs, in their order, each in one of `threads` threads (>= 1; one: the caller's). After
-/// a job that throws no more are begun. \throws what the first such job threw, once all have ended.
+/// Runs all jobs, started in their order, on `threads` threads (>= 1; the caller's is one of them).
+/// After a job has thrown, no further job is started.
+/// \throws the exception of the first job that threw, once all running jobs have ended.
 void runJobs(const Jobs& jobs, int threads);
 
 }  // namespace cloth_sim

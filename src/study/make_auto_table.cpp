@@ -13,20 +13,20 @@ namespace cloth_sim {
 namespace {
 
 const double kErrors[] = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.1};  // ascending
-/// Substeps of the table are shorter by this than those that were just good enough: other scenes
-/// are not quite those that were measured.
+/// Substeps of the table over the longest that kept the error: a margin for other scenes than those
+/// that were measured.
 constexpr double kMargin = 0.7;
-/// A reference says nothing about errors below this many times its own.
+/// A reference resolves errors down to this many times its own.
 constexpr double kResolved = 3.0;
 
-/// What one method needs in one scene.
+/// The longest substep of a method that keeps an error.
 struct Need {
-  double substep = 0.0;  ///< over its unit
+  double substep = 0.0;  ///< over stepUnit
   double longest = 0.0;  ///< [s]
   double cost = 0.0;     ///< of a substep of a particle [s]
 };
 
-/// The runs of one method and step in one scene, by substeps.
+/// The runs of one method and step in one scene, by ascending substeps.
 using Rungs = std::vector<MeasuredRun>;
 
 std::optional<MeasuredRun> firstThatKeeps(double error, const Rungs& rungs) {
@@ -53,7 +53,7 @@ class TableMaker {
     for (const SceneClass kind :
          {SceneClass::kSmooth, SceneClass::kContact, SceneClass::kTearing}) {
       for (const SolverInfo& method : solverRegistry()) {
-        // Not what does not converge, nor what is stable only where something else damps.
+        // Methods that do not converge, or are stable only with damping, are left out.
         if (method.order == 0 || method.stabilityLimit == 0.0) continue;
         for (const double dt : steps_) addRows(kind, method, dt, table);
       }
@@ -72,7 +72,7 @@ class TableMaker {
     }
   }
 
-  /// Of all scenes of a class.
+  /// The need in all scenes of a class.
   std::optional<Need> needOf(SceneClass kind, const SolverInfo& method, double dt,
                              double error) const {
     std::optional<Need> most;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The table of `solver: {method: auto}` from what the study has measured.
+/// \file Derives the table of `solver: {method: auto}` from the measurements of the study.
 
 #include <iosfwd>
 #include <map>
@@ -17,23 +17,23 @@ struct MeasuredRun {
   std::string method;
   double dt = 0.0;  ///< [s]
   int substeps = 0;
-  int iterations = 0;  ///< 0: the method has no such option
-  double cost = 0.0;   ///< CPU time per simulated second [s/s]
-  double error = 0.0;
-  bool ok = false;       ///< status
-  bool skipped = false;  ///< status
+  int iterations = 0;    ///< 0: the method has no such option
+  double cost = 0.0;     ///< CPU time per simulated second [s/s]
+  double error = 0.0;    ///< [-]
+  bool ok = false;       ///< the status is "ok"
+  bool skipped = false;  ///< the status is "skipped"
 };
 
-/// \throws std::runtime_error if it is no such table.
+/// Reads work_precision.csv. \throws std::runtime_error naming the line that is wrong.
 std::vector<MeasuredRun> readWorkPrecision(std::istream& in);
-/// The references' own errors by scene, from references.csv. \throws std::runtime_error
+/// Reads the references' own errors by scene from references.csv. \throws std::runtime_error
 std::map<std::string, double> readOwnErrors(std::istream& in);
 
-/// For each class of scenes, each error from 0.1 to 1e-4, each method that converges and each step:
-/// the longest substep with which, and with all shorter ones that were measured (one at least), the
-/// error was kept in all scenes of the class; a part off for scenes that were not measured. Errors
-/// that the references do not resolve are left out, and rows that a smaller error's make
-/// superfluous.
+/// Makes a row for each class of scenes, each error from 0.1 to 1e-4, each convergent method and
+/// each step. The substep of the row is the longest with which the error was kept in all scenes of
+/// the class, provided that all shorter measured ones (at least one) kept it, too; a margin is
+/// taken off for scenes that were not measured. Errors that the references do not resolve have no
+/// rows, nor have errors whose substep is no longer than that of a smaller error.
 AutoTable makeAutoTable(const std::vector<StudyScene>& scenes, const std::vector<MeasuredRun>& runs,
                         const std::map<std::string, double>& ownErrors);
 

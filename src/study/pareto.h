@@ -1,5 +1,5 @@
 #pragma once
-/// \file Which of several runs nobody would choose another one over.
+/// \file The Pareto front of cost and error.
 
 #include <cstddef>
 #include <vector>
@@ -11,9 +11,9 @@ struct CostAndError {
   double error = 0.0;
 };
 
-/// Indices of the points that no other one beats, by ascending cost: a point is beaten by one that
-/// is no worse in both and better in one. Of equal points the first is kept; points that are not
-/// finite are on no front.
+/// Returns the indices of the points on the Pareto front, by ascending cost: no other point is at
+/// most as large in both coordinates and smaller in one. Of equal points the first is kept; points
+/// that are not finite are left out.
 std::vector<std::size_t> paretoFront(const std::vector<CostAndError>& points);
 
 }  // namespace cloth_sim

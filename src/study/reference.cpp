@@ -15,14 +15,15 @@
 namespace cloth_sim {
 namespace {
 
-/// The coarsest run's steps are this part of the scene's.
+/// The steps of the coarsest run are the scene's, divided by this.
 constexpr int kStepDivision = 2;
-/// Part of the longest stable step that the coarsest run takes.
+/// Substep of the coarsest run, relative to the longest stable one.
 constexpr double kStepMargin = 0.5;
-/// Relative difference of figures that rounding on another machine may make.
+/// Relative difference of figures by rounding on another machine.
 constexpr double kSameFigure = 1e-9;
 
-/// Explicit, of second order: bounded from above in omega h, but not by zero.
+/// Tells whether a method is explicit and of second order: its limit of omega h is finite, not
+/// zero.
 bool isReferenceMethod(const SolverInfo& info) {
   return info.order == 2 && info.stabilityLimit > 0.0 && std::isfinite(info.stabilityLimit);
 }
@@ -34,7 +35,7 @@ double difference(const StudyScene& study, const RunResult& run, const RunResult
   return errorAgainst(reference, study, run);
 }
 
-/// What of a scene decides how it moves, in a few sums.
+/// Returns a few sums over everything in a scene that decides its motion.
 std::vector<double> figuresOf(const StudyScene& study) {
   const Model model = buildModel(study.scene.cloths);
   const State state = initialState(study.scene.cloths, model, study.scene.seed);
@@ -82,7 +83,7 @@ std::vector<double> numbersIn(const std::string& text) {
   return numbers;
 }
 
-/// The rest of a line that begins with `key`, if it does.
+/// Returns the rest of a line that begins with `key`; nothing for other lines.
 std::optional<std::string> after(const std::string& key, const std::string& line) {
   if (line.compare(0, key.size(), key) != 0) return std::nullopt;
   return line.substr(key.size());

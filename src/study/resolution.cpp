@@ -17,24 +17,24 @@ namespace {
 constexpr double kSide = 0.5;          ///< of the cloth [m]
 constexpr double kStableMargin = 0.7;  ///< part of the longest stable step
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSwing = M_PI / 9.0;   ///< [rad]
+constexpr double kSwing = M_PI / 9.0;   ///< angle of release [rad]
 constexpr double kSettling = 8.0;       ///< drag that brings a cloth to rest [1/s]
-constexpr double kSphere = 0.15;        ///< radius [m]
-constexpr double kHoop = 0.2;           ///< radius [m]
+constexpr double kSphere = 0.15;        ///< radius of the sphere [m]
+constexpr double kHoop = 0.2;           ///< radius of the hoop [m]
 constexpr double kHoopSettling = 20.0;  ///< drag in the hoop [1/s]
 
-/// What is measured of a run.
+/// A measured quantity.
 struct Quantity {
   std::string name;
   std::string unit;
 };
 
-/// A scene, and figures that build up while it runs.
+/// A scene with the quantities that are measured while it runs.
 struct Experiment {
   std::vector<Quantity> quantities;
   Scene scene;
   double duration = 0.0;  ///< [s]
-  /// Called after every step; the last values that it returns count, one for each quantity.
+  /// Called after every step; returns one value for each quantity. The last values count.
   std::function<std::vector<double>(const Simulation&)> measure;
 };
 
@@ -52,7 +52,7 @@ Pose tilted(double angle) {
   return pose;
 }
 
-/// A row of particles across the cloth.
+/// Returns pins along the upper edge of n particles.
 std::vector<PinSpec> upperEdge(int n) {
   std::vector<PinSpec> pins;
   for (int k = 0; k < n; ++k) pins.push_back({k, n - 1});
@@ -95,7 +95,7 @@ Experiment drape(int n) {
   return experiment;
 }
 
-/// Twice the time between two passages of the centre of mass below the pins.
+/// Measures the period: twice the time between two passages of the centre of mass below the pins.
 class PeriodMeter {
  public:
   std::vector<double> operator()(const Simulation& simulation) {
@@ -130,8 +130,8 @@ Experiment swing(int n) {
   return experiment;
 }
 
-/// Equally stiff in all directions: C11 - C12 = 2 C66 with C12 = C66 = G is C11 = 3 G, of which
-/// the tensile stiffness is C11 - C12^2 / C11 = 8/3 G (see SpringNetwork).
+/// Returns the fabric with equal stiffness in all directions: C11 - C12 = 2 C66 with C12 = C66 = G
+/// is C11 = 3 G, of which the tensile stiffness is C11 - C12^2 / C11 = 8/3 G (see SpringNetwork).
 Fabric isotropic(Fabric fabric) {
   fabric.tensileWeft = fabric.tensileWarp;
   fabric.shear = 3.0 / 8.0 * fabric.tensileWarp;
@@ -142,7 +142,8 @@ Vec2 fromMiddle(const Grid& grid, int column, int row) {
   return {column * grid.spacingU() - 0.5 * kSide, row * grid.spacingV() - 0.5 * kSide};
 }
 
-/// Depth of a point of the cloth that is `at` from its middle, between the particles around it.
+/// Returns the depth of the point at material coordinates `at` from the centre, by bilinear
+/// interpolation [m].
 double depth(const Simulation& simulation, const Vec2& at) {
   const Grid& grid = *simulation.model().cloths[0].grid;
   const Vec2 cell = (at + 0.5 * Vec2(kSide, kSide)) / grid.spacingU();
@@ -156,7 +157,7 @@ double depth(const Simulation& simulation, const Vec2& at) {
            p * q * z(i + 1, j + 1));
 }
 
-/// Mean depth at half the hoop's radius in two opposite directions.
+/// Returns the mean depth at half the hoop's radius in two opposite directions [m].
 double depthAlong(const Simulation& simulation, double angle) {
   const Vec2 at = 0.5 * kHoop * Vec2(std::cos(angle), std::sin(angle));
   return 0.5 * (depth(simulation, at) + depth(simulation, -at));

@@ -10,13 +10,14 @@
 namespace cloth_sim {
 namespace {
 
-/// Farther from the origin than this many sides of the cloth is not an error but an explosion.
+/// A particle farther from the origin than this many sides of the cloth counts as diverged.
 constexpr double kFarAway = 1e3;
 
-/// Steps a simulation and notes what the study wants to know.
-class Watch {
+/// Steps a simulation to its end and records its cost, trajectory and tears.
+class TimedRun {
  public:
-  Watch(const StudyScene& study, Simulation& simulation) : study_(study), simulation_(simulation) {}
+  TimedRun(const StudyScene& study, Simulation& simulation)
+      : study_(study), simulation_(simulation) {}
 
   RunResult run() {
     const double half = 0.5 * simulation_.scene().solver.dt;
@@ -74,7 +75,7 @@ class Watch {
       if (std::isnan(record.firstFailure)) record.firstFailure = event.time;
       lastTear_ = event.time;
     }
-    // The failure that parted it was the last one: events know their time within the step.
+    // The last failure parted the cloth; events have the time within the step.
     if (simulation_.pieces() > 1 && std::isnan(record.separation)) record.separation = lastTear_;
   }
 
@@ -106,7 +107,7 @@ RunResult refused(const std::string& why) {
 RunResult runAs(const StudyScene& study, const Scene& scene) {
   try {
     Simulation simulation(scene);
-    return Watch(study, simulation).run();
+    return TimedRun(study, simulation).run();
   } catch (const std::invalid_argument& error) {
     return refused(error.what());
   }
@@ -131,8 +132,8 @@ Scene withConfiguration(Scene scene, const Configuration& configuration) {
   setIfKnown(method, "iterations", configuration.iterations, given);
   scene.solver.method = method.name;
   scene.solver.dt = configuration.dt;
-  scene.solver.guard = StepGuard::kAllow;  // a method is shown as it is
-  scene.solver.sleep.reset();              // and computes every step
+  scene.solver.guard = StepGuard::kAllow;  // no repair of steps that are too long
+  scene.solver.sleep.reset();              // every step is computed
   scene.solver.parameters = completeParameters(method, given);
   return scene;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file One scene run with one method, timed and watched.
+/// \file A timed run of one scene with one method.
 
 #include <limits>
 #include <string>
@@ -9,46 +9,46 @@
 
 namespace cloth_sim {
 
-/// What is chosen to advance a scene: a method, its step, and the options that cost.
+/// A method with its step, substeps and iterations.
 struct Configuration {
   const SolverInfo* method = nullptr;
   double dt = 0.0;     ///< of a simulation step [s]
-  int substeps = 1;    ///< of a step, 1 for a method without them
+  int substeps = 1;    ///< per step; 1 for a method without substeps
   int iterations = 0;  ///< 0: the method has no such parameter
 };
 
-/// The configuration of a method whose substeps are dt / substeps [s] long: a method that does not
-/// divide its steps gets shorter ones.
+/// Returns the configuration of a method with substeps of length h = dt / substeps [s]. A method
+/// without substeps gets shorter steps instead.
 Configuration configure(const SolverInfo& method, double dt, int substeps, int iterations);
 
-/// The scene with this configuration in place of its own, never asleep.
+/// Returns the scene with this configuration in place of its own, without sleep.
 /// \throws std::invalid_argument if the registry refuses it.
 Scene withConfiguration(Scene scene, const Configuration& configuration);
 
-/// Positions at a few times, one row of particles per time.
+/// Positions at a few times.
 struct Trajectory {
   std::vector<double> times;                 ///< [s]
-  std::vector<std::vector<Vec3>> positions;  ///< [m]
+  std::vector<std::vector<Vec3>> positions;  ///< by time, then by particle [m]
 };
 
 enum class Outcome { kOk, kDiverged, kWrong, kRefused, kSkipped };
-/// "ok", "diverged", "wrong", "refused" or "skipped".
+/// Names an outcome: "ok", "diverged", "wrong", "refused" or "skipped".
 const char* toString(Outcome outcome);
 
-/// When and how much tore.
+/// Times and number of tears.
 struct TearRecord {
-  double firstFailure = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN: never
-  double separation = std::numeric_limits<double>::quiet_NaN();    ///< into two pieces [s]
-  int torn = 0;                                                    ///< springs
+  double firstFailure = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN: none
+  double separation = std::numeric_limits<double>::quiet_NaN();  ///< into two pieces [s]; NaN: none
+  int torn = 0;                                                  ///< springs
 };
 
 struct RunResult {
   Outcome outcome = Outcome::kOk;
-  std::string why;              ///< in words, unless it is ok
-  double cpuTime = 0.0;         ///< of the steps, on this thread [s]
+  std::string why;              ///< reason of the outcome; "" if it is ok
+  double cpuTime = 0.0;         ///< of the steps, of the calling thread [s]
   double simulatedTime = 0.0;   ///< [s]
   double largestStretch = 1.0;  ///< length over rest length of a structural or shear spring
-  Trajectory trajectory;        ///< up to where it failed
+  Trajectory trajectory;        ///< up to a failure
   TearRecord tearing;
 
   double cpuPerSimulatedSecond() const {
@@ -56,14 +56,14 @@ struct RunResult {
   }
 };
 
-/// Runs the scene as it is to its duration, or until it fails, or until it is in two pieces if that
-/// is what it is about. At one thread only if the caller sets a ThreadLimit.
+/// Runs the scene with its own configuration to its duration, until it fails, or, for a scene about
+/// tearing, until it is in two pieces. Uses one thread only if the caller sets a ThreadLimit.
 RunResult runScene(const StudyScene& study);
 /// The same with a configuration in place of the scene's own.
 RunResult runScene(const StudyScene& study, const Configuration& configuration);
 
-/// Root of the mean square distance over particles and times, over `side`. Infinity if the
-/// trajectories do not have the same particles at the same number of times.
+/// Returns the root mean square distance over particles and times, relative to `side` [-]. Infinity
+/// if the trajectories differ in the number of times or particles.
 double trajectoryError(const Trajectory& trajectory, const Trajectory& reference, double side);
 
 }  // namespace cloth_sim

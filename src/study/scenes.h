@@ -1,5 +1,5 @@
 #pragma once
-/// \file What is compared: scenes, for how long, and when one looks at them.
+/// \file The scenes of the study, with their durations and the times of comparison.
 
 #include <algorithm>
 #include <limits>
@@ -10,36 +10,36 @@
 
 namespace cloth_sim {
 
-/// A scene of the study. The methods differ in `scene.solver`; all else is the same for them.
+/// A scene of the study. All methods run the same scene but for `scene.solver`.
 struct StudyScene {
   std::string name;
   Scene scene;
-  double duration = 0.0;  ///< [s], a whole number of the scene's steps
-  /// When positions are compared [s], ascending, multiples of the scene's step. The last is
-  /// `duration`.
+  double duration = 0.0;  ///< a whole number of the scene's steps [s]
+  /// Times at which positions are compared [s]: ascending multiples of the scene's step, the last
+  /// of them `duration`.
   std::vector<double> samples;
-  /// It is about when the cloth falls apart, not about where it is.
+  /// Compare the time at which the cloth comes apart instead of positions.
   bool tearing = false;
-  /// Runs that take longer are broken off [s of CPU time].
+  /// Runs that take more CPU time are stopped [s].
   double mostCpuTime = std::numeric_limits<double>::infinity();
 
-  /// Side that errors are relative to: the longest one of any cloth [m].
+  /// Length to which errors are relative: the longest side of any cloth [m].
   double side() const { return longestSide(scene.cloths); }
-  /// Whether springs, dashpots, drag and gravity are all that acts, on pins that rest: a system of
-  /// smooth equations that a general integrator can solve.
+  /// Tells whether only springs, dashpots, drag, gravity and fixed pins act: a smooth system of
+  /// equations that a general integrator can solve.
   bool isSmooth() const;
 };
 
-/// The names of the study's own scenes, in the order of the charts.
+/// Names the study's own scenes, in the order of the charts.
 const std::vector<std::string>& studySceneNames();
 
-/// One of the study's own scenes. It lasts as long as the time-outs of its phases.
+/// Loads one of the study's own scenes. Its duration is the sum of the time-outs of its phases.
 /// \param folder  the package's config/study.
 /// \throws SceneError
 StudyScene loadStudyScene(const std::string& folder, const std::string& name);
 
-/// Any scene, compared at four times up to `duration` [s]; these are whole numbers of `multiple`
-/// steps of the scene.
+/// Makes a study of any scene: four times of comparison up to `duration` [s], each a multiple of
+/// `multiple` steps of the scene.
 StudyScene studyOf(Scene scene, double duration, int multiple = 1);
 
 }  // namespace cloth_sim

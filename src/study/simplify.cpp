@@ -8,14 +8,14 @@
 namespace cloth_sim {
 namespace {
 
-/// A pin or patch may move by this part of the wider spacing.
+/// Largest move of a pin or patch, over the wider spacing.
 constexpr double kMostShift = 0.25;
-/// Fewer particles a side are no cloth.
+/// Least number of particles per side.
 constexpr int kFewest = 4;
 
 using Pins = std::set<std::pair<int, int>>;  ///< column, row
 
-/// Where things of a grid are on a coarser one.
+/// Maps particles of a grid to a coarser one.
 class Coarsening {
  public:
   Coarsening(const ClothSpec& cloth, double factor)
@@ -26,7 +26,7 @@ class Coarsening {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
 
-  /// Goes to the nearest particle. \return false if it is not near.
+  /// Moves a place to the nearest particle. \return false if it is not near.
   bool carry(int& column, int& row) const {
     const double u = place(cloth_.columns, columns_, column);
     const double v = place(cloth_.rows, rows_, row);
@@ -35,7 +35,7 @@ class Coarsening {
     return std::max(std::abs(u - column), std::abs(v - row)) <= kMostShift;
   }
 
-  /// Whether all particles around a place are pinned, so that whatever is between them rests too.
+  /// Tells whether all particles around a place are pinned, so that the place is at rest, too.
   bool isBetween(const PinSpec& at, const Pins& pins) const {
     const double u = place(cloth_.columns, columns_, at.column);
     const double v = place(cloth_.rows, rows_, at.row);
@@ -75,7 +75,7 @@ const Border kBorders[] = {
     {"last_column", [](const PinSpec& pin, int columns, int) { return pin.column == columns - 1; }},
 };
 
-/// Takes a border out of the pins, if all of it is pinned.
+/// Removes a border from the pins `rest`, if all of it is pinned.
 bool takeBorder(const Border& border, int columns, int rows, const Pins& all, Pins& rest) {
   std::vector<std::pair<int, int>> of;
   for (int row = 0; row < rows; ++row) {
@@ -89,7 +89,7 @@ bool takeBorder(const Border& border, int columns, int rows, const Pins& all, Pi
   return true;
 }
 
-/// Pins as a scene writes them: whole borders by name.
+/// Returns the pins as text of a scene, with whole borders by name.
 std::string pinsText(const Pins& pins, int columns, int rows) {
   std::vector<std::string> items;
   Pins rest = pins;
@@ -102,6 +102,7 @@ std::string pinsText(const Pins& pins, int columns, int rows) {
   return "[" + text + "]";
 }
 
+/// Tells why a scene cannot be made coarser; "" if it can.
 std::string obstacleTo(const Scene& scene) {
   if (scene.cloths.size() > 1) return "the scene has several cloths";
   if (scene.cloths[0].raw) return "cloth.raw_springs are constants of springs, not of a fabric";
@@ -112,7 +113,7 @@ std::string obstacleTo(const Scene& scene) {
   return "";
 }
 
-/// \throws std::invalid_argument naming a pin that has no place.
+/// Moves pins to a coarser grid. \throws std::invalid_argument naming a pin without a place.
 Pins coarserPins(const std::vector<PinSpec>& from, const Coarsening& to) {
   Pins pins;
   std::vector<PinSpec> others;
@@ -132,7 +133,7 @@ Pins coarserPins(const std::vector<PinSpec>& from, const Coarsening& to) {
   return pins;
 }
 
-/// \throws std::invalid_argument saying what stands in the way.
+/// Returns the overrides of a coarser scene. \throws std::invalid_argument with the obstacle.
 std::vector<std::string> coarserOverrides(const Scene& scene, const Coarsening& to) {
   std::vector<std::string> overrides{"cloth.particles=" + pair(to.columns(), to.rows())};
   const Pins pins = coarserPins(scene.cloths[0].pins, to);
@@ -154,10 +155,10 @@ std::vector<std::string> coarserOverrides(const Scene& scene, const Coarsening& 
   return overrides;
 }
 
-/// Something that can be taken out of a scene that names it. A new kind of it is one row.
+/// A part of a scene that can be left out. A new kind is one row.
 struct Omission {
   const char* what;
-  bool (*isNamed)(const Scene& scene);
+  bool (*isPresent)(const Scene& scene);
   const char* override;
 };
 const Omission kOmissions[] = {
@@ -212,7 +213,7 @@ std::vector<Simplification> simplificationsOf(const Scene& scene) {
   for (const Omission& omission : kOmissions) {
     const bool ofOneCloth = std::string(omission.override).rfind("cloth.", 0) == 0;
     if (ofOneCloth && scene.cloths.size() > 1) continue;
-    if (omission.isNamed(scene)) result.push_back({omission.what, {omission.override}, ""});
+    if (omission.isPresent(scene)) result.push_back({omission.what, {omission.override}, ""});
   }
   return result;
 }

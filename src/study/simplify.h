@@ -1,5 +1,5 @@
 #pragma once
-/// \file What a scene might do without.
+/// \file Simplifications of a scene.
 
 #include <functional>
 #include <string>
@@ -12,28 +12,27 @@ namespace cloth_sim {
 
 /// A change of a scene that might make it cheaper.
 struct Simplification {
-  std::string what;                    ///< in words: "without wind"
-  std::vector<std::string> overrides;  ///< of the scene, see loadScene; none: `obstacle` says why
-  std::string obstacle;                ///< why it cannot be made; "": it can
+  std::string what;                    ///< description: "without wind"
+  std::vector<std::string> overrides;  ///< of the scene, see loadScene; empty: see `obstacle`
+  std::string obstacle;                ///< reason why it is impossible; "": it is possible
 };
 
-/// The scene with some overrides. Throws SceneError.
+/// Loads the scene with overrides. \throws SceneError
 using SceneLoader = std::function<Scene(const std::vector<std::string>& overrides)>;
 
-/// The cloth with fewer particles, `factor` times as far apart: pins and patches of clamps go to
-/// the nearest particles, if those are near. What counts particles or springs cannot be carried
-/// over. \param factor  > 1.
+/// Returns the scene with particles `factor` times as far apart. Pins and patches of clamps move to
+/// the nearest particles; impossible if none is near, or if the scene counts particles or springs.
+/// \param factor  > 1.
 Simplification coarser(const Scene& scene, double factor);
 
-/// All that may be left out of a scene, of what it names: first what saves most.
+/// Returns all simplifications of a scene, roughly by the cost that they save.
 std::vector<Simplification> simplificationsOf(const Scene& scene);
 
-/// Positions of the particles of the grid `to` on the surface that particles of the grid `from`
-/// span, by bilinear interpolation between the four around each in material coordinates. Empty if
-/// the trajectory's particles are not those of `from` (it was cut).
+/// Interpolates a trajectory of the grid `from` at the particles of the grid `to`, bilinearly in
+/// material coordinates. Empty if the particles are not those of `from` (the cloth was cut).
 Trajectory onGrid(const Trajectory& trajectory, const Grid& from, const Grid& to);
 
-/// The particles of a scene's cloth at its start.
+/// Returns the grid of a scene's cloth at the start.
 Grid gridOf(const Scene& scene);
 
 }  // namespace cloth_sim

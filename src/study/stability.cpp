@@ -11,21 +11,23 @@ namespace cloth_sim {
 namespace {
 
 constexpr BisectionRange kRange{0.02, 1000.0, 0.005};  ///< in omega h
-constexpr double kDisplacement = 0.001;  ///< largest at the start, over the length of a spring
-/// Steps of a probe, and how many of them at the start and at the end are compared. Forward Euler
-/// grows by a factor of exp(0.02^2 / 2 * 3000) = 1.8 at the lower end.
+constexpr double kDisplacement = 0.001;  ///< largest at the start, relative to a spring's length
+/// Number of steps of a probe, and of steps at its start and end whose amplitudes are compared. At
+/// the lower end of the range, forward Euler grows by a factor of exp(0.02^2 / 2 * 3000) = 1.8.
 constexpr int kSteps = 4000;
 constexpr int kWindow = 1000;
-/// Farther from the start a spring would turn inside out, and growth may end in a cycle. Symplectic
-/// Euler swings up to 1 / sqrt(1 - (omega h / 2)^2) times its start: 14 at half a per cent below 2.
+/// Largest growth of the amplitude: beyond it a spring turns inside out, and growth may end in a
+/// cycle. Symplectic Euler reaches 1 / sqrt(1 - (omega h / 2)^2) times its start: 14 at half a per
+/// cent below omega h = 2.
 constexpr double kMostGrowth = 50.0;
-/// A bounded amplitude is sampled up to a few per cent below its largest value.
+/// Growth from the first to the last window that is still bounded: samples miss the peaks by a few
+/// per cent.
 constexpr double kGrowth = 1.2;
 
 constexpr double kSpringLength = 0.5;  ///< of the oscillator [m]
 
-/// One spring between vertices 0 and 1, along x: a single face whose other edges have (next to) no
-/// stiffness.
+/// Makes one spring between vertices 0 and 1, along x: a single face whose other edges have next to
+/// no stiffness.
 Model oneSpring(double stiffness) {
   Fabric fabric;
   fabric.tensileWarp = 2.0 * stiffness;  // k = K A / L^2 with A = L^2 / 2
@@ -39,7 +41,7 @@ Model oneSpring(double stiffness) {
   return model;
 }
 
-/// Flat in z = 0 and at rest.
+/// Places the cloth flat in z = 0, at rest.
 void layFlat(VibratingSystem& system) {
   const auto count = static_cast<std::size_t>(system.model.particleCount());
   system.start.x = VertexData<Vec3>(count, Vec3::Zero(), system.model.mesh.revision());
@@ -49,8 +51,7 @@ void layFlat(VibratingSystem& system) {
   }
 }
 
-/// Stiffness at rest between displacements over the root of the mass: its eigenvalues are squares
-/// of frequencies.
+/// Returns M^(-1/2) K M^(-1/2) at rest; its eigenvalues are squares of angular frequencies [1/s^2].
 Eigen::MatrixXd massScaledStiffness(const VibratingSystem& system) {
   const Model& model = system.model;
   const VertexData<Vec3>& rest = system.start.x;
@@ -87,7 +88,7 @@ void excite(double largest, VibratingSystem& system) {
   }
 }
 
-/// Root of the energy in the springs: whatever the cloth does as a whole does not count.
+/// Returns the root of the energy of the springs: rigid motion does not count.
 double amplitude(const VibratingSystem& system, const State& state) {
   return std::sqrt(energies(system.model, state, Vec3::Zero()).elastic);
 }

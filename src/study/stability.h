@@ -1,5 +1,5 @@
 #pragma once
-/// \file How long a substep each method stays stable with, measured.
+/// \file Measures the longest substep with which each method is stable.
 
 #include <string>
 #include <vector>
@@ -19,12 +19,13 @@ struct VibratingSystem {
   State start;  ///< displaced along the mode
 };
 
-/// Two masses on a spring.
+/// Makes two masses on a spring.
 VibratingSystem makeOscillator();
-/// A small flat cloth, free, in the plane; its mode by dense eigenvalues of the stiffness.
+/// Makes a small, flat, free cloth that vibrates in its plane. Its mode is the largest eigenvector
+/// of the dense stiffness matrix.
 VibratingSystem makeVibratingCloth();
 
-/// Whether the energy in the springs stays bounded with substeps of `h` [s].
+/// Tells whether the energy of the springs stays bounded with substeps of `h` [s].
 bool staysBounded(const SolverInfo& method, const VibratingSystem& system, double h);
 
 struct StabilityLimit {
@@ -35,7 +36,7 @@ struct StabilityLimit {
   Bisection inOmegaH;      ///< probes and limit, in omega h
 };
 
-/// Of one method on one system, in omega h from 0.02 to 1000 to half a per cent.
+/// Measures the limit of a method on a system: omega h from 0.02 to 1000, to half a per cent.
 StabilityLimit measureStability(const SolverInfo& method, const VibratingSystem& system);
 
 }  // namespace cloth_sim

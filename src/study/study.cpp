@@ -19,7 +19,7 @@ namespace {
 constexpr ConvergenceGoal kQuickGoal{5e-4, 4};
 constexpr ConvergenceGoal kFullGoal{1e-4, 6};
 
-/// Writes a table under another name first: complete or not at all.
+/// Writes a table completely or not at all: under another name first.
 template <typename Write>
 void writeTable(const std::string& file, const Write& write) {
   const std::string temporary = file + ".tmp";
@@ -32,7 +32,7 @@ void writeTable(const std::string& file, const Write& write) {
   }
 }
 
-/// All of it as independent jobs; tables are written when all are done.
+/// Plans the study as independent jobs, runs them, and writes the tables when all are done.
 class Study {
  public:
   Study(const StudyOptions& options, StudyProgress& progress)
@@ -53,7 +53,7 @@ class Study {
   }
 
  private:
-  /// One scene, and what its runs will be compared with.
+  /// A scene with its reference and its runs.
   struct Compared {
     StudyScene study;
     Reference reference;
@@ -80,7 +80,7 @@ class Study {
   // ---- cost against error
 
   void planComparisons() {
-    for (const std::string& name : namesOfScenes()) {
+    for (const std::string& name : sceneNames()) {
       scenes_.push_back({loadStudyScene(options_.scenes, name), {}, {}});
     }
     for (Compared& scene : scenes_) {
@@ -106,7 +106,7 @@ class Study {
     }
   }
 
-  std::vector<std::string> namesOfScenes() const {
+  std::vector<std::string> sceneNames() const {
     const std::vector<std::string>& known = studySceneNames();
     const auto isAmong = [](const std::vector<std::string>& names, const std::string& name) {
       return std::find(names.begin(), names.end(), name) != names.end();
@@ -124,7 +124,7 @@ class Study {
     return names;
   }
 
-  /// The one in a file, if the scene is smooth and has one that is its own; else a converged run.
+  /// Returns the reference in a file, if the scene is smooth and has one; else a converged run.
   Reference referenceOf(const StudyScene& study) {
     announce(study.name + ", reference");
     if (study.isSmooth()) {
@@ -189,7 +189,7 @@ class Study {
                [&](auto& out) { writeStabilityLimits(out, limits_); });
   }
 
-  // ---- what depends on the resolution
+  // ---- influence of the resolution
 
   void planResolutions() {
     std::vector<ResolutionRun> runs = resolutionRuns(

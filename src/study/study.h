@@ -1,5 +1,5 @@
 #pragma once
-/// \file The whole study: runs it and writes its tables.
+/// \file Runs the whole study and writes its tables.
 
 #include <string>
 #include <vector>
@@ -11,24 +11,27 @@ namespace cloth_sim {
 struct StudyOptions {
   bool quick = false;
   std::string scenes;             ///< folder of the study's scenes and their references
-  std::string out;                ///< folder that the tables go to; it exists
-  std::vector<std::string> only;  ///< names of scenes; none: all
-  bool workPrecision = true;      ///< parts of the study
+  std::string out;                ///< existing folder for the tables
+  std::vector<std::string> only;  ///< names of scenes; empty: all
+  // Parts of the study.
+  bool workPrecision = true;
   bool stability = true;
   bool resolution = true;
-  int jobs = 1;  ///< threads; each run is in, and timed in, one of them
+  int jobs = 1;  ///< threads; each run is made and timed in one of them
 };
 
-/// Tells how far it is. `done` of `total` pieces of work lie behind it.
+/// Receives the progress of a study.
 class StudyProgress {
  public:
   virtual ~StudyProgress() = default;
+  /// `done` of `total` pieces of work are finished; `next` describes the next one.
   virtual void update(int done, int total, const std::string& next) = 0;
-  /// Something that the reader of the tables should know, one line.
+  /// Passes on a line that the reader of the tables should know.
   virtual void remark(const std::string& text) = 0;
 };
 
-/// \throws SceneError, std::runtime_error if an input is missing or a table cannot be written.
+/// Runs the study. \throws SceneError, std::runtime_error if an input is missing or a table cannot
+/// be written.
 void runStudy(const StudyOptions& options, StudyProgress& progress);
 
 }  // namespace cloth_sim

@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Writes the same nan everywhere: the sign of one means nothing.
+/// A number that is written as "nan" whatever the sign of a NaN is.
 struct Number {
   double value;
 };
@@ -25,16 +25,16 @@ std::ostream& operator<<(std::ostream& out, const Configuration& c) {
 
 double none() { return std::numeric_limits<double>::quiet_NaN(); }
 
-/// A run that was not made has cost nothing that one could compare.
+/// Returns the cost of a run [s/s]; nan for a run that was not made.
 Number costOf(const WorkPrecisionRow& row) {
   return {row.run.simulatedTime > 0.0 ? row.run.cpuPerSimulatedSecond() : none()};
 }
 
-Number strainOf(const WorkPrecisionRow& row) {
+Number largestStrain(const WorkPrecisionRow& row) {
   return {row.run.simulatedTime > 0.0 ? strainOfStretch(row.run.largestStretch) : none()};
 }
 
-/// A text as one field.
+/// Returns a text as one quoted field.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? "'" : std::string(1, c);
@@ -47,7 +47,7 @@ void writeWorkPrecision(std::ostream& out, const std::vector<WorkPrecisionRow>& 
   out << "scene,solver,dt,substeps,iterations,cpu_s_per_sim_s,error,max_strain,status\n";
   for (const WorkPrecisionRow& row : rows) {
     out << row.scene << ',' << row.configuration << ',' << costOf(row) << ',' << Number{row.error}
-        << ',' << strainOf(row) << ',' << toString(row.run.outcome) << '\n';
+        << ',' << largestStrain(row) << ',' << toString(row.run.outcome) << '\n';
   }
 }
 

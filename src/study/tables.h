@@ -1,6 +1,6 @@
 #pragma once
-/// \file What the study found, as CSV. Numbers that there are not are nan, limits that there are
-/// not inf.
+/// \file The results of the study as CSV. A missing number is written as nan, a missing limit as
+/// inf.
 
 #include <iosfwd>
 
@@ -10,7 +10,7 @@
 
 namespace cloth_sim {
 
-/// What the runs of one scene were compared with.
+/// The reference of the runs of one scene.
 struct NamedReference {
   std::string scene;
   std::string source;
@@ -18,15 +18,16 @@ struct NamedReference {
 };
 
 void writeWorkPrecision(std::ostream& out, const std::vector<WorkPrecisionRow>& rows);
-/// Of the rows of scenes about tearing.
+/// Writes the rows of scenes about tearing.
 void writeTearing(std::ostream& out, const std::vector<WorkPrecisionRow>& rows);
 void writePareto(std::ostream& out, const std::vector<WorkPrecisionRow>& front);
 void writeReferences(std::ostream& out, const std::vector<NamedReference>& references);
-/// Every probe of every bisection. The oscillator's rows are those with its stiffness.
+/// Writes every probe of every bisection. The rows of the oscillator have its stiffness.
 void writeStability(std::ostream& out, const std::vector<StabilityLimit>& limits);
 void writeStabilityLimits(std::ostream& out, const std::vector<StabilityLimit>& limits);
 void writeResolution(std::ostream& out, const std::vector<ResolutionRow>& rows);
-/// One line for every run that was not made or refused, and why. Returns how many.
+/// Writes one line for every run that was skipped or refused, with the reason. Returns their
+/// number.
 int writeSkipped(std::ostream& out, const std::vector<WorkPrecisionRow>& rows);
 
 }  // namespace cloth_sim

@@ -10,7 +10,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Errors above this (the cloth's side, or the whole time until it separates) are no answer.
+/// Error above which a run is wrong: the side of the cloth, or the whole time until it separates.
 constexpr double kWrong = 1.0;
 
 std::vector<int> iterationCounts(const SolverInfo& method, const std::vector<double>& multiples) {
@@ -31,7 +31,7 @@ std::string seconds(double time) {
   return text.str();
 }
 
-/// Climbs, and stops where it gets too expensive.
+/// Measures the runs of a climb in turn; skips those that would be too expensive.
 class Climber {
  public:
   Climber(const StudyScene& study, const Ladder& ladder) : study_(study), ladder_(ladder) {}
@@ -52,8 +52,8 @@ class Climber {
   }
 
  private:
-  /// From the run before: work grows with the number of substeps. Nothing is known of the first
-  /// run, nor of one after a run that broke off.
+  /// Returns the expected CPU time of a run, proportional to the number of substeps, from the run
+  /// before [s]; 0 for the first run.
   double expectedCost(const Configuration& next) const {
     if (last_.method == nullptr) return 0.0;
     return lastCost_ * (next.substeps / next.dt) / (last_.substeps / last_.dt);
@@ -88,7 +88,7 @@ Ladder quickLadder() {
   ladder.iterations = {0.1, 1.0};
   ladder.repetitions = 2;
   ladder.repeatBelow = 0.05;
-  ladder.mostPerRun = 30.0;  // never, but on a machine that is ten times too slow
+  ladder.mostPerRun = 30.0;  // reached only on a machine ten times too slow
   return ladder;
 }
 

@@ -19,7 +19,7 @@ void writeFigures(std::ostream& out, const RunResult& run, double error) {
   }
 }
 
-/// Of the substeps with which a method diverges only the most are of interest.
+/// Tells whether the method diverges with more substeps, too: only its last divergence is written.
 bool isFollowedByDivergence(const std::vector<WorkPrecisionRow>& rows, std::size_t k) {
   if (rows[k].run.outcome != Outcome::kDiverged) return false;
   for (std::size_t later = k + 1; later < rows.size(); ++later) {
@@ -57,7 +57,7 @@ std::string percent(double part) {
   return text.str();
 }
 
-/// Why a change was made, or was not.
+/// Tells why a change was kept or not.
 std::string verdict(const TriedChange& tried, double bound) {
   std::ostringstream text;
   text << std::setprecision(3);
@@ -86,7 +86,7 @@ void writeChanges(std::ostream& out, const Advice& advice) {
   }
 }
 
-/// The configuration as "{method: ..., dt: ...}".
+/// Returns the configuration as "{method: ..., dt: ...}".
 std::string solverText(const Scene& scene) {
   std::ostringstream text;
   text << "{method: " << scene.solver.method << ", dt: " << std::setprecision(17)
@@ -96,7 +96,7 @@ std::string solverText(const Scene& scene) {
   return text.str();
 }
 
-/// Overrides as a tree of YAML in blocks. A value of null is left out, with a remark.
+/// Overrides as a tree of YAML blocks. A value of null becomes a comment.
 class Block {
  public:
   void set(const std::string& override) {

@@ -1,11 +1,12 @@
 #pragma once
-/// \file What this thread has computed for.
+/// \file The CPU clock of a thread.
 
 #include <ctime>
 
 namespace cloth_sim {
 
-inline double threadCpuTime() {  ///< [s]
+/// Returns the CPU time of the calling thread [s].
+inline double threadCpuTime() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);

@@ -1,4 +1,4 @@
-/// \file cloth_run: runs a scene without ROS around it, as fast as it can. See docs/cloth_run.md.
+/// \file cloth_run: runs a scene without a ROS master, as fast as it can. See docs/cloth_run.md.
 
 #include <unistd.h>
 
@@ -32,9 +32,9 @@ enum ExitCode {
   kSignalBase = 128
 };
 
-constexpr double kDefaultDuration = 10.0;  ///< of what has no end of its own [s]
-constexpr double kBarPeriod = 0.1;         ///< of redrawing the bar, wall time [s]
-constexpr double kLinePeriod = 10.0;       ///< of plain lines within a phase, wall time [s]
+constexpr double kDefaultDuration = 10.0;  ///< of a scene without an end of its own [s]
+constexpr double kBarPeriod = 0.1;         ///< between two drawings of the bar, wall time [s]
+constexpr double kLinePeriod = 10.0;       ///< between two plain lines in a phase, wall time [s]
 constexpr int kBarWidth = 24;              ///< [characters]
 
 struct Options {
@@ -50,7 +50,7 @@ struct Options {
   int threads = 0;                 ///< 0: one per processor
 };
 
-/// A wrong command line or scene, or an output that cannot be written to from the start.
+/// A wrong command line or scene, or an output that cannot be written.
 class BadInput : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -60,10 +60,8 @@ volatile std::sig_atomic_t caughtSignal = 0;
 
 void onSignal(int signal) { caughtSignal = signal; }
 
-/// Fills `options`. \return an exit code if the program ends here.
-std::optional<int> parse(int argc, char** argv, Options& options) {
-  CLI::App app("Runs a cloth_sim scene headless, without a ROS master, as fast as it can.",
-               "cloth_run");
+/// Adds the options of the command line, whose values go to `options`.
+void addOptions(CLI::App& app, Options& options) {
   auto* scene = app.add_option("SCENE", options.scene,
                                "scene file, or the name of one of the package's config/scenes");
   auto* overrides = app.add_option("--set", options.overrides,
@@ -95,6 +93,13 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
       "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
       "4 a replay came to other states than the recorded ones;\n"
       "1 the disk did not take the output; 128 + signal number if it was interrupted.");
+}
+
+/// Parses the command line. \return an exit code if the program ends here.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  CLI::App app("Runs a cloth_sim scene headless, without a ROS master, as fast as it can.",
+               "cloth_run");
+  addOptions(app, options);
   try {
     app.parse(argc, argv);
     if (options.scene.empty() && options.replay.empty()) throw CLI::RequiredError("SCENE");
@@ -106,7 +111,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   return std::nullopt;
 }
 
-/// Shows where a run is: a bar on a terminal, otherwise a line now and then.
+/// Shows the progress of a run: a bar on a terminal, otherwise a line now and then.
 class Progress {
  public:
   using Clock = std::chrono::steady_clock;
@@ -114,9 +119,8 @@ class Progress {
   explicit Progress(std::optional<double> duration)
       : duration_(duration), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
 
-  double wallTime() const {  ///< since the start [s]
-    return std::chrono::duration<double>(Clock::now() - start_).count();
-  }
+  /// Returns the time since the start [s].
+  double wallTime() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
   void update(const Simulation& simulation) {
     const double wall = wallTime();
@@ -150,7 +154,7 @@ class Progress {
     std::fflush(stderr);
   }
 
-  /// By time if that is what ends the run, otherwise by phases.
+  /// Returns a bar that fills with time if the run has a duration, otherwise with phases.
   std::string bar(const Simulation& simulation) const {
     double done = 0.0;
     if (duration_) {
@@ -172,7 +176,7 @@ class Progress {
   std::string shownPhase_;
 };
 
-/// Writes frames at their rate, and whenever the phase changes.
+/// Writes frames to a bag at their rate and at every change of phase.
 class Recorder {
  public:
   Recorder(const std::string& file, double rate, const std::string& scene)
@@ -225,7 +229,7 @@ class Recorder {
   std::optional<std::uint64_t> written_;  ///< step of the last frame
 };
 
-/// When a run is over.
+/// Decides when a run is over.
 class EndOfRun {
  public:
   /// \param start  simulated time at which the run begins [s].
@@ -247,7 +251,7 @@ class EndOfRun {
   static bool passed(const Simulation& simulation, double time) {
     return simulation.time() >= time - 0.5 * simulation.scene().solver.dt;
   }
-  /// No script, or a phase that only a command would end.
+  /// Tells whether there is no script, or a phase that only a command ends.
   static bool isEndless(const PhaseScript& script) {
     const PhaseSpec* phase = script.current();
     return phase == nullptr || (phase->until.none() && !phase->timeout);
@@ -259,8 +263,9 @@ class EndOfRun {
   std::optional<double> end_;  ///< [s]
 };
 
-/// An output must not fail only after a long run.
+/// Refuses an output that would fail only after a long run.
 void checkWritable(const std::string& file) {
+  if (file.empty() || file == "-") return;
   const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file)) {
     throw BadInput(file + ": cannot be written");
@@ -275,7 +280,7 @@ void writeSummary(const std::string& file, const std::string& text) {
   }
 }
 
-/// One line if something went wrong.
+/// Writes one line if the run did not succeed. \return the exit code.
 int report(const Options& options, const Simulation& simulation) {
   if (simulation.failed()) {
     std::cerr << "cloth_run: " << options.scene
@@ -295,8 +300,8 @@ int report(const Options& options, const Simulation& simulation) {
   return kDone;
 }
 
-/// What `method: auto` has come to, on one line.
-void sayChoice(const SolverSpec& solver) {
+/// Writes the choice of `method: auto` on one line.
+void reportChoice(const SolverSpec& solver) {
   if (!solver.choice) return;
   std::cerr << "cloth_run: solver auto, error " << solver.choice->error << ": " << solver.method
             << ", dt " << solver.dt;
@@ -309,16 +314,16 @@ std::unique_ptr<Simulation> buildSimulation(const Options& options,
   try {
     Scene scene = recording ? parseScene(recording->scene, options.replay)
                             : loadScene(resolveScene(options.scene), options.overrides);
-    sayChoice(scene.solver);
+    reportChoice(scene.solver);
     return std::make_unique<Simulation>(std::move(scene));
   } catch (const std::exception& error) {
     throw BadInput(error.what());
   }
 }
 
-/// What leads from the start of the scene to where the run begins, or through all of it.
-std::vector<CommandRecord> commandsOf(const Options& options,
-                                      const std::optional<Recording>& recording) {
+/// Returns the commands of a replay, or the one that loads a saved state.
+std::vector<CommandRecord> initialCommands(const Options& options,
+                                           const std::optional<Recording>& recording) {
   if (recording) return recording->commands;
   if (options.loadState.empty()) return {};
   try {
@@ -328,10 +333,21 @@ std::vector<CommandRecord> commandsOf(const Options& options,
   }
 }
 
-std::unique_ptr<Recorder> openBag(const Options& options, const Simulation& simulation) {
+/// Goes on from a saved state. \param command  of `initialCommands`.
+void loadState(const Options& options, const CommandRecord& command, Simulation& simulation) {
+  const CommandResult loaded = simulation.apply(command.command);
+  if (!loaded.success) throw BadInput(options.loadState + ": " + loaded.message);
+}
+
+/// Opens the bag and writes the commands. \return null if there is no bag.
+std::unique_ptr<Recorder> openBag(const Options& options, const Simulation& simulation,
+                                  const std::vector<CommandRecord>& commands) {
   if (options.bag.empty()) return nullptr;
   try {
-    return std::make_unique<Recorder>(options.bag, options.bagRate, simulation.scene().text);
+    auto recorder =
+        std::make_unique<Recorder>(options.bag, options.bagRate, simulation.scene().text);
+    for (const CommandRecord& command : commands) recorder->note(command);
+    return recorder;
   } catch (const std::exception& error) {
     throw BadInput(error.what());
   }
@@ -366,54 +382,74 @@ int report(const Options& options, const Recording& recording, const Replay& out
   return kDone;
 }
 
-int run(const Options& options) {
-  const ThreadLimit limit(options.threads);
-  const std::optional<Recording> recording = openRecording(options.replay);
-  const std::unique_ptr<Simulation> simulation = buildSimulation(options, recording);
-  RunRecord record = startRecord(*simulation);
-  const std::vector<CommandRecord> commands = commandsOf(options, recording);
-  if (!recording && !commands.empty()) {
-    const CommandResult loaded = simulation->apply(commands.front().command);
-    if (!loaded.success) throw BadInput(options.loadState + ": " + loaded.message);
-    record.piecesAtStart = simulation->pieces();
-  }
-  for (const std::string& file : {options.summary, options.saveState}) {
-    if (!file.empty() && file != "-") checkWritable(file);
-  }
-  const std::unique_ptr<Recorder> recorder = openBag(options, *simulation);
-  if (recorder) {
-    for (const CommandRecord& command : commands) recorder->note(command);
+/// A run from the command line: the simulation with its record, bag and progress.
+class Run {
+ public:
+  explicit Run(const Options& options)
+      : options_(options),
+        limit_(options.threads),
+        recording_(openRecording(options.replay)),
+        simulation_(buildSimulation(options, recording_)),
+        record_(startRecord(*simulation_)) {
+    const std::vector<CommandRecord> commands = initialCommands(options, recording_);
+    if (!recording_ && !commands.empty()) {
+      loadState(options, commands.front(), *simulation_);
+      record_.piecesAtStart = simulation_->pieces();
+    }
+    checkWritable(options.summary);
+    checkWritable(options.saveState);
+    recorder_ = openBag(options, *simulation_, commands);
   }
 
-  std::signal(SIGINT, onSignal);
-  std::signal(SIGTERM, onSignal);
-  Progress progress(options.duration);
-  EndOfRun end(options.duration, simulation->time());
-  if (recorder) recorder->update(*simulation, 0.0);
-  const auto afterStep = [&] {
-    if (!options.summary.empty()) {
-      simulation->observeMaxStretch();
-      observe(*simulation, record);
+  /// Runs to the end and writes the outputs. \return the exit code.
+  int execute() {
+    std::signal(SIGINT, onSignal);
+    std::signal(SIGTERM, onSignal);
+    Progress progress(options_.duration);
+    if (recorder_) recorder_->update(*simulation_, 0.0);
+    const auto afterStep = [&] { return observeStep(progress); };
+    std::optional<Replay> outcome;
+    if (recording_) {
+      outcome = replay(*recording_, *simulation_, afterStep);
+    } else {
+      EndOfRun end(options_.duration, simulation_->time());
+      while (!end.reached(*simulation_)) {
+        simulation_->step();
+        afterStep();
+      }
     }
-    if (recorder) recorder->update(*simulation, progress.wallTime());
-    progress.update(*simulation);
+    const double wallTime = progress.wallTime();
+    progress.finish(*simulation_);
+    writeOutputs(wallTime);
+    return outcome ? report(options_, *recording_, *outcome) : report(options_, *simulation_);
+  }
+
+ private:
+  /// \return false if the run was interrupted.
+  bool observeStep(Progress& progress) {
+    if (!options_.summary.empty()) {
+      simulation_->observeMaxStretch();
+      observe(*simulation_, record_);
+    }
+    if (recorder_) recorder_->update(*simulation_, progress.wallTime());
+    progress.update(*simulation_);
     return caughtSignal == 0;
-  };
-  std::optional<Replay> outcome;
-  if (recording) outcome = replay(*recording, *simulation, afterStep);
-  while (!recording && !end.reached(*simulation)) {
-    simulation->step();
-    afterStep();
   }
-  const double wallTime = progress.wallTime();
-  progress.finish(*simulation);
-  if (recorder) recorder->finish(*simulation, wallTime);
-  if (!options.saveState.empty()) writeFileWhole(options.saveState, simulation->save());
-  if (!options.summary.empty()) {
-    writeSummary(options.summary, summaryJson(*simulation, record, wallTime, caughtSignal != 0));
+
+  void writeOutputs(double wallTime) {
+    if (recorder_) recorder_->finish(*simulation_, wallTime);
+    if (!options_.saveState.empty()) writeFileWhole(options_.saveState, simulation_->save());
+    if (options_.summary.empty()) return;
+    writeSummary(options_.summary, summaryJson(*simulation_, record_, wallTime, caughtSignal != 0));
   }
-  return outcome ? report(options, *recording, *outcome) : report(options, *simulation);
-}
+
+  const Options& options_;
+  ThreadLimit limit_;
+  std::optional<Recording> recording_;  ///< of a replay
+  std::unique_ptr<Simulation> simulation_;
+  RunRecord record_;
+  std::unique_ptr<Recorder> recorder_;  ///< null without a bag
+};
 
 }  // namespace
 }  // namespace cloth_sim
@@ -423,7 +459,7 @@ int main(int argc, char** argv) {
   try {
     Options options;
     if (const std::optional<int> code = parse(argc, argv, options)) return *code;
-    return run(options);
+    return Run(options).execute();
   } catch (const BadInput& error) {
     std::cerr << "cloth_run: " << error.what() << std::endl;
     return kBadInput;

@@ -29,8 +29,8 @@ namespace fs = std::filesystem;
 
 enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
 
-constexpr double kBarPeriod = 0.1;   ///< of redrawing the bar, wall time [s]
-constexpr double kLinePeriod = 5.0;  ///< of plain lines, wall time [s]
+constexpr double kBarPeriod = 0.1;   ///< between two drawings of the bar, wall time [s]
+constexpr double kLinePeriod = 5.0;  ///< between two plain lines, wall time [s]
 constexpr int kBarWidth = 24;        ///< [characters]
 
 const char* const kWorkPrecision = "work_precision";
@@ -44,13 +44,13 @@ struct Options {
   std::string out;
   std::vector<std::string> scenes;
   std::vector<std::string> parts{kWorkPrecision, kStability, kResolution};
-  std::string references;  ///< "": do not make them
+  std::string references;  ///< folder for new references; "": none
   std::string autoTable;   ///< file to write; "": none
-  bool cache = false;      ///< the advice goes into the user's cache
+  bool cache = false;      ///< keep the advice in the user's cache
   std::string advise;      ///< scene; "": none
-  double error = 0.01;     ///< that the advice shall keep
-  double duration = 1.0;   ///< of the scene that is looked at for that [s]
-  double budget = 120.0;   ///< CPU time for that [s]
+  double error = 0.01;     ///< largest error for the advice [-]
+  double duration = 1.0;   ///< simulated time of each run for the advice [s]
+  double budget = 120.0;   ///< CPU time for the advice [s]
 };
 
 /// A wrong command line, or a folder that cannot be used.
@@ -59,52 +59,59 @@ class BadInput : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Fills `options`. \return an exit code if the program ends here.
-std::optional<int> parse(int argc, char** argv, Options& options) {
-  CLI::App app(
-      "Compares every method of cloth_sim on the same scenes: cost against error, limits of\n"
-      "stability, and what depends on the resolution. Writes CSV tables and charts.",
-      "cloth_study");
-  app.add_option("--out", options.out, "folder for tables and charts (made if it is not there)");
+/// Adds the options of a study.
+void addStudyOptions(CLI::App& app, Options& options) {
+  app.add_option("--out", options.out, "folder for tables and charts (created if missing)");
   app.add_flag("--quick", options.quick, "shorter ladders of substeps: two minutes");
-  app.add_option("--jobs", options.jobs,
-                 "runs at the same time, each in a thread of its own (timings are of threads, but\n"
-                 "give it no more than there are quiet cores)")
+  app.add_option(
+         "--jobs", options.jobs,
+         "number of runs at the same time, each in a thread of its own (timings are CPU times\n"
+         "of threads; use no more jobs than idle cores)")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
   app.add_option("--scenes", options.scenes, "only these of the study's scenes, a,b,...")
       ->delimiter(',');
-  app.add_option("--parts", options.parts,
-                 "work_precision, stability and resolution, or some of it")
+  app.add_option("--parts", options.parts, "some of work_precision, stability and resolution")
       ->delimiter(',')
       ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution}));
   app.add_flag("!--no-charts", options.charts, "only the tables");
-  app.add_option("--make-references", options.references,
-                 "make the references of the smooth scenes anew, with SUNDIALS CVODE, into this\n"
-                 "folder, and nothing else");
   app.add_option(
-      "--make-auto-table", options.autoTable,
-      "write the table of 'solver: {method: auto}' from the tables in --out, and nothing\n"
-      "else");
+      "--make-references", options.references,
+      "only make the references of the smooth scenes, with SUNDIALS CVODE, in this folder");
+  app.add_option("--make-auto-table", options.autoTable,
+                 "only write the table of 'solver: {method: auto}' from the tables in --out");
+}
+
+/// Adds the options of advice on a scene.
+void addAdviceOptions(CLI::App& app, Options& options) {
   app.add_option("--advise", options.advise,
-                 "scene file, or name of one of the package's: says which method, step and\n"
-                 "substeps it needs, and what it can do without");
+                 "scene file, or name of one of the package's: find the cheapest method, step and\n"
+                 "substeps for it, and the parts of it that can be left out");
   app.add_option("--error", options.error,
-                 "error that the advice shall keep: of positions over the cloth's side, or\n"
-                 "(where it comes apart) of the time of separation")
+                 "largest error for the advice: of positions over the cloth's side, or (if the\n"
+                 "cloth comes apart) of the time of separation")
       ->capture_default_str()
       ->check(CLI::Range(1e-9, 1.0));
-  app.add_option("--duration", options.duration, "of the scene, for the advice [s]")
+  app.add_option("--duration", options.duration, "simulated time of each run for the advice [s]")
       ->capture_default_str()
       ->check(CLI::Range(1e-3, 1e4));
   app.add_flag(
       "--cache", options.cache,
-      "advise on the solver only, and keep that for 'solver: {method: auto}' of this scene,\n"
-      "on this machine");
-  app.add_option("--budget", options.budget,
-                 "CPU time after which the advice tries nothing new [s]")
+      "advise on the solver only, and keep the result for 'solver: {method: auto}' of this\n"
+      "scene on this machine");
+  app.add_option("--budget", options.budget, "CPU time after which the advice begins no run [s]")
       ->capture_default_str()
       ->check(CLI::Range(1.0, 1e6));
+}
+
+/// Parses the command line. \return an exit code if the program ends here.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  CLI::App app(
+      "Compares every method of cloth_sim on the same scenes: cost against error, limits of\n"
+      "stability, and the influence of the resolution. Writes CSV tables and charts.",
+      "cloth_study");
+  addStudyOptions(app, options);
+  addAdviceOptions(app, options);
   app.footer("Exit status: 0 done; 2 bad input; 1 something failed, and the last line says what.");
   try {
     app.parse(argc, argv);
@@ -122,7 +129,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   return std::nullopt;
 }
 
-/// Shows how far the study is: a bar on a terminal, otherwise a line now and then.
+/// Shows the progress of a study: a bar on a terminal, otherwise a line now and then.
 class Progress final : public StudyProgress {
  public:
   void update(int done, int total, const std::string& next) override {
@@ -141,7 +148,7 @@ class Progress final : public StudyProgress {
     std::fflush(stderr);
   }
 
-  /// Of something that nobody knows the length of.
+  /// Shows the progress of work whose length is not known.
   void mention(int done, const std::string& next) {
     const double now = wallTime();
     if (!terminal_ && now - shown_ < kLinePeriod) return;
@@ -161,9 +168,8 @@ class Progress final : public StudyProgress {
  private:
   using Clock = std::chrono::steady_clock;
 
-  double wallTime() const {  ///< since the start [s]
-    return std::chrono::duration<double>(Clock::now() - start_).count();
-  }
+  /// Returns the time since the start [s].
+  double wallTime() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
   bool terminal_ = isatty(STDERR_FILENO) != 0;
   Clock::time_point start_ = Clock::now();
@@ -178,7 +184,7 @@ fs::path packageFolder() {
   return package;
 }
 
-/// An output must not fail only after a long run.
+/// Makes the folder of the output, so that it cannot fail only after a long run.
 void makeFolder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -187,14 +193,14 @@ void makeFolder(const std::string& folder) {
   }
 }
 
-/// For the shell.
+/// Quotes a text for the shell.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? "'\\''" : std::string(1, c);
   return result + "'";
 }
 
-/// Draws the charts. The script says what it lacks.
+/// Draws the charts. The script reports missing packages.
 void drawCharts(const std::string& folder) {
   const fs::path script = packageFolder() / "study" / "plots.py";
   const std::string command = "/usr/bin/python3 " + quoted(script) + " " + quoted(folder);
@@ -223,7 +229,7 @@ int makeReferences(const std::string& folder) {
   return kDone;
 }
 
-/// For `solver: {method: auto}` of the same scene.
+/// Keeps the advice for `solver: {method: auto}` of the same scene.
 void keepAdvice(const Advice& advice) {
   const std::string file = userCacheFile();
   if (file.empty()) throw std::runtime_error("--cache: expected HOME or CLOTH_SIM_CACHE to be set");

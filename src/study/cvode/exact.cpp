@@ -16,12 +16,12 @@ namespace cloth_sim {
 namespace {
 
 constexpr double kTolerance = 1e-10;      ///< relative
-constexpr double kCheckTolerance = 1e-8;  ///< of the run that the error is estimated with
+constexpr double kCheckTolerance = 1e-8;  ///< of the second run, for the error estimate
 constexpr double kAbsolutePart = 1e-2;    ///< absolute over relative tolerance [m], [m/s]
 constexpr long kMostSteps = 10000000;
 
-/// The equations of motion, written from the springs: independent of the solvers' own forces.
-/// y holds positions, then velocities.
+/// The equations of motion, derived from the springs independently of the solvers' forces.
+/// The state vector y holds the positions of all particles, then their velocities.
 class Motion {
  public:
   explicit Motion(const StudyScene& study)
@@ -55,7 +55,7 @@ class Motion {
     const double* velocity = y + size() / 2;
     double* acceleration = rate + size() / 2;
     std::fill(acceleration, acceleration + size() / 2, 0.0);
-    for (const Spring& spring : model_.springs.slots()) pull(spring, y, acceleration);
+    for (const Spring& spring : model_.springs.slots()) addForce(spring, y, acceleration);
     for (VertexId v = 0; v < model_.particleCount(); ++v) {
       at(rate, v) = at(velocity, v);
       at(acceleration, v) =
@@ -71,7 +71,7 @@ class Motion {
     return Eigen::Map<const Vec3>(y + 3L * v);
   }
 
-  void pull(const Spring& spring, const double* y, double* force) const {
+  void addForce(const Spring& spring, const double* y, double* force) const {
     const double* velocity = y + size() / 2;
     const Vec3 d = at(y, spring.b) - at(y, spring.a);
     const double length = d.norm();
