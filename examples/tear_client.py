@@ -15,7 +15,7 @@ def call(service, kind, *arguments):
 
 
 def move(x, z):
-    """Where the clamp shall go [m]."""
+    """A target of the clamp [m]."""
     target = PoseStamped()
     target.header.frame_id = 'world'
     target.pose.position.x, target.pose.position.z = x, z

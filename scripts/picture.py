@@ -35,7 +35,7 @@ TO_LIGHT = np.array([0.25, -0.45, 0.86])
 # ---- the bag -------------------------------------------------------------------------------------
 
 class Run:
-    """What a bag holds of one run: figures at all times, shapes at the times asked for."""
+    """A run in a bag: figures at all times, shapes at the requested times."""
 
     def __init__(self, path):
         self.bag = rosbag.Bag(path)
@@ -135,7 +135,7 @@ def face_strains(topology, points):
     return vertex_strains(topology, points)[topology.faces].max(axis=1)
 
 
-# ---- what stands around --------------------------------------------------------------------------
+# ---- obstacles and clamps --------------------------------------------------------------------------
 
 def quaternion_matrix(q):
     x, y, z, w = q
@@ -197,7 +197,7 @@ def rotation_of(entry):
 
 
 class SceneFile:
-    """The solids that a scene file names; the cloth itself comes from the bag."""
+    """The obstacles and clamps of a scene file; the cloth comes from the bag."""
 
     def __init__(self, path):
         self.obstacles, self.plates = [], {}
@@ -248,7 +248,7 @@ class SceneFile:
 # ---- drawing -------------------------------------------------------------------------------------
 
 class Camera:
-    """Perspective, z up; stands where all of `points` just fit into the picture."""
+    """A perspective camera, z up, at the distance from which all `points` fit into the picture."""
 
     MARGIN = 0.06  # of the picture, on each side
 
@@ -272,7 +272,7 @@ class Camera:
             self.eye = self.eye + (((high - low) / room).max() - 1) * depth * back
 
     def project(self, points):
-        """Pixel x, pixel y, depth."""
+        """Projects points to (x [px], y [px], depth [m])."""
         local = (points - self.eye) @ self.axes.T
         depth = np.maximum(-local[..., 2], 1e-3)
         return np.stack([self.width / 2 + self.focal * local[..., 0] / depth,
@@ -287,7 +287,7 @@ class Picture:
         self.parts = []  # (corners on the screen, depth, colour, width of the outline)
 
     def add_solid(self, triangles, colour):
-        """Triangles (n, 3, 3) of a closed body. Where something lies on it, that is in front."""
+        """Adds triangles (n, 3, 3) of a closed body; cloth that lies on it is drawn over it."""
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         towards_us = np.einsum('td,td->t', normal, self.camera.eye - triangles[:, 0]) > 0
         triangles, normal = triangles[towards_us], unit(normal[towards_us])
@@ -295,7 +295,7 @@ class Picture:
         self._add(screen, screen[..., 2].max(axis=1), colour * lighting(normal)[:, None])
 
     def add_cloth(self, points, topology):
-        """Both sides of a cloth, coloured by strain, and its torn edges."""
+        """Adds both sides of a cloth, coloured by strain, and its torn edges."""
         faces = topology.faces
         normals = vertex_normals(points, faces)[faces].mean(axis=1)
         from_front = np.einsum('td,td->t', normals, self.camera.eye - points[faces[:, 0]]) > 0
@@ -333,7 +333,7 @@ def unit(vectors):
 
 
 def lighting(normal):
-    """Factor of a colour: light from the side and from above, and some from everywhere."""
+    """The factor of a colour: light from the side and from above, and ambient light."""
     light = TO_LIGHT / np.linalg.norm(TO_LIGHT)
     return 0.50 + 0.42 * np.maximum(normal @ light, 0.0) + 0.12 * (0.5 + 0.5 * normal[:, 2])
 

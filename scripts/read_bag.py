@@ -21,11 +21,11 @@ KIND = 'cloth_sim/ClothState'
 
 
 class BadInput(Exception):
-    """What is wrong, in one line."""
+    """Wrong input; the message is one line."""
 
 
 def write_whole(path, data):
-    """The file is there whole or not at all."""
+    """Writes a file completely or not at all."""
     temporary = '%s.tmp%d' % (path, os.getpid())
     try:
         with open(temporary, 'wb') as file:
@@ -38,7 +38,7 @@ def write_whole(path, data):
 
 
 class Run:
-    """One cloth in a bag."""
+    """The recorded messages of one node in a bag."""
 
     def __init__(self, path, node=None):
         import rosbag  # here, so that --help needs no ROS
@@ -60,13 +60,13 @@ class Run:
         self.path, self.node, self.topics = path, node, topics
 
     def messages(self, *names):
-        """Messages of topics of the node, in the order of the bag, with the topic's last part."""
+        """Yields (last part of the topic, message) for topics of the node, in the order of the bag."""
         wanted = {self.node + '/' + name: name for name in names}
         for topic, message, _ in self.bag.read_messages(topics=list(wanted)):
             yield wanted[topic], message
 
     def rows(self):
-        """The figures over time: a list of names, and a row for every state."""
+        """(names of the columns, a row for every state)."""
         names, rows = None, []
         for _, state in self.messages('state'):
             if names is None:
@@ -86,7 +86,7 @@ class Run:
         return names, rows
 
     def meshes(self):
-        """(frame, positions, topology) of every frame whose topology is in the bag."""
+        """Yields (frame, positions, topology) of every frame whose topology is in the bag."""
         topologies = {}
         for name, message in self.messages('topology', 'frame'):
             if name == 'topology':
@@ -146,7 +146,7 @@ def plot(names, rows, title):
 
 
 def obj(positions, topology):
-    """Wavefront OBJ with material coordinates as texture coordinates; z is up."""
+    """The mesh as a Wavefront OBJ with material coordinates as texture coordinates; z is up."""
     faces = np.array(topology.triangles).reshape(-1, 3) + 1
     lines = ['v %.9g %.9g %.9g' % tuple(p) for p in positions]
     lines += ['vt %.9g %.9g' % tuple(p) for p in np.array(topology.uv).reshape(-1, 2)]
@@ -155,7 +155,7 @@ def obj(positions, topology):
 
 
 def ply(positions, topology):
-    """Binary PLY; material coordinates are the properties s and t."""
+    """The mesh as a binary PLY; material coordinates are the properties s and t."""
     uv = np.array(topology.uv, dtype='<f4').reshape(-1, 2)
     faces = np.array(topology.triangles, dtype='<i4').reshape(-1, 3)
     header = ['ply', 'format binary_little_endian 1.0', 'element vertex %d' % len(positions)]
@@ -169,7 +169,7 @@ def ply(positions, topology):
 
 
 def write_meshes(run, folder, kind, every):
-    """\\return how many were written: frame_<number>.<kind>, and times.csv beside them."""
+    """Writes frame_<number>.<kind> for every N-th frame, and times.csv; returns their number."""
     os.makedirs(folder, exist_ok=True)
     times, number = [], 0
     for number, (frame, positions, topology) in enumerate(run.meshes()):

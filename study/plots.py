@@ -68,7 +68,7 @@ def save(figure, folder, name):
 # ---- work and precision --------------------------------------------------------------------------
 
 def curves(rows):
-    """Rows of one method that belong on one line: the same step and iterations, by substeps."""
+    """The rows of each line of a method: the same step and iterations, by substeps."""
     groups = {}
     for row in rows:
         groups.setdefault((row['dt'], row['iterations']), []).append(row)
@@ -77,7 +77,7 @@ def curves(rows):
 
 
 def draw_method(axes, rows, style):
-    """The longest step filled and on a solid line; shorter ones open and dashed."""
+    """Filled markers and a solid line for the longest step; open and dashed for shorter ones."""
     longest = max(float(row['dt']) for row in rows)
     default = min(unique(row['iterations'] for row in rows), key=int)
     for curve in curves(rows):
@@ -98,7 +98,7 @@ def draw_front(axes, front):
 
 
 def label_front(axes, front):
-    """How many substeps a second of simulated time the ends of the front take."""
+    """Writes the rates of substeps at the ends of the front."""
     for row, offset, side in list(zip([front[:1], front[-1:]], [(8, 7), (-9, -3)],
                                       ['left', 'right']))[:len(front)]:
         rate = float(row[0]['substeps']) / float(row[0]['dt'])
@@ -108,7 +108,7 @@ def label_front(axes, front):
 
 
 def draw_failures(axes, rows, styles):
-    """One line of crosses for each method that failed."""
+    """Draws a line of crosses for each method that failed."""
     methods = unique(row['solver'] for row in rows)
     axes.set_ylim(len(methods) - 0.4, -0.6)
     axes.set_yticks(range(len(methods)))

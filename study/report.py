@@ -21,12 +21,12 @@ def text_of(folder, name):
 
 
 def percent(value, digits=2):
-    """0.00123 -> '0.12 %', with so many digits that count."""
+    """Formats a fraction with some significant digits: 0.00123 -> '0.12 %'."""
     return f'{significant(100.0 * value, digits)} %'
 
 
 def significant(value, digits=2):
-    """A number with so many digits that count, without an exponent."""
+    """Formats a number with some significant digits, without an exponent."""
     if value == 0.0:
         return '0'
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
@@ -50,7 +50,7 @@ class Run(dict):
 
     @property
     def rate(self):
-        """Substeps a simulated second."""
+        """Substeps per simulated second."""
         return float(self['substeps']) / float(self['dt'])
 
     def __str__(self):
@@ -58,7 +58,7 @@ class Run(dict):
 
 
 class Tables:
-    """What templates may say."""
+    """The functions that templates may call."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -73,7 +73,7 @@ class Tables:
                 if run['scene'] == scene and solver in (None, run['solver'])]
 
     def coarsest(self, scene, solver):
-        """The run of the fewest substeps that ended well."""
+        """The successful run with the fewest substeps."""
         return min([run for run in self.of(scene, solver) if run.ok], key=lambda run: run.rate)
 
     def least(self, scene, solver):
@@ -81,7 +81,7 @@ class Tables:
         return min(run.error for run in self.of(scene, solver) if run.ok)
 
     def confirmed(self, run, error):
-        """Whether the next run with more substeps keeps the error too: once may be an accident."""
+        """Whether the next run with more substeps keeps the error, too (once may be an accident)."""
         finer = [other for other in self.of(run['scene'], run['solver'])
                  if other.rate > run.rate * 1.001 and other['dt'] == run['dt']
                  and other['iterations'] == run['iterations'] and other['status'] != 'skipped']
@@ -91,38 +91,38 @@ class Tables:
         return following.ok and following.error <= error
 
     def cheapest(self, scene, error, solver=None):
-        """The run of least cost that keeps this error, as does the next finer; None if there is
+        """The cheapest run that keeps this error, as the next finer one does; None if there is
         none."""
         good = [run for run in self.of(scene, solver)
                 if run.ok and run.error <= error and self.confirmed(run, error)]
         return min(good, key=lambda run: run.cost) if good else None
 
     def times(self, scene, error, solver):
-        """How many times as much as the cheapest a method costs, in words."""
+        """The cost of a method over that of the cheapest, in words."""
         run = self.cheapest(scene, error, solver)
         if run is None:
             return 'does not get there'
         return f'costs {significant(run.cost / self.cheapest(scene, error).cost)} times as much'
 
     def cell(self, scene, error, solver=None):
-        """The same for a table."""
+        """The cost of a method over that of the cheapest, for a table."""
         run = self.cheapest(scene, error, solver)
         if run is None:
             return 'none |'
         return f'{run}: {percent(run.error)} | {significant(run.cost)}'
 
     def front(self, scene):
-        """Methods on the scene's front, by cost."""
+        """The methods on the scene's Pareto front, by cost."""
         return list(dict.fromkeys(run['solver'] for run in self.front_rows
                                   if run['scene'] == scene))
 
     def on_front(self, solver, least=0.0, most=1.0):
-        """Scenes on whose front a method is with errors between two bounds."""
+        """The scenes whose front has the method with an error between two bounds."""
         return list(dict.fromkeys(run['scene'] for run in self.front_rows
                                   if run['solver'] == solver and least <= run.error <= most))
 
     def fails(self, scene, solver):
-        """The most substeps a second with which a method diverges; 0 if it never does."""
+        """The largest rate of substeps with which a method diverges; 0 if it never does."""
         return max([run.rate for run in self.of(scene, solver) if run['status'] == 'diverged'],
                    default=0.0)
 
@@ -132,7 +132,7 @@ class Tables:
         return float(row['measured_limit'])
 
     def worst_limit(self):
-        """Largest deviation of a measured limit of stability from theory, where there is one."""
+        """The largest deviation of a measured limit of stability from its prediction."""
         return max(abs(float(row['measured_limit']) / float(row['predicted_limit']) - 1.0)
                    for row in self.limits
                    if math.isfinite(float(row['predicted_limit']))
@@ -164,8 +164,8 @@ class Tables:
         return max(runs, key=lambda run: run.rate).error
 
     def order(self, scene, solver):
-        """Observed, between the finest run and the one with half as many substeps; runs that are as
-        close to the reference as that is to the truth say nothing."""
+        """The observed order, from the finest run and the one with half as many substeps. Runs whose
+        error is as small as that of the reference do not count."""
         runs = [run for run in self.of(scene, solver) if run.ok and run.error > 1e-8]
         for fine in sorted(runs, key=lambda run: -run.rate):
             half = [run for run in runs if abs(2.0 * run.rate / fine.rate - 1.0) < 1e-3

@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kNodeName = "/cloth";
 constexpr const char* kWorldFrame = "world";
 
-/// "Latched" is said in the header of a bag's connection: rosbag play then latches too.
+/// Returns a connection header that marks the topic as latched; rosbag play then latches it, too.
 template <typename Message>
 boost::shared_ptr<ros::M_string> latchedHeader() {
   auto header = boost::make_shared<ros::M_string>();
@@ -54,8 +54,8 @@ struct BagWriter::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  /// On a full disk the destructor of a bag throws too, which ends the program, and closing it
-  /// again closes its file twice: a bag that could not be closed is abandoned.
+  /// Closes the bag, or abandons it if that fails: on a full disk the destructor of a bag throws,
+  /// too, which would end the program, and a second close would close the file twice.
   void close() {
     rosbag::Bag* const last = bag.release();
     if (last == nullptr) return;
@@ -63,7 +63,7 @@ struct BagWriter::Impl {
     delete last;
   }
 
-  /// Has `action` done. \throws std::runtime_error that says why the disk did not take it.
+  /// Runs `action`. \throws std::runtime_error with the reason if the disk refuses its output.
   template <typename Action>
   void attempt(const Action& action) {
     errno = 0;
@@ -95,9 +95,9 @@ struct BagWriter::Impl {
   std::string file;
   std::string active;
   std::string scene;
-  std::optional<double> repeated;  ///< when everything latched was written last [s]
+  std::optional<double> repeated;  ///< time of the last latched messages [s]
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
-  std_msgs::Header header;  ///< of everything written in this call
+  std_msgs::Header header;  ///< of all messages of one call
   std::shared_ptr<const Topology> topology;
   bool anyPhase = false;
   std::string phase;
@@ -155,7 +155,7 @@ void BagWriter::Impl::stamp(double time) {
   header.stamp = clockTime(time);
 }
 
-/// Everything latched is written again when it is time, or when time has jumped.
+/// Repeats the latched messages after kRepeatPeriod, or if time has jumped back.
 void BagWriter::Impl::repeat(double time) {
   if (repeated && time >= *repeated && time < *repeated + kRepeatPeriod) return;
   repeated = time;

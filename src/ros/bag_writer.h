@@ -1,5 +1,5 @@
 #pragma once
-/// \file A run as a rosbag, without a node and without a master. No ROS in here: for tools.
+/// \file Writes a run as a rosbag, without a node and a master. The header includes no ROS.
 
 #include <memory>
 #include <string>
@@ -9,33 +9,34 @@
 
 namespace cloth_sim {
 
-/// How often what is latched is sent again, so that every part of a split bag can be understood by
-/// itself [s].
+/// Period after which latched messages are repeated, so that every part of a split bag is complete
+/// in itself [s].
 constexpr double kRepeatPeriod = 5.0;
 
 /// Writes what the node "/cloth" would publish: /cloth/scene, /cloth/topology (latched, whenever a
 /// frame has a new revision, and again every kRepeatPeriod), /cloth/frame, /cloth/state,
 /// /cloth/commands, /cloth/tear_events, /cloth/grasp_events, /cloth/broken_springs, /cloth/phase,
-/// /cloth/scene_markers, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is stamped
-/// 1 ns, since a stamp of 0 means "none" in ROS.
+/// /cloth/scene_markers, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is
+/// stamped 1 ns, since a stamp of 0 means "none" in ROS.
 ///
 /// The bag grows as "<file>.active" and takes its name when it is complete.
 class BagWriter {
  public:
+  /// \param scene  text of the scene.
   /// \throws std::runtime_error if the file cannot be written.
-  /// \param scene  its text.
   BagWriter(const std::string& file, const std::string& scene);
   /// Leaves the ".active" file if `close` was not called.
   ~BagWriter();
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
+  /// Writes an observation.
   /// \param events  springs that failed since the last call, in order.
-  /// \param grips   what became of grasps since the last call, in order.
-  /// \throws std::runtime_error if the disk does not take it.
+  /// \param grips   events of grasps since the last call, in order.
+  /// \throws std::runtime_error if the disk refuses it.
   void write(const Observation& observation, const std::vector<FailureEvent>& events,
              const std::vector<GripEvent>& grips);
-  /// \throws std::runtime_error if the disk does not take it.
+  /// Writes a command. \throws std::runtime_error if the disk refuses it.
   void write(const CommandRecord& command);
 
   /// Completes the bag and gives it its name.

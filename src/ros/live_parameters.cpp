@@ -9,11 +9,11 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kMirrorPeriod = 0.2;                ///< [s]
-constexpr std::chrono::milliseconds kSettling{500};  ///< until a command shows in the observations
-constexpr double kRounding = 1e-9;                   ///< of a value, relative: no change
+constexpr double kMirrorPeriod = 0.2;  ///< between comparisons with the simulation [s]
+constexpr std::chrono::milliseconds kSettling{500};  ///< delay of a command in the observations
+constexpr double kRounding = 1e-9;                   ///< relative difference that is no change
 
-/// Smallest ratio less one; infinity if nothing can tear.
+/// Returns the smallest ratio less one; infinity if nothing can tear.
 double weakest(const TearRatios& ratio) {
   return *std::min_element(ratio.begin(), ratio.end()) - 1.0;
 }
@@ -30,7 +30,8 @@ bool same(const ClothConfig& a, const ClothConfig& b) {
          same(a.stiffness, b.stiffness);
 }
 
-/// Still air presses on moving cloth too: where the scene has none, none comes in by a zero.
+/// Returns the wind of a velocity; none for velocity zero in a scene without wind, because still
+/// air would press on moving cloth.
 std::optional<Wind> windFor(const Vec3& velocity, const Tuning& now, const SceneTuning& scene) {
   if (velocity.isZero(0.0) && !scene.wind) return std::nullopt;
   Wind wind = now.wind ? *now.wind : scene.wind.value_or(Wind());
@@ -100,7 +101,7 @@ std::vector<std::string> liveParameterNames() {
 
 namespace {
 
-/// What an earlier run left on the parameter server is not this scene's.
+/// Deletes the parameters that an earlier run left on the parameter server. \return `node`.
 ros::NodeHandle withoutLeftovers(const ros::NodeHandle& node) {
   for (const std::string& name : liveParameterNames()) node.deleteParam(name);
   return node;
@@ -115,7 +116,7 @@ LiveParameters::LiveParameters(const ros::NodeHandle& privateNode, const Scene& 
       config_(toConfig(simulation.observe().snapshot->tuning)),
       server_(mutex_, withoutLeftovers(privateNode)) {
   server_.updateConfig(config_);
-  // It also calls once now, with what it read before: nothing has changed yet.
+  // This calls the callback once, with the present configuration.
   server_.setCallback(
       [this](ClothConfig& config, std::uint32_t level) { onChange(config, level); });
   timer_ = ros::NodeHandle(privateNode)

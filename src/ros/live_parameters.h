@@ -1,5 +1,5 @@
 #pragma once
-/// \file Parameters that may be turned while the node runs, by dynamic_reconfigure.
+/// \file Parameters that may change while the node runs, by dynamic_reconfigure.
 
 #include <dynamic_reconfigure/server.h>
 #include <ros/node_handle.h>
@@ -14,31 +14,31 @@
 
 namespace cloth_sim {
 
-/// What stands still while parameters are turned.
+/// The settings of a scene that parameters do not change.
 struct SceneTuning {
   Vec3 down = -Vec3::UnitZ();  ///< direction of gravity, unit
   std::optional<Wind> wind;    ///< of the scene
 };
 SceneTuning sceneTuning(const Scene& scene);
 
-/// The parameters of a simulation as it is now, within their ranges.
+/// Returns the current parameters of a simulation, clamped to their ranges.
 ClothConfig toConfig(const Tuning& tuning);
 
-/// Limits in proportion to those of `ratio`, so that the weakest kind fails at `strain`. Kinds that
-/// never fail never do; where none does, structural and shear springs fail at `strain`.
+/// Returns the limits `ratio`, scaled so that the weakest kind of spring fails at `strain`. Kinds
+/// without a limit keep none; if no kind has one, structural and shear springs fail at `strain`.
 TearRatios scaledRatios(const TearRatios& ratio, double strain);
 
-/// The commands that bring a simulation from one configuration to another: one for each thing that
-/// differs, none for what does not.
-/// \param now  of the simulation.
+/// Returns the commands that bring a simulation from one configuration to another, one for each
+/// setting that differs.
+/// \param now  the present settings of the simulation.
 std::vector<Command> commandsBetween(const ClothConfig& before, const ClothConfig& after,
                                      const Tuning& now, const SceneTuning& scene);
 
-/// Names of the parameters: `gravity`, `wind_x`, ...
+/// Names the parameters: `gravity`, `wind_x`, ...
 std::vector<std::string> liveParameterNames();
 
-/// Serves ~set_parameters, ~parameter_descriptions and ~parameter_updates. What the phases of the
-/// scene, a reset or others' commands turn shows in the parameters, too.
+/// Serves ~set_parameters, ~parameter_descriptions and ~parameter_updates. The parameters also show
+/// changes by phases of the scene, by a reset and by other commands.
 class LiveParameters {
  public:
   LiveParameters(const ros::NodeHandle& privateNode, const Scene& scene,
@@ -52,9 +52,9 @@ class LiveParameters {
 
   SceneTuning scene_;
   SimulationThread& simulation_;
-  boost::recursive_mutex mutex_;  ///< the server's, too: of what is below
-  ClothConfig config_;            ///< the last one
-  Clock::time_point changed_;     ///< when a client changed it last
+  boost::recursive_mutex mutex_;  ///< guards the members below, and the server
+  ClothConfig config_;            ///< the last configuration
+  Clock::time_point changed_;     ///< time of the last change by a client
   dynamic_reconfigure::Server<ClothConfig> server_;
   ros::SteadyTimer timer_;
 };

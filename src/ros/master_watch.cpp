@@ -17,7 +17,7 @@ namespace {
 using XmlRpc::XmlRpcValue;
 
 /// Calls the master's API (wiki.ros.org/ROS/Master_API) in the name of this node.
-/// \return what it replies; nothing if it does not answer, or refuses.
+/// \return the reply; nothing if the master does not answer, or refuses.
 std::optional<XmlRpcValue> ask(const std::string& method, const std::vector<std::string>& words) {
   XmlRpcValue request;
   XmlRpcValue response;
@@ -30,8 +30,8 @@ std::optional<XmlRpcValue> ask(const std::string& method, const std::vector<std:
 
 std::string ownUri() { return ros::XMLRPCManager::instance()->getServerURI(); }
 
-/// Calls this node's own slave API (wiki.ros.org/ROS/Slave_API): what it has is to be had nowhere
-/// else. \return what it replies; nothing if it refuses.
+/// Calls this node's own slave API (wiki.ros.org/ROS/Slave_API), the only source of its topics.
+/// \return the reply; nothing if it refuses.
 std::optional<XmlRpcValue> askSelf(const std::string& method, const XmlRpcValue& request) {
   std::string host;
   std::uint32_t port = 0;
@@ -44,7 +44,7 @@ std::optional<XmlRpcValue> askSelf(const std::string& method, const XmlRpcValue&
   return response[2];
 }
 
-/// What `method` of the slave API lists: (topic, type) each.
+/// Returns the list of `method` of the slave API, a pair (topic, type) each.
 std::vector<std::pair<std::string, std::string>> ownTopics(const std::string& method) {
   XmlRpcValue request;
   request[0] = ros::this_node::getName();
@@ -65,7 +65,7 @@ std::vector<std::string> strings(XmlRpcValue list) {
   return texts;
 }
 
-/// Names of the services that the master knows this node to have.
+/// Names the services of this node that the master knows.
 std::vector<std::string> ownServices() {
   std::vector<std::string> own;
   std::optional<XmlRpcValue> state = ask("getSystemState", {});
@@ -83,10 +83,10 @@ std::vector<std::string> ownServices() {
 
 MasterWatch::MasterWatch(ros::NodeHandle& node)
     : services_(ownServices()),
-      timer_(node.createWallTimer(ros::WallDuration(kPeriod), &MasterWatch::look, this)) {}
+      timer_(node.createWallTimer(ros::WallDuration(kPeriod), &MasterWatch::check, this)) {}
 
-void MasterWatch::look(const ros::WallTimerEvent& /*event*/) {
-  if (ros::isShuttingDown() || !ask("getPid", {})) return;  // no master: nobody to tell
+void MasterWatch::check(const ros::WallTimerEvent& /*event*/) {
+  if (ros::isShuttingDown() || !ask("getPid", {})) return;  // there is no master
   if (ask("lookupNode", {ros::this_node::getName()})) return;
   ROS_WARN("the ROS master does not know this node: it was restarted, and is told again");
   registerAgain();

@@ -1,5 +1,5 @@
 #pragma once
-/// \file A node that outlives its ROS master.
+/// \file Keeps a node registered when its ROS master restarts.
 
 #include <ros/node_handle.h>
 
@@ -8,18 +8,18 @@
 
 namespace cloth_sim {
 
-/// A master that was restarted knows nobody, and roscpp does not tell it again: connections that
-/// there are go on, but nobody new finds the node. This one looks every `kPeriod` whether the
-/// master still knows the node, and registers all its topics and services again if not.
+/// Asks the master every `kPeriod` whether it knows the node, and registers all topics and services
+/// again if it does not. roscpp does not do this: after a restart of the master, existing
+/// connections go on, but new clients cannot find the node.
 class MasterWatch {
  public:
-  static constexpr double kPeriod = 2.0;  ///< between two looks, wall time [s]
+  static constexpr double kPeriod = 2.0;  ///< between two questions, wall time [s]
 
-  /// To be made when all services are advertised; topics may come and go.
+  /// To be constructed after all services are advertised; topics may come and go.
   explicit MasterWatch(ros::NodeHandle& node);
 
  private:
-  void look(const ros::WallTimerEvent& event);
+  void check(const ros::WallTimerEvent& event);
   void registerAgain() const;
 
   std::vector<std::string> services_;

@@ -28,9 +28,9 @@ namespace cloth_sim {
 namespace {
 
 constexpr int kBadInput = 2;
-constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not hold up the other services
+constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not block other services
 
-/// What ROS does on SIGINT, on SIGTERM too: `kill` ends the node as cleanly as Ctrl-C.
+/// Ends the node on SIGTERM as ROS does on SIGINT, so that `kill` is as clean as Ctrl-C.
 void onTerminate(int /*signal*/) { ros::requestShutdown(); }
 
 Scene loadNodeScene(const NodeParameters& parameters) {
@@ -56,8 +56,8 @@ void checkTrackedObstacles(const NodeParameters& parameters, const Scene& scene)
   }
 }
 
-/// What tf says, received by a thread of its own: callbacks wait for transforms. It sleeps until
-/// one comes; that of tf2_ros would look a hundred times a second.
+/// Receives transforms in a thread of its own, because callbacks wait for them. The thread sleeps
+/// until one arrives; that of tf2_ros would poll a hundred times a second.
 class TransformReceiver {
  public:
   TransformReceiver() : node_(withQueue(queue_)), listener_(buffer_, node_, false) {
@@ -80,7 +80,7 @@ class TransformReceiver {
   ros::AsyncSpinner spinner_{1, &queue_};
 };
 
-/// Everything that lives as long as the node does; members are taken down in reverse order.
+/// All parts of the node; they are destroyed in reverse order.
 class Node {
  public:
   Node(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
@@ -110,7 +110,7 @@ class Node {
     watch_ = std::make_unique<MasterWatch>(node);
   }
 
-  /// Lets callbacks that wait for the simulation go.
+  /// Releases callbacks that wait for the simulation.
   void stop() { simulation_.stop(); }
 
  private:

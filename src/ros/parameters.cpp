@@ -18,7 +18,7 @@ constexpr double kMaxRate = 1000.0;    ///< [Hz]
 constexpr double kMaxFactor = 1000.0;  ///< of real time [-]
 constexpr int kMaxThreads = 1024;
 
-/// Range of a number.
+/// The valid range of a number.
 struct Range {
   double low = 0.0;
   double high = 0.0;
@@ -34,7 +34,7 @@ struct Range {
   }
 };
 
-/// Reads private parameters one by one, remembering their names.
+/// Reads private parameters one by one and collects their names.
 class Reader {
  public:
   explicit Reader(const ros::NodeHandle& node) : node_(node) {}
@@ -95,7 +95,7 @@ class Reader {
     for (auto& [tracked, source] : raw) value[tracked] = readSource(name + "/" + tracked, source);
   }
 
-  /// Warns about private parameters that nobody reads.
+  /// Warns about private parameters that were not read.
   void warnAboutOthers() const {
     std::vector<std::string> names;
     node_.getParamNames(names);
@@ -142,7 +142,7 @@ class Reader {
     return toPoseSource(request);
   }
 
-  /// A parameter that is read, or a part of one.
+  /// Tells whether a parameter was read, or is part of one that was.
   bool isKnown(const std::string& name) const {
     return std::any_of(known_.begin(), known_.end(), [&](const std::string& known) {
       return name == known || name.compare(0, known.size() + 1, known + "/") == 0;

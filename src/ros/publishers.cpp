@@ -16,13 +16,13 @@ namespace {
 
 using std::chrono::duration;
 
-constexpr double kKeepAlive = 1.0;   ///< longest silence of a topic with subscribers [s]
-constexpr double kMinWanted = 10.0;  ///< least rate of observations: for tf and diagnostics [Hz]
-constexpr double kReadable = 3.0;    ///< rate of figures that people read [Hz]
-constexpr double kSeldom = 1.0;      ///< rate of figures for diagnostics [Hz]
-constexpr double kPatience = 1.5;    ///< periods without an observation until we look by ourselves
-constexpr double kSlowFraction = 0.9;  ///< of the pace asked for, below which it is a warning [-]
-constexpr double kRecent = 2.0;        ///< simulated time for which a redone step is a warning [s]
+constexpr double kKeepAlive = 1.0;     ///< longest silence of a topic with subscribers [s]
+constexpr double kMinWanted = 10.0;    ///< least rate of observations, for tf and diagnostics [Hz]
+constexpr double kReadable = 3.0;      ///< rate of the figures in the text marker [Hz]
+constexpr double kSeldom = 1.0;        ///< rate of the figures for diagnostics [Hz]
+constexpr double kPatience = 1.5;      ///< longest wait for an observation, in periods
+constexpr double kSlowFraction = 0.9;  ///< fraction of the requested pace that warns [-]
+constexpr double kRecent = 2.0;        ///< simulated time for which a repeated step warns [s]
 
 MarkerStyle markerStyle(const NodeParameters& parameters) {
   MarkerStyle style;
@@ -95,7 +95,7 @@ bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
   return true;
 }
 
-/// How often observations are needed for those who listen now [Hz].
+/// Returns the rate of observations for the present subscribers [Hz].
 double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
@@ -109,7 +109,7 @@ double Publishers::wantedRate() const {
   return rate;
 }
 
-/// How often the observations are to have figures [Hz].
+/// Returns the rate of observations with figures for the present subscribers [Hz].
 double Publishers::wantedFigures() const {
   if (state_.getNumSubscribers() > 0) return std::max(kReadable, parameters_.rateState);
   return markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0 ? kReadable : kSeldom;
@@ -156,7 +156,7 @@ void Publishers::tick() {
   updater_.update();
 }
 
-/// With simulated time of our own, the time that the snapshot is of.
+/// Returns the stamp of a snapshot: its simulated time if this node publishes /clock, else now.
 ros::Time Publishers::stampOf(const Snapshot& snapshot) const {
   if (parameters_.publishClock && ros::Time::isSimTime()) {
     return clockTime(snapshot.time);
@@ -164,7 +164,7 @@ ros::Time Publishers::stampOf(const Snapshot& snapshot) const {
   return ros::Time::now();
 }
 
-/// Who records in parts finds everything in each of them.
+/// Repeats the latched topics, so that each part of a split recording is complete.
 void Publishers::repeatLatched() {
   const Clock::time_point now = Clock::now();
   if (repeated_ && duration<double>(now - *repeated_).count() < kRepeatPeriod) return;
@@ -200,7 +200,8 @@ void Publishers::sendEvents(const Observation& observation) {
     failures_.add(failures.events);
     tearEvents_.publish(toEventsMessage(failures.events, header_));
   }
-  if (observation.resets != failures.resets) return;  // its counts are of the run before
+  if (observation.resets != failures.resets)
+    return;  // its counts belong to the run before the reset
   const BrokenCounts& broken = observation.snapshot->broken;
   if (broken.total == sentBroken_) return;
   sentBroken_ = broken.total;
@@ -235,7 +236,7 @@ void Publishers::sendClamps(const Observation& observation) {
     transforms.push_back(toTransform(clamp, header_.stamp, parameters_.worldFrame,
                                      clampFrameId(nodeName_, clamp.name)));
   }
-  // The same stamp again, while simulated time stands still, would be a warning to everybody.
+  // While simulated time stands still, the same stamp again would make every listener warn.
   if (transforms.empty() || header_.stamp == sentTransforms_) return;
   sentTransforms_ = header_.stamp;
   broadcaster_.sendTransform(transforms);
@@ -266,7 +267,7 @@ void Publishers::sendSceneMarkers(const Observation& observation) {
       *observation.snapshot, *observation.whole->figures, header_.stamp));
 }
 
-/// A source that is lost is for people to look at.
+/// Reports the state of all trackers; a lost source is a warning.
 void Publishers::diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   std::vector<TrackingStatus> all = trackers_.clamps.statuses();

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What the node sends, from a thread of its own: stepping never waits for it.
+/// \file The topics of the node, published from a thread of its own so that stepping never waits.
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
@@ -21,17 +21,17 @@
 
 namespace cloth_sim {
 
-/// What moves by commands from outside: for its topics, and to report how it gets on.
+/// The clamps and obstacles that are moved from outside, for their topics and diagnostics.
 struct Trackers {
   ClampPorts& clamps;
   const ObstacleTrackers& obstacles;
 };
 
-/// Sends every topic of the node, tf and diagnostics, each at its rate. What nobody subscribes to
-/// is not computed.
+/// Publishes all topics of the node, tf and diagnostics, each at its rate. Topics without
+/// subscribers are not computed.
 class Publishers {
  public:
-  /// \param scene  its text, for whoever records.
+  /// \param scene  text of the scene, for recordings.
   Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
              const std::string& scene, SimulationThread& simulation, const Trackers& trackers);
   ~Publishers();
@@ -106,18 +106,18 @@ class Publishers {
   MarkerBuilder sceneBuilder_;
   ClothFrame frameMessage_;
   FailureLog failures_;
-  std_msgs::Header header_;  ///< of everything sent in this tick
+  std_msgs::Header header_;  ///< of all messages of one tick
   std::shared_ptr<const Topology> sentTopology_;
   std::optional<std::string> sentPhase_;
   std_msgs::String sceneText_;
-  std::optional<Clock::time_point> repeated_;  ///< when everything latched was sent last
+  std::optional<Clock::time_point> repeated_;  ///< time of the last latched messages
   ros::Time sentTransforms_;
-  int sentBroken_ = -1;  ///< springs; -1: nothing sent yet
+  int sentBroken_ = -1;  ///< number of broken springs sent last; -1: none yet
   std::uint64_t resetsSeen_ = 0;
-  Observation diagnosed_;  ///< the last one that was looked at
+  Observation diagnosed_;  ///< the last observation
 
   std::atomic<bool> stopping_{false};
-  std::thread thread_;  // last: starts when everything above is there
+  std::thread thread_;  // last: it uses everything above
 };
 
 }  // namespace cloth_sim

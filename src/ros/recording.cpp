@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kState = "/state";
 
-/// "/cloth" of "/cloth/state": the node that was recorded.
+/// Returns the name of the recorded node: "/cloth" for the topic "/cloth/state".
 std::string nodeOf(rosbag::Bag& bag, const std::string& file) {
   std::set<std::string> nodes;
   const std::string type = ros::message_traits::DataType<ClothState>::value();
@@ -64,7 +64,7 @@ void check(const Recording& recording, const std::string& file) {
   }
 }
 
-/// Hashes of the states that a simulation goes through.
+/// Collects the hashes of the states of a simulation.
 class Trace {
  public:
   explicit Trace(const Simulation& simulation) : simulation_(simulation) { note(); }

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Running until something has happened. No ROS in here.
+/// \file Runs with a goal. No ROS in here.
 
 #include <functional>
 #include <string>
@@ -9,41 +9,41 @@
 
 namespace cloth_sim {
 
-/// Until this much simulated time has passed [s].
+/// Goal: some simulated time has passed.
 struct RunFor {
-  double duration = 0.0;
+  double duration = 0.0;  ///< [s]
 };
-/// Until a phase has begun.
+/// Goal: a phase has begun.
 struct RunToPhase {
   std::string phase;
 };
 using RunGoal = std::variant<RunFor, RunToPhase>;
 
-/// How a run ended, and where.
+/// The end of a run.
 struct RunResult {
   enum class Outcome { kReached, kCancelled, kFailed };
   Outcome outcome = Outcome::kReached;
-  std::string message;  ///< why, in one sentence
+  std::string message;  ///< reason, one sentence
   std::uint64_t step = 0;
   double time = 0.0;       ///< simulated [s]
   std::uint64_t hash = 0;  ///< stateHash
 };
 
-/// A goal at work.
+/// A run in progress.
 class RunJob {
  public:
-  /// Called once, from the simulation thread; must not block.
+  /// Receives the result, once, in the simulation thread; must not block.
   using Answer = std::function<void(const RunResult&)>;
 
   RunJob(RunGoal goal, Answer answer) : goal_(std::move(goal)), answer_(std::move(answer)) {}
 
-  /// Takes note of where the run starts.
+  /// Records the start of the run.
   void begin(const Simulation& simulation);
-  /// Whether the goal is reached or cannot be any more.
+  /// Tells whether the goal is reached or out of reach.
   bool isOver(const Simulation& simulation) const;
-  /// Tells which of it, when it is over.
+  /// Reports the result of a run that is over.
   void answer(const Simulation& simulation) const;
-  /// Tells that it ends otherwise.
+  /// Reports another end of the run.
   void finish(RunResult::Outcome outcome, const std::string& message,
               const Simulation& simulation) const;
 
@@ -52,7 +52,7 @@ class RunJob {
 
   RunGoal goal_;
   Answer answer_;
-  double end_ = 0.0;  ///< simulated [s], of RunFor
+  double end_ = 0.0;  ///< simulated time at which RunFor ends [s]
 };
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The folder with saved states. No ROS in here.
+/// \file The folder of saved states. No ROS in here.
 
 #include <string>
 #include <vector>
@@ -10,14 +10,14 @@ namespace cloth_sim {
 /// folder are not followed.
 class StateDirectory {
  public:
-  /// \param folder  made when something is saved; "~/" at its beginning is the user's home.
+  /// \param folder  created by the first `write`; a leading "~/" is the user's home.
   explicit StateDirectory(const std::string& folder);
 
-  /// \return the file.
-  /// \throws StateError in one line.
+  /// Writes a state. \return the file. \throws StateError in one line.
   std::string write(const std::string& name, const std::string& bytes) const;
+  /// Reads a state. \throws StateError in one line.
   std::string read(const std::string& name) const;
-  /// Names of what is there, sorted.
+  /// Names the saved states, sorted.
   std::vector<std::string> names() const;
 
  private:

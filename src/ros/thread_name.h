@@ -5,8 +5,8 @@
 
 namespace cloth_sim {
 
-/// Threads that this one starts from now on (workers of the simulation) get the same name.
-/// \param name  of 15 characters at most
+/// Names the calling thread; threads that it starts afterwards inherit the name.
+/// \param name  at most 15 characters.
 inline void nameThisThread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 }  // namespace cloth_sim

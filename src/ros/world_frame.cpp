@@ -7,8 +7,8 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kTfTimeout = 0.2;  ///< for a transform that is about to arrive [s]
-constexpr double kTfPoll = 0.005;   ///< [s]
+constexpr double kTfTimeout = 0.2;  ///< longest wait for a transform [s]
+constexpr double kTfPoll = 0.005;   ///< period of the polling [s]
 
 Pose toPose(const geometry_msgs::Transform& transform) {
   return {fromVector(transform.translation), fromQuaternion(transform.rotation).normalized()};
@@ -24,7 +24,7 @@ Pose WorldFrame::toWorld(const Pose& pose, const std_msgs::Header& header) const
   return {frame.toWorld(pose.position), (frame.orientation * pose.orientation).normalized()};
 }
 
-/// By the wall's clock: with simulated time, a paused simulation would make it wait for ever.
+/// Waits by wall time: by simulated time, a paused simulation would block it for ever.
 void WorldFrame::waitFor(const std_msgs::Header& header) const {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(kTfTimeout);
   while (!buffer_.canTransform(frame_, header.frame_id, header.stamp) &&
@@ -38,7 +38,7 @@ WorldFrame::Sighting WorldFrame::latest(const std::string& frame) const {
   return {toPose(found.transform), found.header.stamp.toSec()};
 }
 
-/// What tf says of a frame that it does not know may be about the other one.
+/// Looks up a transform. The error names both frames, because that of tf may name only one.
 geometry_msgs::TransformStamped WorldFrame::lookUp(const std::string& frame,
                                                    const ros::Time& time) const {
   try {

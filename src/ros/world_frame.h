@@ -1,5 +1,5 @@
 #pragma once
-/// \file Poses in any tf frame as poses in the world.
+/// \file Converts poses from any tf frame to the world frame.
 
 #include <geometry_msgs/TransformStamped.h>
 #include <std_msgs/Header.h>
@@ -11,24 +11,24 @@
 
 namespace cloth_sim {
 
-/// The frame of all world quantities, and what tf knows of the others.
+/// The frame of all world quantities, with the transforms of other frames to it.
 class WorldFrame {
  public:
   /// \param buffer  must outlive this.
   WorldFrame(const tf2_ros::Buffer& buffer, std::string frame)
       : buffer_(buffer), frame_(std::move(frame)) {}
 
-  /// A pose in the frame and at the time of `header` (stamp 0: the latest). Waits a moment for a
-  /// transform that is about to arrive.
-  /// \throws std::runtime_error if the frame is empty, unknown, or not known at that time.
+  /// Converts a pose in the frame and at the time of `header` (stamp 0: the latest). Waits up to
+  /// 0.2 s for a transform that has not arrived yet.
+  /// \throws std::runtime_error if the frame is empty, unknown, or unknown at that time.
   Pose toWorld(const Pose& pose, const std_msgs::Header& header) const;
 
-  /// Where a frame was last seen.
+  /// The latest pose of a frame.
   struct Sighting {
     Pose pose;
-    double stamp = 0.0;  ///< [s]; 0: it does not move
+    double stamp = 0.0;  ///< [s]; 0: a static transform
   };
-  /// \throws std::runtime_error if it is unknown.
+  /// Looks up the latest pose of a frame. \throws std::runtime_error if it is unknown.
   Sighting latest(const std::string& frame) const;
 
  private:

@@ -1,17 +1,17 @@
 #pragma once
-/// \file A low-pass over a wrench.
+/// \file A low-pass filter for wrenches.
 
 #include "cloth_sim/clamp/clamp.h"
 
 namespace cloth_sim {
 
-/// First order, exact for inputs that are constant between samples.
+/// Low-pass filter of first order, exact for inputs that are constant between samples.
 class WrenchFilter {
  public:
-  /// \param cutoff  frequency at which the gain is 1/sqrt(2) [Hz]; 0: lets everything pass.
+  /// \param cutoff  frequency at which the gain is 1/sqrt(2) [Hz]; 0: no filtering.
   explicit WrenchFilter(double cutoff) : cutoff_(cutoff) {}
 
-  /// \param time  of the sample, simulated [s]; going back begins anew.
+  /// Filters a sample. \param time  simulated [s]; a smaller time than before resets the filter.
   Wrench filter(double time, const Wrench& wrench);
 
  private:

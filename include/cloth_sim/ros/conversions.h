@@ -1,5 +1,5 @@
 #pragma once
-/// \file Core values <-> messages. Pure functions; no node, no master.
+/// \file Conversions between values of the core and messages. Pure functions; no node, no master.
 
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/TransformStamped.h>
@@ -34,18 +34,19 @@ Vec3 fromPoint(const geometry_msgs::Point& value);
 Vec3 fromVector(const geometry_msgs::Vector3& value);
 Quat fromQuaternion(const geometry_msgs::Quaternion& value);
 
-/// A wrench about the clamp's origin in the clamp's axes [N, N m]; the core has the world's axes.
+/// Returns the wrench of a clamp about its origin, in its own axes [N, N m]. The core uses the axes
+/// of the world.
 geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp);
-/// The same of another wrench of the clamp than its last.
+/// Converts another wrench of the clamp, given in the axes of the world.
 geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp, const Wrench& worldAxes);
 
-/// "cloth/clamp_left" for the clamp "left" of the node "/cloth".
+/// Returns the tf frame of a clamp: "cloth/clamp_left" for the clamp "left" of the node "/cloth".
 std::string clampFrameId(const std::string& nodeName, const std::string& clamp);
 
 ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header& header);
-/// Fills `message`, whose buffer is reused.
+/// Fills `message`; its buffer is reused.
 void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFrame& message);
-/// Of the observation's snapshot that has figures.
+/// Converts the snapshot of the observation that has figures.
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header);
 ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Header& header);
 PhaseInfo toPhaseInfo(const PhaseRecord& record);
@@ -54,12 +55,12 @@ TearEvents toEventsMessage(const std::vector<FailureEvent>& events, const std_ms
 geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,
                                             const std::string& world, const std::string& frame);
 
-/// Where springs failed since the start or the last reset.
+/// The positions of failed springs since the start or the last reset.
 class FailureLog {
  public:
   void add(const std::vector<FailureEvent>& events);
   void clear() { positions_.clear(); }
-  /// The places seen so far with the counts of `snapshot`.
+  /// Returns the positions so far with the given counts.
   BrokenSprings toMessage(const BrokenCounts& counts, const std_msgs::Header& header) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// \file A snapshot of the cloth with the figures of the run that it belongs to. No ROS in here.
+/// \file A snapshot of the cloth with figures of its run. No ROS in here.
 
 #include <memory>
 #include <vector>
@@ -10,37 +10,37 @@
 
 namespace cloth_sim {
 
-/// What others may see of a run. A copy is cheap: the snapshots are shared.
+/// The observable state of a run. A copy is cheap because the snapshots are shared.
 struct Observation {
   std::shared_ptr<const Snapshot> snapshot;  ///< the newest
-  std::shared_ptr<const Snapshot> whole;     ///< the newest with figures
+  std::shared_ptr<const Snapshot> whole;     ///< the newest that has figures
   std::vector<PhaseRecord> phases;
   bool paused = false;
-  double realTimeFactor = 0.0;       ///< simulated over wall time, lately [-]
-  double realTimeFactorAsked = 1.0;  ///< 0: as fast as it can
-  double stepTime = 0.0;             ///< wall time of one step, mean over the same time [s]
-  double stepCpuTime = 0.0;  ///< that the stepping thread spent in steps, since the start [s]
-  double substep = 0.0;      ///< of the method now [s]
+  double realTimeFactor = 0.0;       ///< simulated over wall time, over the last half second [-]
+  double realTimeFactorAsked = 1.0;  ///< requested factor [-]; 0: as fast as possible
+  double stepTime = 0.0;             ///< wall time per step, mean over the same time [s]
+  double stepCpuTime = 0.0;  ///< CPU time of the steps of the stepping thread since the start [s]
+  double substep = 0.0;      ///< present length h of a substep [s]
   std::uint64_t resets = 0;  ///< since the start
-  std::uint64_t droppedCommands = 0;  ///< refused because too many were waiting
-  std::uint64_t number = 0;           ///< grows with every observation
-  std::uint64_t wholeNumber = 0;      ///< of the observation that `whole` came with
+  std::uint64_t droppedCommands = 0;  ///< commands refused because the queue was full
+  std::uint64_t number = 0;           ///< increases with every observation
+  std::uint64_t wholeNumber = 0;      ///< number of the observation with `whole`
 };
 
 /// Springs that failed, in order.
 struct FailureBatch {
-  std::uint64_t resets = 0;  ///< of the run that they failed in, since the start
-  /// With the first batch of a run that goes on from a saved state: what had failed before, and was
-  /// told then.
+  std::uint64_t resets = 0;  ///< number of resets before their run
+  /// In the first batch after a saved state was loaded: the failures before it, which were reported
+  /// when they happened.
   std::vector<FailureEvent> before;
   std::vector<FailureEvent> events;
 };
 
-/// A command that was carried out, and between which steps.
+/// An executed command with its time.
 struct CommandRecord {
   std::uint64_t number = 0;  ///< from 0, since the start of the program
-  std::uint64_t step = 0;    ///< steps that had been made
-  double time = 0.0;         ///< simulated, before it was carried out [s]
+  std::uint64_t step = 0;    ///< number of steps before it
+  double time = 0.0;         ///< simulated time of its execution [s]
   Command command;
 };
 
