@@ -256,12 +256,7 @@ class ClothFixture {
     settings.ratio = {1.1, 1.15, 1.2};
     settings.tipSpeed = o.skew == 0 ? 100.0 : 5.0;
     if (o.generations > 0) settings.refineTip = refinementOf(o);
-    if (o.option && o.path.size() > 1) {
-      MaterialPath seam;
-      for (const auto& p : o.path) seam.push_back(materialAt(p, o.skew));
-      seam.erase(std::unique(seam.begin(), seam.end()), seam.end());
-      if (seam.size() > 1) settings.seam = Seam{seam, o.closed ? grid_.spacingU() : 0.0};
-    }
+    settings.seam = seamOf(o);
     Tearing tearing(settings, model_);
     for (int advance = 0; advance < 4; ++advance) {
       SurgeryResult result;
@@ -274,6 +269,17 @@ class ClothFixture {
       tearing.applyChanges(model_, result.changes);
     }
     return "";
+  }
+
+  /// The seam of an operation, if it has one.
+  std::optional<Seam> seamOf(const Operation& o) const {
+    if (!o.option || o.path.size() < 2) return std::nullopt;
+    Seam seam;
+    for (const auto& p : o.path) seam.path.push_back(materialAt(p, o.skew));
+    seam.path.erase(std::unique(seam.path.begin(), seam.path.end()), seam.path.end());
+    if (seam.path.size() < 2) return std::nullopt;
+    if (o.closed) seam.halfWidth = grid_.spacingU();
+    return seam;
   }
 
   /// Removes a connected component, if there are several.
