@@ -16,7 +16,7 @@ inline Scene busyScene(const std::string& method, int n = 64) {
   const bool limited = std::isfinite(findSolver(method).stabilityLimit);
   // A finer cloth has shorter springs and lighter particles: the largest stable step shrinks with
   // n.
-  const std::string substeps = limited ? std::to_string(std::max(50, n)) : "2";
+  const std::string substeps = limited ? std::to_string(std::max(50, 50 * n / 64)) : "2";
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);
   const std::string bending = findSolver(method).followsFabric ? "plate" : "springs";
