@@ -163,7 +163,8 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
             topics = opened.get_type_and_topic_info().topics
             self.assertEqual(set(topics), {
                 '/cloth/scene', '/cloth/topology', '/cloth/frame', '/cloth/state', '/cloth/tear_events',
-                '/cloth/broken_springs', '/cloth/phase', '/cloth/clamps/left/wrench', '/tf'})
+                '/cloth/broken_springs', '/cloth/phase', '/cloth/clamps/left/wrench', '/tf',
+                '/cloth/scene_markers'})
             messages = [(topic, message, stamp.to_sec())
                         for topic, message, stamp in opened.read_messages()]
         frames = [message for topic, message, _ in messages if topic == '/cloth/frame']
