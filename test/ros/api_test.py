@@ -16,7 +16,7 @@ from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, connected, wait_until  # noqa: E402
-from services import ServiceTest  # noqa: E402
+from services import ServiceTest, connections  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
                 set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
@@ -362,7 +362,8 @@ class ApiTest(ServiceTest):
         with Listener('/cloth/tear_events', msg.TearEvents) as events, \
                 Listener('/cloth/topology', msg.ClothTopology) as topologies:
             revision = self.now(topologies).revision
-            wait_until(lambda: events.subscriber.get_num_connections() > 0, 'tear_events')
+            here = ('o', '/cloth/tear_events', rospy.get_name())
+            wait_until(lambda: here in connections(), 'the node to be connected for tear_events')
             self.accepted('cut', THROUGH)
             total = self.state().broken.total
             wait_until(lambda: sum(len(m.events) for m in events.messages) >= total, 'events')
@@ -397,7 +398,8 @@ class ApiTest(ServiceTest):
         with Listener('/cloth/broken_springs', msg.BrokenSprings) as broken, \
                 Listener('/cloth/tear_events', msg.TearEvents) as events:
             broken.wait(lambda b: b.counts.total == 0)  # a latched one may be of the run before
-            wait_until(lambda: events.subscriber.get_num_connections() > 0, 'tear_events')
+            here = ('o', '/cloth/tear_events', rospy.get_name())
+            wait_until(lambda: here in connections(), 'the node to be connected for tear_events')
             self.accepted('set_phase', 'notch')
             self.accepted('step', 5)
             total = self.state().broken.total
