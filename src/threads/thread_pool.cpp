@@ -35,6 +35,12 @@ void pauseProcessor() {
 #endif
 }
 
+}  // namespace
+
+/// The parts of the pool. Members of ThreadPool::Impl need types with linkage where several files
+/// are compiled together.
+namespace thread_pool_parts {
+
 /// Back-off of a spin wait: pauses at first, yields the processor from kSpins polls on.
 class Backoff {
  public:
@@ -106,7 +112,9 @@ class alignas(kCacheLine) LoopGate {
   std::atomic<Word> word_{0};
 };
 
-}  // namespace
+}  // namespace thread_pool_parts
+
+using namespace thread_pool_parts;
 
 /// Thread 0 is the one that calls the loops; the others are worker threads.
 struct ThreadPool::Impl {
