@@ -9,7 +9,7 @@ namespace {
 /// be among the contact candidates, at least [m].
 constexpr double kContactReach = 0.05;
 /// An obstacle that moves by less than this in a step stands still: its guide rounds [m].
-constexpr double kRoundOff = 1e-12;
+constexpr double kPoseRoundOff = 1e-12;
 
 }  // namespace
 
@@ -52,7 +52,7 @@ bool Obstacles::areTouched() const {
 
 bool Obstacles::areStill(double time, double dt) const {
   const auto stands = [dt](const Collider& collider) {
-    return collider.obstacle().velocity.norm() * dt <= kRoundOff;
+    return collider.obstacle().velocity.norm() * dt <= kPoseRoundOff;
   };
   const std::vector<Collider>& all = colliders_.all();
   return std::all_of(all.begin(), all.end(), stands) && guides_.areIdle(time, colliders_);
