@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxNameLength = 100;
 constexpr double kMinFactor = 1e-3;  ///< of real time [-]
-constexpr double kMaxFactor = 1e3;
+constexpr double kMaxRequestFactor = 1e3;
 constexpr std::size_t kMaxPoints = 10000;  ///< of a stroke or path
 
 /// Overwrites a default, unless the message leaves the field at zero.
@@ -190,7 +190,7 @@ std::string RequestChecker::phaseError(const std::string& phase) const {
 }
 
 std::string realTimeFactorError(double factor) {
-  if (factor == 0.0 || (factor >= kMinFactor && factor <= kMaxFactor)) return "";
+  if (factor == 0.0 || (factor >= kMinFactor && factor <= kMaxRequestFactor)) return "";
   return "real-time factor: expected 0.001 ... 1000, or 0 for as fast as possible (got " +
          std::to_string(factor) + ")";
 }
