@@ -62,7 +62,8 @@ if(GMOCK_FOUND)
   endforeach()
   # GCC 12 takes the empty std::optional<Seam> of the tearing settings for uninitialised memory where
   # it inlines the destructor (GCC bug 105562 and others).
-  target_compile_options(cloth_sim_surgery_test PRIVATE -Wno-maybe-uninitialized)
+  target_compile_options(cloth_sim_surgery_test PRIVATE
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   cloth_sim_unit_tests(study cloth_exact)
   cloth_sim_unit_tests(ros/unit cloth_ros)
 endif()
