@@ -278,11 +278,10 @@ int makeAutoTableFrom(const Options& options) {
   const AutoTable table = makeAutoTable(scenes, readWorkPrecision(runs), readOwnErrors(references));
   const std::string temporary = options.autoTable + ".tmp";
   std::ofstream out(temporary);
-  writeAutoTable(
-      out, table,
-      "Choices of solver: {method: auto}; src/scene/auto_method.h documents the\n"
-      "columns. Made by: cloth_study --out DIR --parts work_precision\n"
-      "and cloth_study --out DIR --make-auto-table config/auto_methods.csv");
+  writeAutoTable(out, table,
+                 "Choices of solver: {method: auto}; src/scene/auto_method.h documents the\n"
+                 "columns. Made by: cloth_study --out DIR --parts work_precision\n"
+                 "and cloth_study --out DIR --make-auto-table config/auto_methods.csv");
   out.close();
   if (!out || std::rename(temporary.c_str(), options.autoTable.c_str()) != 0) {
     std::remove(temporary.c_str());

@@ -111,11 +111,11 @@ class ClothFixture {
   ///
   /// No spring gives off more than its energy. So with E = kinetic + elastic energy now, a particle
   /// of mass m is in exact time no faster than sqrt(2 E / m) + g t. A symplectic method at half of
-  /// its longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of it,
-  /// and the bound on omega is not attained. Twice the speed (four times the energy) is generous,
-  /// and far below what a dangling index or an unstable step would give.
-  /// \param continueWith  index of the method whose result replaces the state; absent: none.
-  /// \return the first violation; empty if there is none.
+  /// its longest stable step keeps an energy within a factor 1 / (1 - (h omega / 2)^2) <= 4/3 of
+  /// it, and the bound on omega is not attained. Twice the speed (four times the energy) is
+  /// generous, and far below what a dangling index or an unstable step would give. \param
+  /// continueWith  index of the method whose result replaces the state; absent: none. \return the
+  /// first violation; empty if there is none.
   std::string step(std::optional<int> continueWith = std::nullopt) {
     if (!std::isfinite(dt_)) return "";  // no springs at all
     Controls controls;

@@ -259,7 +259,8 @@ int springsInRuns(const std::vector<ClothSpec>& cloths) {
   SpringSchedule schedule;
   schedule.build(model, particles.slotOf);
   int springs = 0;
-  for (const SpringSchedule::Span& span : schedule.spans()) springs += span.isContiguous ? span.count : 0;
+  for (const SpringSchedule::Span& span : schedule.spans())
+    springs += span.isContiguous ? span.count : 0;
   return springs;
 }
 

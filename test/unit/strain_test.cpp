@@ -87,7 +87,8 @@ cloth:
   - {name: two, size: [0.3, 0.1], particles: [10, 5], pose: {position: [0.0, 0.0, 0.3]},
      pins: [corner_00]}
 )");
-  ASSERT_TRUE(simulation.apply(RefineMesh{RefineNear{{Vec3(0.0, 0.0, 0.0)}, {0.05, 2, 0.0}}}).success);
+  ASSERT_TRUE(
+      simulation.apply(RefineMesh{RefineNear{{Vec3(0.0, 0.0, 0.0)}, {0.05, 2, 0.0}}}).success);
   for (int k = 0; k < 5; ++k) simulation.step();
   expectOneDefinition(simulation);
 }

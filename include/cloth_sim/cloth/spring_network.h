@@ -93,7 +93,7 @@ class SpringNetwork {
   double scale() const { return scale_; }
 
  private:
-  /// What the springs of one cloth are computed from.
+  /// The parameters that the springs of one cloth are computed from.
   struct Cloth {
     SpringSelection selection;
     SpringCalibration calibration;  ///< of the fabric
