@@ -12,14 +12,19 @@ namespace cloth_sim {
 namespace {
 
 /// Replaces positions at the start of the substep before by predicted ones, along one axis:
-/// start = x + decay (x - start) + fall. Kinematic particles do not fall.
+/// start = x + (x - start) + fall. Kinematic particles do not fall.
 CLOTH_SIM_VECTOR_CLONES
-void predictAxis(std::size_t count, double decay, double fall, const double* w, const double* x,
-                 double* start) {
-  for (std::size_t k = 0; k < count; ++k) {
-    const double moved = decay * (x[k] - start[k]);
-    start[k] = x[k] + (moved + (w[k] > 0.0 ? fall : 0.0));
-  }
+void predictAxis(std::size_t count, double fall, const double* w, const double* x, double* start) {
+  for (std::size_t k = 0; k < count; ++k)
+    start[k] = x[k] + ((x[k] - start[k]) + (w[k] > 0.0 ? fall : 0.0));
+}
+
+/// Predicts as above, with displacements that drag reduces by the factor `decay`.
+CLOTH_SIM_VECTOR_CLONES
+void predictAxisWithDrag(std::size_t count, double decay, double fall, const double* w,
+                         const double* x, double* start) {
+  for (std::size_t k = 0; k < count; ++k)
+    start[k] = x[k] + (decay * (x[k] - start[k]) + (w[k] > 0.0 ? fall : 0.0));
 }
 
 /// Extended position-based dynamics with small steps: in each substep positions are predicted,
@@ -133,7 +138,13 @@ void Xpbd::predictPart(Substep& now, std::size_t first, std::size_t count) const
   int axis = 0;
   forAxes(
       [&](const auto& x, auto& start) {
-        predictAxis(count, decay_, fall[axis++], w, x.data() + first, start.data() + first);
+        const double* const from = x.data() + first;
+        double* const to = start.data() + first;
+        if (decay_ == 1.0) {
+          predictAxis(count, fall[axis++], w, from, to);
+        } else {
+          predictAxisWithDrag(count, decay_, fall[axis++], w, from, to);
+        }
       },
       now.particles.x, now.particles.start);
 }

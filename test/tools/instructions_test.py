@@ -120,9 +120,8 @@ class InstructionsTest(ScratchTest):
         self.expect_paid_only_if_named('symplectic_euler')
 
     def test_drag_is_not_computed_where_there_is_none(self):
-        """Drag costs at least a quarter of an instruction for each particle and substep. (xpbd always
-        multiplies displacements by a decay factor, which is 1 without drag.)"""
-        for method in ('symplectic_euler', 'rk4'):
+        """Drag costs at least a quarter of an instruction for each particle and substep."""
+        for method in ('xpbd', 'symplectic_euler', 'rk4'):
             bare = self.whole(self.per_step(method))
             dragged = self.whole(self.per_step(method, drag=0.5))
             self.assertGreater(dragged - bare, 0.25 * SUBSTEPS * SIDE * SIDE, method)
