@@ -2,8 +2,7 @@
 # are read and templates instantiated once for each group. This saves two fifths of the time of a
 # build from nothing. Names without linkage must therefore differ between the files of a folder.
 # With a compiler launcher (ccache), files are compiled one by one, because the cache then keeps
-# more of them after an edit. scripts/lint.sh turns the option off, because clang-tidy needs the command
-# line of each file.
+# more of them after an edit.
 option(CLOTH_SIM_UNITY_BUILD "Compile the files of a folder in groups" ON)
 function(cloth_sim_unity_build target)
   if(NOT CLOTH_SIM_UNITY_BUILD OR CMAKE_CXX_COMPILER_LAUNCHER OR CMAKE_VERSION VERSION_LESS 3.18)

@@ -9,12 +9,13 @@ Checks the C++ sources with clang-tidy, by the rules in .clang-tidy. A warning i
 what is missing, and configures a catkin workspace of its own, .ws-lint, for the command lines of the
 compiler and the generated headers.
 
-  FILE           source or header files, or folders (default: everything; an hour on one core)
+  FILE           source or header files, or folders (default: everything; half an hour on one core)
   --changed REV  only what differs from this revision of git
   --minutes N    begin no further file after N minutes, and name those that were not checked
   -h, --help     this text
 
 A header is checked with the source file of the same name, or else with the first that includes it.
+Sources that are compiled as one (cmake/unity_build.cmake) are checked as one, which is quicker.
 USAGE
 }
 
@@ -47,6 +48,6 @@ workspace=$repo_root/.ws-lint
 prepare build run test bench rviz lint
 export CC=clang CXX=clang++
 run_timed configure build_workspace "$workspace" \
-  "cloth_sim_generate_messages cloth_sim_gencfg" -DCLOTH_SIM_UNITY_BUILD=OFF
+  "cloth_sim_generate_messages cloth_sim_gencfg"
 run_timed lint /usr/bin/python3 "$repo_root/scripts/lib/tidy.py" "${options[@]}" \
   "$workspace" "${arguments[@]}"

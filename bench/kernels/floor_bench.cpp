@@ -5,6 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "constraints/spring_projection.h"
@@ -209,7 +210,7 @@ class OwnSweep {
 /// Sweeps as often as makes a turn of a million springs.
 template <typename Sweep>
 void takeTurn(const std::string& name, Sweep& sweep, Turns& turns) {
-  const std::size_t times = 1'000'000 / sweep.springs() + 1;
+  const std::size_t times = 1'000'000 / std::max<std::size_t>(sweep.springs(), 1) + 1;
   const auto go = [&] {
     for (std::size_t k = 0; k < times; ++k) {
       sweep.go();
@@ -253,7 +254,7 @@ void refined(benchmark::State& run) {
   sweeps<AnySweep>(run, packed);
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
   constexpr int kTurns = 15;
   const auto add = [](const char* name, void (*measure)(benchmark::State&)) {
     return benchmark::RegisterBenchmark(name, measure)

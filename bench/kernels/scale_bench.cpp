@@ -97,7 +97,7 @@ void parts(benchmark::State& run, const std::string& method) {
   }
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
   const auto add = [](const std::string& name, const auto& measured, const std::string& method) {
     benchmark::RegisterBenchmark(
         (name + method).c_str(),

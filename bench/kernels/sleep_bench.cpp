@@ -44,7 +44,7 @@ void step(benchmark::State& run, const std::string& method, bool sleeps) {
   for (auto _ : run) simulation.step();
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
   for (const char* method : {"xpbd", "projective"}) {
     for (const bool sleeps : {true, false}) {
       const std::string name = std::string("sleep/") + method + (sleeps ? "/asleep" : "/awake");

@@ -29,7 +29,7 @@ void step(benchmark::State& run, const std::string& method, int threads) {
 }
 
 /// One benchmark a method, as the registry has them, with the defaults of its parameters.
-const bool registered = [] {
+const bool kRegistered = [] {
   for (const SolverInfo& info : solverRegistry()) {
     for (const int threads : {1, 2}) {
       const std::string name = "step/" + info.name + "/threads:" + std::to_string(threads);

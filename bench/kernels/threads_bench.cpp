@@ -62,7 +62,7 @@ void threads(benchmark::State& run, const std::string& method) {
   run.counters["gain_apart"] = 2.0 * turns.medianOver("one", "both");
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
   for (const char* method : {"xpbd", "projective"}) {
     benchmark::RegisterBenchmark((std::string("threads/") + method).c_str(),
                                  [method](benchmark::State& run) { threads(run, method); })

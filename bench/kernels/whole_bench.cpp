@@ -85,7 +85,7 @@ void whole(benchmark::State& run, const std::string& method) {
   }
 }
 
-const bool registered = [] {
+const bool kRegistered = [] {
   const auto add = [](const char* name, const std::string& method) {
     benchmark::RegisterBenchmark(name, [method](benchmark::State& run) { whole(run, method); })
         ->Iterations(kTurns)

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -41,7 +42,7 @@ class Racer {
       : contender_(contender), task_(task), cloth_(contender.make(task)) {}
 
   void takeTurn(int part) {
-    const int frames = static_cast<int>(task_.duration / task_.frame + 0.5);
+    const int frames = static_cast<int>(std::lround(task_.duration / task_.frame));
     const int count = frames * (part + 1) / kParts - frames * part / kParts;
     const double start = cpuTime();
     for (int k = 0; k < count; ++k) cloth_->advance();
@@ -187,6 +188,8 @@ std::vector<Contender> settingsOfOurs() {
 }  // namespace
 }  // namespace cloth_sim::bench
 
+// NOLINTNEXTLINE(bugprone-exception-escape): outside the try block only a wrong list of options
+// throws.
 int main(int argc, char** argv) {
   using namespace cloth_sim::bench;
   Task task;

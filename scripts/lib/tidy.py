@@ -19,12 +19,20 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
-def compiled_sources(workspace):
-    """Sources that the workspace compiles, relative to the repository."""
+def compiled_units(workspace):
+    """What the workspace compiles, as a dictionary from file to the sources in it, whose paths are
+    relative to the repository. A file of a unity build holds several sources."""
     package = f'{workspace}/src/cloth_sim/'
+    units = {}
     with open(workspace / 'build' / 'compile_commands.json') as file:
-        paths = (entry['file'] for entry in json.load(file))
-        return sorted({path[len(package):] for path in paths if path.startswith(package)})
+        paths = sorted({entry['file'] for entry in json.load(file)})
+    for path in paths:
+        if path.startswith(package):
+            units[path] = [path[len(package):]]
+        elif '/Unity/' in path:
+            included = re.findall(r'#include "(.*)"', pathlib.Path(path).read_text())
+            units[path] = [source[len(package):] for source in included]
+    return units
 
 
 def source_of(header, sources):
@@ -41,7 +49,7 @@ def source_of(header, sources):
 
 def chosen_sources(arguments, sources):
     if not arguments:
-        return sources
+        return set(sources)
     chosen = set()
     for argument in arguments:
         path = os.path.relpath(argument, ROOT) if os.path.exists(argument) else argument
@@ -51,18 +59,19 @@ def chosen_sources(arguments, sources):
             chosen.update(source for source in sources
                           if source == path or source.startswith(path.rstrip('/') + '/'))
     chosen.discard(None)
-    return sorted(chosen)
+    return chosen
 
 
-def tidy(source, workspace, end):
-    """The warnings of clang-tidy about a source and its headers; None if there was no time left."""
+def tidy(unit, workspace, end):
+    """The warnings of clang-tidy about a unit and its headers; None if there was no time left."""
     if time.monotonic() > end:
         return None
-    run = subprocess.run(['clang-tidy', '--quiet', '-p', workspace / 'build',
-                          workspace / 'src' / 'cloth_sim' / source],
+    # A unity build includes sources.
+    run = subprocess.run(['clang-tidy', '--quiet', '--checks=-bugprone-suspicious-include',
+                          '-p', workspace / 'build', unit],
                          capture_output=True, text=True, cwd=ROOT)
     if run.returncode != 0 and not run.stdout.strip():
-        return [f'{source}: clang-tidy failed: {run.stderr.strip()}']
+        return [f'{unit}: clang-tidy failed: {run.stderr.strip()}']
     # Each warning with the lines of code and notes that follow it.
     return [part.replace(f'{workspace}/src/cloth_sim/', '').rstrip() for part in
             re.split(r'\n(?=\S+:\d+:\d+: (?:warning|error): )', run.stdout) if part.strip()]
@@ -76,14 +85,16 @@ def main():
     parser.add_argument('files', nargs='*')
     args = parser.parse_args()
 
-    sources = chosen_sources(args.files, compiled_sources(args.workspace))
+    units = compiled_units(args.workspace)
+    chosen = chosen_sources(args.files, sorted(sum(units.values(), [])))
+    units = {unit: sources for unit, sources in units.items() if chosen.intersection(sources)}
     end = time.monotonic() + 60.0 * args.minutes
     warnings, unchecked = set(), []
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-        results = pool.map(lambda source: tidy(source, args.workspace, end), sources)
-        for source, found in zip(sources, results):
+        results = pool.map(lambda unit: tidy(unit, args.workspace, end), units)
+        for sources, found in zip(units.values(), results):
             if found is None:
-                unchecked.append(source)
+                unchecked += sources
                 continue
             for warning in found:
                 if warning not in warnings:
@@ -91,7 +102,8 @@ def main():
                     print(warning, flush=True)
     if unchecked:
         print(f'== lint: no time left for {len(unchecked)} files:', *unchecked)
-    print(f'== lint: {len(sources) - len(unchecked)} source files, {len(warnings)} warnings')
+    checked = sum(map(len, units.values())) - len(unchecked)
+    print(f'== lint: {checked} source files, {len(warnings)} warnings')
     sys.exit(1 if warnings else 0)
 
 

@@ -127,7 +127,7 @@ void PlateBending::deriveOn(const TriangleMesh& mesh, FaceId f) {
   const Plate& plate = plates_[strips_.at(mesh.material(patch.vertex[0]))];
   std::array<Vec2, 6> p;
   // Coordinates relative to the first corner, as squares would lose digits far from the origin.
-  const Vec2 origin = mesh.material(patch.vertex[0]);
+  const Vec2& origin = mesh.material(patch.vertex[0]);
   for (std::size_t k = 0; k < p.size(); ++k) {
     p[k] = patch.vertex[k] == kNone ? Vec2::Zero() : Vec2(mesh.material(patch.vertex[k]) - origin);
   }

@@ -41,7 +41,7 @@ struct BagWriter::Impl {
     try {
       bag->open(active, rosbag::bagmode::Write);
     } catch (...) {
-      bag.release();  // see close()
+      static_cast<void>(bag.release());  // see close()
       throw;
     }
   }

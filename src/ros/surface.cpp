@@ -17,7 +17,7 @@ constexpr std::size_t kRibbonTriangles = 4;  ///< of one torn edge
 
 Surface::Packed packed(const std_msgs::ColorRGBA& colour, float factor) {
   const auto byte = [factor](float value) {
-    return static_cast<std::uint8_t>(255.0f * std::clamp(value * factor, 0.0f, 1.0f) + 0.5f);
+    return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(value * factor, 0.0f, 1.0f)));
   };
   return {byte(colour.r), byte(colour.g), byte(colour.b), 255};
 }

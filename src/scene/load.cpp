@@ -139,7 +139,7 @@ std::string textOf(const Scene& scene, YamlValue tree) {
 }  // namespace
 
 std::vector<KeyTable> sceneKeys() {
-  std::vector<KeyTable> tables{kSceneSection};
+  std::vector<KeyTable> tables{kSceneSection.keys()};
   for (const auto list : {listCommonKeys, listClothKeys, listSurgeryKeys, listSolverKeys,
                           listObstacleKeys, listClampKeys, listTearingKeys, listPhaseKeys}) {
     list(tables);

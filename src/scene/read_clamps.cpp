@@ -77,8 +77,8 @@ void readClamps(const SceneNode& node, const std::vector<ClothSpec>& cloths,
 }
 
 void listClampKeys(std::vector<KeyTable>& tables) {
-  tables.push_back(kClampSection);
-  tables.push_back(kPatchSection);
+  tables.push_back(kClampSection.keys());
+  tables.push_back(kPatchSection.keys());
 }
 
 }  // namespace cloth_sim

@@ -94,7 +94,7 @@ const Section<Fabric> kFabricSection{"`cloth.fabric`",
 
 Fabric readFabric(const SceneNode& node) {
   if (node.isScalar()) return preset(node);
-  node.expectKeys(kFabricSection.names);
+  node.expectKeys(kFabricSection.keys().names);
   const auto name = node.find("preset");
   Fabric fabric = name ? preset(*name) : fabricPreset("cotton");
   kFabricSection.readKnown(node, fabric);
@@ -211,7 +211,7 @@ const Section<ClothSpec> kClothSection{
      {"surgery"}}};
 
 void readCloth(const SceneNode& node, ClothSpec& cloth) {
-  node.expectKeys(kClothSection.names);
+  node.expectKeys(kClothSection.keys().names);
   cloth.fabric = fabricPreset("cotton");
   readGrid(node, cloth);
   readMesh(node, cloth);
@@ -289,9 +289,9 @@ void readCloths(const SceneNode& node, Scene& scene) {
 }
 
 void listClothKeys(std::vector<KeyTable>& tables) {
-  tables.push_back(kClothSection);
-  tables.push_back(kFabricSection);
-  tables.push_back(kRawSpringsSection);
+  tables.push_back(kClothSection.keys());
+  tables.push_back(kFabricSection.keys());
+  tables.push_back(kRawSpringsSection.keys());
 }
 
 }  // namespace cloth_sim

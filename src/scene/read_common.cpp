@@ -70,7 +70,7 @@ void readPose(const SceneNode& map, Pose& pose) {
 }
 
 void readPoseMap(const SceneNode& map, Pose& pose) {
-  map.expectKeys(kPoseSection.names);
+  map.expectKeys(kPoseSection.keys().names);
   readPose(map, pose);
 }
 
@@ -126,8 +126,8 @@ TearRatios readRatios(const SceneNode& node) {
 Wind readWind(const SceneNode& node) { return kWindSection.read(node); }
 
 void listCommonKeys(std::vector<KeyTable>& tables) {
-  tables.push_back(kWindSection);
-  tables.push_back(kPoseSection);
+  tables.push_back(kWindSection.keys());
+  tables.push_back(kPoseSection.keys());
   tables.push_back(ratioKeys());
 }
 

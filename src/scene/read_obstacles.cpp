@@ -41,7 +41,8 @@ std::vector<std::string> keysOf(const Shape& shape) {
   std::vector<std::string> names{"type"};
   const auto add = [&names](const char* key, const auto& /*dimension*/) { names.push_back(key); };
   std::visit([&add](const auto& known) { forEachKey(known, add); }, shape);
-  names.insert(names.end(), kObstacleSection.names.begin(), kObstacleSection.names.end());
+  names.insert(names.end(), kObstacleSection.keys().names.begin(),
+               kObstacleSection.keys().names.end());
   return names;
 }
 
@@ -69,7 +70,7 @@ void readObstacles(const SceneNode& node, std::vector<Obstacle>& obstacles) {
 }
 
 void listObstacleKeys(std::vector<KeyTable>& tables) {
-  KeyTable table{kObstacleSection.heading, {}};
+  KeyTable table{kObstacleSection.keys().heading, {}};
   for (const Shape& shape : allShapes()) {
     const std::vector<std::string> names = keysOf(shape);
     table.names.insert(table.names.end(), names.begin(), names.end());

@@ -76,7 +76,7 @@ void readClampActions(const SceneNode& node, const Scene& scene,
   names.push_back("all");
   for (const SceneNode& entry : node.entries()) checkKnown(entry, "clamp", names);
   const auto all = node.find("all");
-  if (all) all->expectKeys(kClampActionSection.names);
+  if (all) all->expectKeys(kClampActionSection.keys().names);
   for (const ClampSpec& clamp : scene.clamps) {
     const auto own = node.find(clamp.name);
     if (!all && !own) continue;
@@ -225,8 +225,9 @@ void readPhases(const SceneNode& node, const Scene& scene, std::vector<PhaseSpec
 
 void listPhaseKeys(std::vector<KeyTable>& tables) {
   for (const KeyTable& table : std::initializer_list<KeyTable>{
-           kPhaseSection, kClampActionSection, kObstacleActionSection, kPhaseTearingSection,
-           kNotchKeys, kUntilSection, kMeanSpeedSection}) {
+           kPhaseSection.keys(), kClampActionSection.keys(), kObstacleActionSection.keys(),
+           kPhaseTearingSection.keys(), kNotchKeys, kUntilSection.keys(),
+           kMeanSpeedSection.keys()}) {
     tables.push_back(table);
   }
 }

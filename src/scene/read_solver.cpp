@@ -78,7 +78,7 @@ void readParameters(const SceneNode& node, const SolverInfo& info, SolverParamet
 void readSolver(const SceneNode& node, SolverSpec& solver) {
   if (!node.isMap()) node.expected("a map with a method");
   const SolverInfo* info = readMethod(node, solver);
-  std::vector<std::string> allowed = kSolverSection.names;
+  std::vector<std::string> allowed = kSolverSection.keys().names;
   if (info != nullptr) {
     for (const SolverParameter& parameter : info->parameters) allowed.push_back(parameter.name);
   }
@@ -94,8 +94,8 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
 }
 
 void listSolverKeys(std::vector<KeyTable>& tables) {
-  tables.push_back(kSolverSection);
-  tables.push_back(kSleepSection);
+  tables.push_back(kSolverSection.keys());
+  tables.push_back(kSleepSection.keys());
 }
 
 }  // namespace cloth_sim

@@ -86,7 +86,7 @@ const Section<Stroke> kStrokeSection{"`phases.<name>.cut`",
                                       {"half_width", &Stroke::halfWidth, kNotNegative}}};
 
 Stroke readStroke(const SceneNode& node) {
-  node.expectKeys(kStrokeSection.names);
+  node.expectKeys(kStrokeSection.keys().names);
   expectEither(node, "path", "blades");
   Stroke stroke = node.has("path") ? readDrawnBlade(node) : readMovedBlade(node);
   kStrokeSection.readKnown(node, stroke);
@@ -104,7 +104,7 @@ const Section<RefineNear> kRefineNearSection{
      {"min_edge"}}};
 
 RefineNear readRefineNear(const SceneNode& node) {
-  node.expectKeys(kRefineNearSection.names);
+  node.expectKeys(kRefineNearSection.keys().names);
   expectEither(node, "path", "point");
   RefineNear near;
   kRefineNearSection.readKnown(node, near);
@@ -139,10 +139,10 @@ void readRefinements(const SceneNode& node, std::vector<RefineNear>& refinements
 }
 
 void listSurgeryKeys(std::vector<KeyTable>& tables) {
-  tables.push_back(kSurgerySection);
-  tables.push_back(kRefinementSection);
-  tables.push_back(kStrokeSection);
-  tables.push_back(kRefineNearSection);
+  tables.push_back(kSurgerySection.keys());
+  tables.push_back(kRefinementSection.keys());
+  tables.push_back(kStrokeSection.keys());
+  tables.push_back(kRefineNearSection.keys());
 }
 
 }  // namespace cloth_sim

@@ -39,7 +39,7 @@ void readTearing(const SceneNode& node, const std::vector<ClothSpec>& cloths,
 }
 
 void listTearingKeys(std::vector<KeyTable>& tables) {
-  tables.push_back(kTearingSection);
+  tables.push_back(kTearingSection.keys());
   tables.push_back(kSeamKeys);
 }
 

@@ -25,6 +25,7 @@ struct Key {
   using ReadValue = std::function<void(const SceneNode& value, T& out)>;
 
   /// A key that the reader of the map reads by hand, because it depends on other keys.
+  // NOLINTNEXTLINE(google-explicit-constructor): a row of a table may be a name only.
   Key(const char* key) : name(key) {}
   /// A key that is read into a member. \param limits  as SceneNode::read takes them.
   template <class Value, class... Limits>
@@ -58,24 +59,26 @@ struct Key {
 
 /// The table of the keys of a map that is read into a T.
 template <class T>
-class Section : public KeyTable {
+class Section {
  public:
   /// \param headingInDocs  of the section of docs/scene.md, without "## ".
-  Section(const char* headingInDocs, std::initializer_list<Key<T>> keys) : keys_(keys) {
-    heading = headingInDocs;
-    for (const Key<T>& key : keys_) names.emplace_back(key.name);
+  Section(const char* headingInDocs, std::initializer_list<Key<T>> rows)
+      : rows_(rows), keys_{headingInDocs, {}} {
+    for (const Key<T>& row : rows_) keys_.names.emplace_back(row.name);
   }
+
+  const KeyTable& keys() const { return keys_; }
 
   /// Refuses a node that is no map or has unknown keys, then reads its keys in the order of the
   /// table. A member whose key is absent keeps its value.
   void read(const SceneNode& map, T& out) const {
-    map.expectKeys(names);
+    map.expectKeys(keys_.names);
     readKnown(map, out);
   }
   /// Reads the keys of this table only; the map may have others.
   void readKnown(const SceneNode& map, T& out) const {
-    for (const Key<T>& key : keys_) {
-      if (key.read) key.read(map, out);
+    for (const Key<T>& row : rows_) {
+      if (row.read) row.read(map, out);
     }
   }
   /// Reads a T that starts from its defaults.
@@ -86,7 +89,8 @@ class Section : public KeyTable {
   }
 
  private:
-  std::vector<Key<T>> keys_;
+  std::vector<Key<T>> rows_;
+  KeyTable keys_;
 };
 
 }  // namespace cloth_sim

@@ -47,9 +47,9 @@ class Queue {
 
 void runJobs(const Jobs& jobs, int threads) {
   Queue queue(jobs);
-  const auto helpers = static_cast<std::size_t>(std::max(threads, 1)) - 1;
+  const auto others = static_cast<std::size_t>(std::max(threads, 1)) - 1;
   std::vector<std::thread> pool;
-  for (std::size_t k = 0; k < std::min(helpers, jobs.size()); ++k) {
+  for (std::size_t k = 0; k < std::min(others, jobs.size()); ++k) {
     pool.emplace_back([&queue] { queue.work(); });
   }
   queue.work();

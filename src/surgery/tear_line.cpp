@@ -217,8 +217,8 @@ std::optional<SurfacePath> seamOver(const TriangleMesh& mesh, const std::vector<
   };
   SurfacePath path;
   path.points.push_back({hint, pointAt(whole.first)});
-  for (double s = std::floor(whole.first) + 1.0; s < whole.last - kSame; s += 1.0) {
-    if (s > whole.first + kSame) path.points.push_back({hint, pointAt(s)});
+  for (int k = static_cast<int>(std::floor(whole.first)) + 1; k < whole.last - kSame; ++k) {
+    if (k > whole.first + kSame) path.points.push_back({hint, pointAt(k)});
   }
   path.points.push_back({hint, pointAt(whole.last)});
   if ((path.points.back().material - path.points.front().material).norm() <= kSame) {

@@ -1,10 +1,7 @@
 /// \file cloth_run: runs a scene without a ROS master, as fast as it can. See docs/cloth_run.md.
 
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -19,6 +16,7 @@
 #include "ros/bag_writer.h"
 #include "ros/recording.h"
 #include "ros/scene_path.h"
+#include "status_line.h"
 
 namespace cloth_sim {
 namespace {
@@ -33,9 +31,7 @@ enum ExitCode {
 };
 
 constexpr double kDefaultDuration = 10.0;  ///< of a scene without an end of its own [s]
-constexpr double kBarPeriod = 0.1;         ///< between two drawings of the bar, wall time [s]
-constexpr double kLinePeriod = 10.0;       ///< between two plain lines in a phase, wall time [s]
-constexpr int kBarWidth = 24;              ///< [characters]
+constexpr double kLinePeriod = 10.0;       ///< between two lines in a log, wall time [s]
 
 struct Options {
   std::string scene;
@@ -111,30 +107,24 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   return std::nullopt;
 }
 
-/// Shows the progress of a run: a bar on a terminal, otherwise a line now and then.
+/// Shows how far a run has come.
 class Progress {
  public:
-  using Clock = std::chrono::steady_clock;
-
-  explicit Progress(std::optional<double> duration)
-      : duration_(duration), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
+  explicit Progress(std::optional<double> duration) : duration_(duration) {}
 
   /// Returns the time since the start [s].
-  double wallTime() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  double wallTime() const { return line_.wallTime(); }
 
   void update(const Simulation& simulation) {
-    const double wall = wallTime();
     const std::string phase = phaseOf(simulation);
-    const bool newPhase = phase != shownPhase_;
-    if (!newPhase && wall - shown_ < (terminal_ ? kBarPeriod : kLinePeriod)) return;
-    shown_ = wall;
+    if (phase == shownPhase_ && !line_.isDue()) return;
     shownPhase_ = phase;
-    show(simulation, wall);
+    show(simulation);
   }
 
   void finish(const Simulation& simulation) {
-    show(simulation, wallTime());
-    if (terminal_) std::fputc('\n', stderr);
+    show(simulation);
+    line_.keep();
   }
 
   static std::string phaseOf(const Simulation& simulation) {
@@ -143,36 +133,30 @@ class Progress {
   }
 
  private:
-  void show(const Simulation& simulation, double wall) const {
-    if (terminal_) std::fprintf(stderr, "\r[%s] ", bar(simulation).c_str());
+  void show(const Simulation& simulation) {
     const std::string phase = phaseOf(simulation);
-    std::fprintf(stderr, "%-10s t %6.2f s  real-time factor %5.2f  broken %d  pieces %d",
-                 phase.empty() ? "-" : phase.c_str(), simulation.time(),
-                 wall > 0.0 ? simulation.time() / wall : 0.0, simulation.broken().total,
-                 simulation.pieces());
-    std::fputs(terminal_ ? "\033[K" : "\n", stderr);
-    std::fflush(stderr);
+    const double wall = wallTime();
+    char text[200];
+    std::snprintf(text, sizeof(text),
+                  "%-10s t %6.2f s  real-time factor %5.2f  broken %d  pieces %d",
+                  phase.empty() ? "-" : phase.c_str(), simulation.time(),
+                  wall > 0.0 ? simulation.time() / wall : 0.0, simulation.broken().total,
+                  simulation.pieces());
+    line_.show(fractionDone(simulation), text);
   }
 
-  /// Returns a bar that fills with time if the run has a duration, otherwise with phases.
-  std::string bar(const Simulation& simulation) const {
-    double done = 0.0;
-    if (duration_) {
-      done = *duration_ > 0.0 ? simulation.time() / *duration_ : 1.0;
-    } else if (simulation.script().status() == ScriptStatus::kDone) {
-      done = 1.0;
-    } else if (!simulation.script().history().empty()) {
-      done = (static_cast<double>(simulation.script().history().size()) - 1.0) /
-             static_cast<double>(simulation.scene().phases.size());
-    }
-    const int filled = static_cast<int>(std::clamp(done, 0.0, 1.0) * kBarWidth);
-    return std::string(filled, '#') + std::string(kBarWidth - filled, '.');
+  /// Returns the fraction of the time, or of the phases if the run has no duration.
+  double fractionDone(const Simulation& simulation) const {
+    if (duration_) return *duration_ > 0.0 ? simulation.time() / *duration_ : 1.0;
+    const PhaseScript& script = simulation.script();
+    if (script.status() == ScriptStatus::kDone) return 1.0;
+    if (script.history().empty()) return 0.0;
+    return (static_cast<double>(script.history().size()) - 1.0) /
+           static_cast<double>(simulation.scene().phases.size());
   }
 
   std::optional<double> duration_;
-  bool terminal_ = false;
-  Clock::time_point start_;
-  double shown_ = -1e9;  ///< wall time of the last output [s]
+  StatusLine line_{kLinePeriod};
   std::string shownPhase_;
 };
 

@@ -1,10 +1,9 @@
 /// \file cloth_study: compares the methods on the same scenes. See docs/cloth_study.md.
 
 #include <ros/package.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -17,6 +16,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "ros/scene_path.h"
+#include "status_line.h"
 #include "study/advise.h"
 #include "study/exact.h"
 #include "study/make_auto_table.h"
@@ -29,9 +29,7 @@ namespace fs = std::filesystem;
 
 enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
 
-constexpr double kBarPeriod = 0.1;   ///< between two drawings of the bar, wall time [s]
-constexpr double kLinePeriod = 5.0;  ///< between two plain lines, wall time [s]
-constexpr int kBarWidth = 24;        ///< [characters]
+constexpr double kLinePeriod = 5.0;  ///< between two lines in a log, wall time [s]
 
 const char* const kWorkPrecision = "work_precision";
 const char* const kStability = "stability";
@@ -129,51 +127,38 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   return std::nullopt;
 }
 
-/// Shows the progress of a study: a bar on a terminal, otherwise a line now and then.
+/// Shows how far a study has come.
 class Progress final : public StudyProgress {
  public:
   void update(int done, int total, const std::string& next) override {
-    const double now = wallTime();
-    if (done < total && now - shown_ < (terminal_ ? kBarPeriod : kLinePeriod)) return;
-    shown_ = now;
-    if (terminal_) {
-      const int filled = kBarWidth * done / total;
-      std::fprintf(stderr, "\r[%s%s] %3d %%  %.0f s  %s\033[K", std::string(filled, '#').c_str(),
-                   std::string(kBarWidth - filled, '.').c_str(), 100 * done / total, now,
-                   next.c_str());
-      if (done == total) std::fputc('\n', stderr);
-    } else {
-      std::fprintf(stderr, "%3d %%  %.0f s  %s\n", 100 * done / total, now, next.c_str());
-    }
-    std::fflush(stderr);
+    if (done < total && !line_.isDue()) return;
+    const double fraction = static_cast<double>(done) / total;
+    line_.show(fraction, percent(fraction) + timed(next));
+    if (done == total) line_.keep();
   }
 
   /// Shows the progress of work whose length is not known.
   void mention(int done, const std::string& next) {
-    const double now = wallTime();
-    if (!terminal_ && now - shown_ < kLinePeriod) return;
-    shown_ = now;
-    std::fprintf(stderr, terminal_ ? "\r%d  %.0f s  %s\033[K" : "%d  %.0f s  %s\n", done, now,
-                 next.c_str());
-    std::fflush(stderr);
+    if (line_.isDue()) line_.show(std::nullopt, std::to_string(done) + "  " + timed(next));
   }
-  void clear() const {
-    if (terminal_) std::fputs("\r\033[K", stderr);
-  }
+  void clear() const { line_.clear(); }
 
   void remark(const std::string& text) override {
-    std::fprintf(stderr, "%scloth_study: %s\n", terminal_ ? "\r\033[K" : "", text.c_str());
+    line_.clear();
+    std::fprintf(stderr, "cloth_study: %s\n", text.c_str());
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  static std::string percent(double fraction) {
+    char text[16];
+    std::snprintf(text, sizeof(text), "%3d %%  ", static_cast<int>(100.0 * fraction));
+    return text;
+  }
+  std::string timed(const std::string& next) const {
+    return std::to_string(std::lround(line_.wallTime())) + " s  " + next;
+  }
 
-  /// Returns the time since the start [s].
-  double wallTime() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
-  bool terminal_ = isatty(STDERR_FILENO) != 0;
-  Clock::time_point start_ = Clock::now();
-  double shown_ = -1e9;  ///< wall time of the last output [s]
+  StatusLine line_{kLinePeriod};
 };
 
 fs::path packageFolder() {

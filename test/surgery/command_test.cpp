@@ -39,7 +39,7 @@ Simulation simulationOf(const std::string& yaml) {
 }
 
 /// Returns a command to cut along a path in the plane of the cloth.
-CutAlong along(std::vector<Vec3> path, double halfWidth = 0.0) {
+CutAlong along(const std::vector<Vec3>& path, double halfWidth = 0.0) {
   CutAlong command{strokeAlong(path, Vec3::UnitY(), 0.5)};
   command.stroke.halfWidth = halfWidth;
   return command;

@@ -355,7 +355,7 @@ void expectSupportsAgree(const TriangleMesh& mesh, const SpringNetwork& springs)
 void expectNetworkOfEditedMesh(const TriangleMesh& mesh, const MeshChanges& edit,
                                const Fabric& fabric, const SpringSelection& selection,
                                SpringNetwork& springs) {
-  const std::vector<Spring> before = springs.slots();
+  const std::vector<Spring> before(springs.slots());
   const SpringChanges changes = springs.applyChanges(mesh, edit);
   expectChangesList(before, springs.slots(), changes);
   expectSupportsAgree(mesh, springs);
@@ -455,7 +455,7 @@ void expectSameByMaterial(const std::vector<MaterialRow>& rows,
 /// Removal of components: their springs vanish, and all others are renumbered.
 void expectRemoval(Generator& random, const std::vector<FaceId>& faces, TriangleMesh& mesh,
                    SpringNetwork& springs, const Fabric& fabric) {
-  const std::vector<Spring> before = springs.slots();
+  const std::vector<Spring> before(springs.slots());
   MeshEditor editor(mesh);
   editor.removeComponents(faces);
   const SpringChanges changes = springs.applyChanges(mesh, editor.finish());
@@ -613,7 +613,7 @@ TEST(RawSprings, SpringsFarAwayKeepTheirBits) {
   const Grid grid{8, 8, 0.7, 0.7};
   TriangleMesh mesh = makeGridMesh(grid);
   SpringNetwork springs(mesh, kRaw, {});
-  const std::vector<Spring> before = springs.slots();
+  const std::vector<Spring> before(springs.slots());
   MeshEditor editor(mesh);
   editor.splitFace(0, {0.4, 0.3, 0.3});
   editor.moveVertex(grid.vertex(1, 1), 0, {0.1, 0.1, 0.8});
@@ -658,7 +658,7 @@ std::vector<std::int32_t> slotsNear(const TriangleMesh& mesh, const SpringNetwor
 TEST(SpringNetworkClear, TakesThemAwayAndTells) {
   const TriangleMesh mesh = makeGridMesh({6, 6, 0.5, 0.5});
   SpringNetwork springs(mesh, fabricPreset("silk"), {});
-  const std::vector<Spring> before = springs.slots();
+  const std::vector<Spring> before(springs.slots());
   const int count = springs.count();
   const std::vector<std::int32_t> slots = slotsNear(mesh, springs, {0.25, 0.25}, 0.1);
   ASSERT_GT(slots.size(), 5U);

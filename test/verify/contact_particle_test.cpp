@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <variant>
 
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/threads/thread_limit.h"

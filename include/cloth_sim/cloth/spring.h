@@ -104,7 +104,7 @@ class SpringSlots {
   }
   const_iterator begin() const { return {*this, 0}; }
   const_iterator end() const { return {*this, static_cast<std::int32_t>(size())}; }
-  operator std::vector<Spring>() const { return {begin(), end()}; }
+  explicit operator std::vector<Spring>() const { return {begin(), end()}; }
 
   void reserve(std::size_t slots) { slots_.reserve(slots); }
   void append(const Spring& spring);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "cloth_sim/ros/conversions.h"
@@ -33,7 +34,7 @@ ClothFrame pulled(float stretch) {
 }
 
 Surface::Packed bytes(const std_msgs::ColorRGBA& colour) {
-  const auto byte = [](float x) { return static_cast<std::uint8_t>(255.0f * x + 0.5f); };
+  const auto byte = [](float x) { return static_cast<std::uint8_t>(std::lround(255.0f * x)); };
   return {byte(colour.r), byte(colour.g), byte(colour.b), 255};
 }
 

@@ -76,32 +76,32 @@ class Box {
   Vec3 excessOf(const Vec3& local) const { return local.cwiseAbs() - half_; }
 
   /// Whether both ends of the path lie beyond the same one of the two faces across the axis.
-  template <int axis>
+  template <int kAxis>
   bool misses(const Vec3& from, const Vec3& to) const {
-    const double limit = half_[axis] + margin_;
-    return (from[axis] >= limit && to[axis] >= limit) ||
-           (from[axis] <= -limit && to[axis] <= -limit);
+    const double limit = half_[kAxis] + margin_;
+    return (from[kAxis] >= limit && to[kAxis] >= limit) ||
+           (from[kAxis] <= -limit && to[kAxis] <= -limit);
   }
 
   /// Whether the nearest feature to the start is a face across the axis, and the path stays over
   /// it. Takes `excessOf` of both ends.
-  template <int axis>
+  template <int kAxis>
   static bool staysOver(const Vec3& from, const Vec3& to) {
-    constexpr int a = (axis + 1) % 3;
-    constexpr int b = (axis + 2) % 3;
-    const double most = std::min(0.0, from[axis]);
+    const int a = (kAxis + 1) % 3;
+    const int b = (kAxis + 2) % 3;
+    const double most = std::min(0.0, from[kAxis]);
     return from[a] <= most && from[b] <= most && to[a] <= 0.0 && to[b] <= 0.0;
   }
 
   /// `sweep` of a path over a face across the axis, in local coordinates.
-  template <int axis>
+  template <int kAxis>
   bool sweepFace(const Vec3& from, const Vec3& to, double rise, SweepHit& hit) const {
-    const double side = std::copysign(1.0, from[axis]);
-    const double level = half_[axis] + margin_;
-    const double after = side * to[axis] - level;
+    const double side = std::copysign(1.0, from[kAxis]);
+    const double level = half_[kAxis] + margin_;
+    const double after = side * to[kAxis] - level;
     if (after >= 0.0) return false;
-    hit.normal = axes_.toWorld(side * Vec3::Unit(axis));
-    hit.push = std::min(0.0, side * from[axis] - level + rise) - after;
+    hit.normal = axes_.toWorld(side * Vec3::Unit(kAxis));
+    hit.push = std::min(0.0, side * from[kAxis] - level + rise) - after;
     return hit.push > 0.0;
   }
 
