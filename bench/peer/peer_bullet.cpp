@@ -188,8 +188,7 @@ std::vector<Contender> settingsOfOurs() {
 }  // namespace
 }  // namespace cloth_sim::bench
 
-// NOLINTNEXTLINE(bugprone-exception-escape): outside the try block only a wrong list of options
-// throws.
+// NOLINTNEXTLINE(bugprone-exception-escape): only a wrong list of options throws before `try`.
 int main(int argc, char** argv) {
   using namespace cloth_sim::bench;
   Task task;

@@ -45,7 +45,7 @@ std::string refusal(const std::string& rest) {
 
 /// No cache but one in an empty folder of the test's own.
 class AutoMethod : public testing::Test {
- protected:
+ public:
   AutoMethod() {
     std::filesystem::remove_all(folder_);
     setenv("CLOTH_SIM_CACHE", folder_.c_str(), 1);
@@ -54,6 +54,8 @@ class AutoMethod : public testing::Test {
     unsetenv("CLOTH_SIM_CACHE");
     std::filesystem::remove_all(folder_);
   }
+
+ protected:
   std::string folder_ = testing::TempDir() + "cloth_sim_auto_method_test";
 };
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -21,7 +22,7 @@ Vec3 randomPoint(std::mt19937& random, double range) {
 Obstacle obstacle(Shape shape) {
   Obstacle result;
   result.name = "thing";
-  result.shape = shape;
+  result.shape = std::move(shape);
   result.pose.position = Vec3(0.1, -0.2, 0.3);
   result.pose.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -0.5).normalized()));
   return result;
