@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "unit/core_support.h"
 
 namespace cloth_sim {
@@ -22,7 +24,7 @@ class DragTest : public testing::Test {
  protected:
   /// Moves the particle as a solver would, for a time.
   void run(double duration) {
-    for (int k = 0; k < static_cast<int>(duration / kStep + 0.5); ++k) {
+    for (long k = 0; k < std::lround(duration / kStep); ++k) {
       drag_.advance(state_, kStep);
       std::vector<KinematicTarget> targets;
       drag_.appendTargets(targets);

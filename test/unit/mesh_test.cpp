@@ -589,6 +589,7 @@ TEST(MeshEditor, ListsOfChangesAreSortedAndNameAllThatChanged) {
     return std::adjacent_find(ids.begin(), ids.end(), std::greater_equal<>()) == ids.end();
   };
   for (int edit = 0; edit < 100; ++edit) {
+    // NOLINTNEXTLINE(performance-unnecessary-copy-initialization): edits change `mesh`
     const TriangleMesh before = mesh;
     for (int k = 0; k < 3; ++k) edits.any();
     const MeshChanges changes = editor.finish();

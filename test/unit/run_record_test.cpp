@@ -31,63 +31,63 @@ class Record : public testing::Test {
  protected:
   void run(int steps) {
     for (int k = 0; k < steps; ++k) {
-      simulation.step();
-      observe(simulation, record);
+      simulation_.step();
+      observe(simulation_, record_);
     }
-    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    ASSERT_FALSE(simulation_.failed()) << simulation_.failure();
   }
 
-  Simulation simulation{parseScene(kScene, "hand.yaml")};
-  RunRecord record = startRecord(simulation);
+  Simulation simulation_{parseScene(kScene, "hand.yaml")};
+  RunRecord record_ = startRecord(simulation_);
 };
 
 TEST_F(Record, KnowsTheStart) {
-  EXPECT_EQ(record.piecesAtStart, 1);
-  EXPECT_NEAR(record.initialRestArea, 0.04, 1e-15);
-  EXPECT_EQ(record.initialMass, totalMass(simulation.model()));
-  EXPECT_FALSE(record.separation);
+  EXPECT_EQ(record_.piecesAtStart, 1);
+  EXPECT_NEAR(record_.initialRestArea, 0.04, 1e-15);
+  EXPECT_EQ(record_.initialMass, totalMass(simulation_.model()));
+  EXPECT_FALSE(record_.separation);
 }
 
 TEST_F(Record, TheGreatestForceIsAtLeastTheWeight) {
   run(150);
-  ASSERT_EQ(record.peaks.size(), 1U);
-  EXPECT_EQ(record.peaks[0].clamp, "hand");
+  ASSERT_EQ(record_.peaks.size(), 1U);
+  EXPECT_EQ(record_.peaks[0].clamp, "hand");
   // What is grasped swings out under its weight, and pulls less than a fall of the whole would.
-  const double weight = 9.81 * record.initialMass;
-  EXPECT_GE(record.peaks[0].force, weight);
-  EXPECT_LT(record.peaks[0].force, 5.0 * weight);
-  const PeakForce before = record.peaks[0];
+  const double weight = 9.81 * record_.initialMass;
+  EXPECT_GE(record_.peaks[0].force, weight);
+  EXPECT_LT(record_.peaks[0].force, 5.0 * weight);
+  const PeakForce before = record_.peaks[0];
   run(10);  // the lower part falls: less to bear
-  EXPECT_EQ(record.peaks[0].force, before.force);
-  EXPECT_EQ(record.peaks[0].time, before.time);
+  EXPECT_EQ(record_.peaks[0].force, before.force);
+  EXPECT_EQ(record_.peaks[0].time, before.time);
 }
 
 TEST_F(Record, SaysWhenAndInWhatPhaseItCameApart) {
   run(149);
-  EXPECT_FALSE(record.separation);
+  EXPECT_FALSE(record_.separation);
   run(10);
-  ASSERT_EQ(simulation.pieces(), 2);
-  ASSERT_TRUE(record.separation);
-  EXPECT_EQ(record.separation->phase, "part");
-  EXPECT_EQ(record.separation->phaseStart, simulation.script().history()[1].start);
+  ASSERT_EQ(simulation_.pieces(), 2);
+  ASSERT_TRUE(record_.separation);
+  EXPECT_EQ(record_.separation->phase, "part");
+  EXPECT_EQ(record_.separation->phaseStart, simulation_.script().history()[1].start);
   // The notch is made when the phase begins, and seen after the step that begins it.
-  EXPECT_GE(record.separation->time, record.separation->phaseStart);
-  EXPECT_LE(record.separation->time, record.separation->phaseStart + 1.5 * 0.01);
+  EXPECT_GE(record_.separation->time, record_.separation->phaseStart);
+  EXPECT_LE(record_.separation->time, record_.separation->phaseStart + 1.5 * 0.01);
 }
 
 TEST_F(Record, AResetPutsItTogetherAgain) {
   run(160);
-  ASSERT_TRUE(record.separation);
-  ASSERT_TRUE(simulation.apply(Reset{}).success);
+  ASSERT_TRUE(record_.separation);
+  ASSERT_TRUE(simulation_.apply(Reset{}).success);
   run(1);
-  EXPECT_FALSE(record.separation);
+  EXPECT_FALSE(record_.separation);
 }
 
 TEST_F(Record, ARunThatBeginsInPiecesHasNotComeApartInIt) {
   run(160);
-  RunRecord later = startRecord(simulation);
-  simulation.step();
-  observe(simulation, later);
+  RunRecord later = startRecord(simulation_);
+  simulation_.step();
+  observe(simulation_, later);
   EXPECT_FALSE(later.separation);
 }
 
