@@ -60,10 +60,10 @@ class ObjText {
     }
   }
 
-  template <int N>
-  Eigen::Matrix<double, N, 1> numbers(std::istringstream& words, const char* form) const {
-    Eigen::Matrix<double, N, 1> result;
-    for (int k = 0; k < N; ++k) {
+  template <int kSize>
+  Eigen::Matrix<double, kSize, 1> numbers(std::istringstream& words, const char* form) const {
+    Eigen::Matrix<double, kSize, 1> result;
+    for (int k = 0; k < kSize; ++k) {
       if (!(words >> result[k]) || !std::isfinite(result[k])) {
         refuse(line_, std::string("expected \"") + form + "\" with finite numbers");
       }

@@ -70,12 +70,12 @@ class SceneNode {
   std::uint64_t seed() const;
   bool boolean() const;
   std::string word(const std::string& what) const;
-  /// Reads a list of N numbers.
-  template <int N>
-  Eigen::Matrix<double, N, 1> vector(const Range& range = kAnyNumber) const {
-    Eigen::Matrix<double, N, 1> result;
-    const std::vector<SceneNode> components = exactly(N, range);
-    for (int k = 0; k < N; ++k) result[k] = components[k].number(range);
+  /// Reads a list of kSize numbers.
+  template <int kSize>
+  Eigen::Matrix<double, kSize, 1> vector(const Range& range = kAnyNumber) const {
+    Eigen::Matrix<double, kSize, 1> result;
+    const std::vector<SceneNode> components = exactly(kSize, range);
+    for (int k = 0; k < kSize; ++k) result[k] = components[k].number(range);
     return result;
   }
   /// The items of a list of exactly `count` numbers. \param range  of the numbers, for the error.

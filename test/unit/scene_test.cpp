@@ -344,8 +344,9 @@ void expectTheTearingRun(const Scene& scene) {
   }
   const double cell = 1.0 / (n - 1);
   const double seam = scene.tearing.seam->path.front().x();
-  EXPECT_GT(seam, (n / 2 - 1) * cell);
-  EXPECT_LT(seam, n / 2 * cell);
+  const int middle = n / 2;
+  EXPECT_GT(seam, (middle - 1) * cell);
+  EXPECT_LT(seam, middle * cell);
   EXPECT_EQ(scene.tearing.ratio[0], 3.0);
   EXPECT_EQ((*scene.phases[6].ratio)[0], 1.2);
   // The notch cuts the threads of 12 rows, 0 to 11: it ends between row 11 and row 12.
