@@ -316,7 +316,7 @@ std::string difference(const std::vector<Row>& rows, const std::vector<Row>& exp
 bool same(const Spring& s, const Spring& t) { return s.a == t.a && rowOf(s) == rowOf(t); }
 
 /// Checks that `before` and `after` differ in the slots that `changes` lists, and in no others.
-void expectChangesList(const std::vector<Spring>& before, const std::vector<Spring>& after,
+void expectChangesList(const std::vector<Spring>& before, const SpringSlots& after,
                        const SpringChanges& changes) {
   std::vector<std::int32_t> added, modified, removed;
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(after.size()); ++slot) {
