@@ -116,7 +116,8 @@ struct Colour {
   const Real* rest;
 };
 
-/// As many as a vector of 32 bytes holds are read, corrected and written at once.
+/// Corrects the springs of a colour. Reads, corrects and writes as many at once as a vector of 32
+/// bytes holds.
 template <typename Real>
 [[gnu::always_inline]] inline void correct(const Colour<Real>& springs, Point<Real>* points) {
   constexpr std::size_t kLanes = 32 / sizeof(Real);

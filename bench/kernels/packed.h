@@ -10,7 +10,7 @@ namespace cloth_sim::bench {
 constexpr double kFrame = 1.0 / 60.0;
 constexpr double kSubstep = kFrame / 20.0;  ///< of `xpbd`
 
-/// Of the slots of particles.
+/// Order of particles in memory.
 enum class Order {
   kGrid,  ///< as Particles chooses for a grid
   kAny,   ///< along a Z curve: neighbours are near, but no two springs of a colour are in a row

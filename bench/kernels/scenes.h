@@ -30,7 +30,8 @@ class Warm {
   /// \param simulation  that has gone on already.
   Warm(std::unique_ptr<Simulation> simulation, int steps);
   Simulation& simulation() { return *simulation_; }
-  /// To where it was then, and a step on: what it derives from its state is there again.
+  /// Restores the saved state and takes a step, so that everything derived from the state is up to
+  /// date.
   void goBack();
 
  private:

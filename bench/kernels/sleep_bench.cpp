@@ -15,7 +15,8 @@ constexpr int kSide = 128;        ///< particles
 constexpr int kWarmUp = 200;      ///< steps, until iterations find what is left of the motion small
 constexpr int kMostSteps = 3000;  ///< to come to rest
 
-/// In thick air, and soon counted as at rest: what a step costs then does not depend on it.
+/// Returns a hanging cloth with much drag and loose limits of sleep, so that it soon falls asleep.
+/// The cost of a step of a sleeping cloth does not depend on them.
 Scene settling(const std::string& method) {
   Scene scene = hanging(kSide, method);
   scene.drag = 10.0;

@@ -24,7 +24,7 @@ class Turns {
 
   /// Over all turns [s].
   double median(const std::string& name) const;
-  /// Of the time of one over that of the other in the same turn.
+  /// Returns the median, over all turns, of the time of `name` over that of `other` in that turn.
   double medianOver(const std::string& name, const std::string& other) const;
 
  private:

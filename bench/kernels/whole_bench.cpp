@@ -22,8 +22,9 @@ constexpr int kWarmUp = 40;
 constexpr int kStretch = 20;
 constexpr int kTurns = 5;
 
-/// As `hanging`, with clamps in place of pins, a ground and a ball in reach, and tearing armed.
-/// \param method  and its parameters, as in the scene.
+/// Returns the scene of `hanging` with clamps instead of pins, a ground and a ball in reach, and
+/// tearing enabled.
+/// \param method  name and parameters of the method, as in a scene file.
 Scene armed(const std::string& method) {
   const auto clamp = [](const std::string& name, const std::string& column, const std::string& x) {
     return "  " + name + ":\n    patch: {particle: [" + column +

@@ -17,8 +17,8 @@ struct Task {
   double mass = 0.2;          ///< [kg]
   double frame = 1.0 / 60.0;  ///< [s]
   double duration = 5.0;      ///< [s]
-  /// With a sphere, the cloth falls on it, and the sphere stands on the ground. Without one, the
-  /// cloth hangs from its two upper corners.
+  /// Sphere on the ground, on which the cloth falls. Without one, the cloth hangs from its two
+  /// upper corners.
   struct Sphere {
     Vec3 centre;
     double radius = 0.0;  ///< [m]

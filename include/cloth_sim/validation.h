@@ -8,8 +8,8 @@
 
 namespace cloth_sim {
 
-/// How far from 1 the norm of a quaternion may be: four decimal digits or a sender that computes in
-/// float32 leave less than this. Quaternions within it are normalised, others are refused.
+/// Tolerance for the norm of a quaternion. Four decimal digits or float32 arithmetic of a sender
+/// keep within it. Quaternions within it are normalised, others are refused.
 constexpr double kUnitNormTolerance = 1e-3;
 
 /// Whether `orientation` is a unit quaternion up to `kUnitNormTolerance` (false for NaN).

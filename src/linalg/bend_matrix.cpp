@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int32_t kGrainRows = 1024;
 
-/// Which elements each slot belongs to, in the order of the elements.
+/// Elements of each particle slot, in ascending order.
 struct Incidence {
   std::vector<std::size_t> start;
   std::vector<std::size_t> element;

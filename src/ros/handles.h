@@ -55,7 +55,7 @@ class Handles {
   void updateClampHandles(const Snapshot& now);
   std::map<std::string, Pose> moved(const Snapshot& now);
   void advance(const std::string& obstacle, Guided& guided, double time);
-  /// Whether a handle is to be moved to `pose`; if so, remembers that it is there.
+  /// Returns whether a handle is to be moved to `pose`; if so, remembers the pose.
   bool shallShow(const std::string& marker, const Pose& pose);
 
   const RequestChecker& checker_;

@@ -1,6 +1,6 @@
 #pragma once
-/// \file What a bag says of a run: the scene, the commands, and the states that it went through. No
-/// ROS in here: for tools.
+/// \file Recording of a run, as a bag holds it: the scene, the commands, and the states. This
+/// header includes no ROS header, so that tools can use it.
 
 #include <functional>
 #include <string>
@@ -27,7 +27,7 @@ struct Recording {
 ///         more than one node.
 Recording readRecording(const std::string& bag);
 
-/// How far doing a recording again led to the same states.
+/// Result of replaying a recording: how many states were the same.
 struct Replay {
   std::size_t same = 0;    ///< recorded states that were reproduced
   std::string difference;  ///< about the first that did not; "" if all did

@@ -43,7 +43,8 @@ std::string readFile(const std::string& path) {
   return text;
 }
 
-/// In the order of reading: the clamps refer to the cloths, and the phases to all before them.
+/// Keys of the top level, in the order of reading: clamps refer to cloths, and phases to all keys
+/// before them.
 const Section<Scene> kSceneSection{
     "Top level",
     {Key<Scene>::required("cloth", "a map", readCloths),

@@ -47,8 +47,9 @@ struct Touch {
 /// it is; a change raises kStateVersion.
 class StateFormat {
  public:
-  /// Not in the list: everything that the scene says, scratch that every step makes anew, what
-  /// `loadParts` derives (pieces, topology), and the method, which writes itself.
+  /// Reads or writes the members that a saved state holds. It leaves out what the scene says,
+  /// scratch memory of a step, what `loadParts` derives (pieces, topology), and the method, which
+  /// writes itself.
   /// \tparam Parts  SimulationParts; const if the archive writes.
   template <class Archive, typename Parts>
   static void serialize(Archive& archive, Parts& parts) {

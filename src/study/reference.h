@@ -33,7 +33,8 @@ const SolverInfo& referenceMethod();
 struct ConvergenceGoal {
   double tolerance = 1e-3;
   int halvings = 4;
-  /// No halving is begun that would exceed this CPU time in all; one is made in any case [s].
+  /// Limit of the CPU time of all halvings [s]. No halving that would exceed it is begun, except
+  /// the first.
   double mostCpuTime = std::numeric_limits<double>::infinity();
 };
 

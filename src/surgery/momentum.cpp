@@ -10,8 +10,8 @@ namespace {
 constexpr int kPasses = 2;
 /// Moments of inertia below this fraction of the largest count as zero.
 constexpr double kFlat = 1e-12;
-/// So do those of particles that are nearer to each other than this fraction of their distance from
-/// the origin, where rounding errors dominate.
+/// Moments of inertia also count as zero if all particles are nearer to each other than this
+/// fraction of their distance from the origin, because rounding errors dominate there.
 constexpr double kSamePlace = 1e-12;
 
 /// Inertia of a set of particles as a rigid body.

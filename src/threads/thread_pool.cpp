@@ -99,7 +99,7 @@ class alignas(kCacheLine) LoopGate {
   std::int32_t workersInside() const {
     return static_cast<std::int32_t>(word_.load(std::memory_order_relaxed) % kOpen);
   }
-  /// For the thread that opens and closes the gate.
+  /// Returns the epoch now. To be called only by the thread that opens and closes the gate.
   Epoch epoch() const { return word_.load(std::memory_order_relaxed) / kEpoch; }
 
  private:

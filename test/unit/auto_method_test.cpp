@@ -43,7 +43,7 @@ std::string refusal(const std::string& rest) {
   return "";
 }
 
-/// No cache but one in an empty folder of the test's own.
+/// Fixture whose cache is an empty folder of the test's own.
 class AutoMethod : public testing::Test {
  public:
   AutoMethod() {

@@ -252,7 +252,7 @@ TEST(Cloths, DrawTheirRandomOffsetsOneAfterTheOther) {
 
 // ---- solvers
 
-int springsInRuns(const std::vector<ClothSpec>& cloths) {
+int springsInContiguousSpans(const std::vector<ClothSpec>& cloths) {
   const Model model = buildModel(cloths);
   Particles particles;
   particles.layOut(model);
@@ -266,12 +266,12 @@ int springsInRuns(const std::vector<ClothSpec>& cloths) {
 
 TEST(Cloths, AreSweptWithoutGathersEachAsAlone) {
   Scene scene = pair("", {"cloth.sheet.particles=[48, 40]", "cloth.strip.particles=[40, 64]"});
-  const int first = springsInRuns({scene.cloths[0]});
-  const int second = springsInRuns({scene.cloths[1]});
+  const int first = springsInContiguousSpans({scene.cloths[0]});
+  const int second = springsInContiguousSpans({scene.cloths[1]});
   ASSERT_GT(first, 48 * 40);
   ASSERT_GT(second, 40 * 64);
-  // Strands end elsewhere, and with them some runs.
-  EXPECT_GE(springsInRuns(scene.cloths), 0.98 * (first + second));
+  // The colours of the two cloths together end elsewhere, and with them some contiguous spans.
+  EXPECT_GE(springsInContiguousSpans(scene.cloths), 0.98 * (first + second));
 }
 
 // ---- contact

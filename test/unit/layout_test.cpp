@@ -1,5 +1,5 @@
-/// \file Where particles lie in memory makes no difference: sweeps go along runs where it is known
-/// that the cloth is a grid, and from spring to spring where it is not.
+/// \file The order of particles in memory does not change results. Sweeps over a grid use
+/// contiguous spans; sweeps over any other mesh gather the particles of each spring.
 
 #include <gtest/gtest.h>
 

@@ -36,10 +36,12 @@ class LimitedStep : public testing::TestWithParam<std::string> {
     for (VertexId v = 0; v < model_.particleCount(); ++v) state.v[v].x() = state.x[v].x();
     return state;
   }
-  /// Of the first two particles.
+  /// Returns the distance of the first two particles [m].
   static double length(const State& state) { return (state.x[1] - state.x[0]).norm(); }
-  /// Their distance when a share of the step has passed becomes a limit.
-  void limitAt(double share) { controls_.limits = {{0, 1, (1.0 + share * kDt) * length(apart())}}; }
+  /// Limits their distance to the one that they reach after a fraction of the step.
+  void limitAt(double fraction) {
+    controls_.limits = {{0, 1, (1.0 + fraction * kDt) * length(apart())}};
+  }
   StepReport step(State& state, double done) {
     return solver_->step(model_, state, controls_, none_, {kDt, 1.0, done});
   }

@@ -23,7 +23,7 @@ std::string shipped(const std::string& name) {
   return std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/" + name + ".yaml";
 }
 
-/// What is wrong with a scene; "" if nothing is.
+/// Returns the error message of a scene; "" if it is valid.
 std::string complaint(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
   try {
     parseScene(yaml, "s.yaml", overrides);

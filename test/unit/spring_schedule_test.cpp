@@ -20,7 +20,7 @@ namespace {
 
 using namespace testing_support;
 
-/// By position.
+/// Returns the springs of a schedule by position.
 std::vector<SpringSchedule::Element> elementsOf(const SpringSchedule& schedule) {
   std::vector<SpringSchedule::Element> elements;
   schedule.forEach([&](const SpringSchedule::Element& spring) {
@@ -80,7 +80,7 @@ void expectGroupsAreConflictFree(const SpringSchedule& schedule) {
   for (int count : visits) EXPECT_EQ(count, 1);
 }
 
-/// Of a model that has nothing but a mesh.
+/// Checks the schedule of a model, of which only the mesh is given.
 void expectGoodSchedule(Model model) {
   model.springs = SpringNetwork(model.mesh, fabricPreset("silk"), {});
   Particles particles;

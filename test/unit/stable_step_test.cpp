@@ -1,4 +1,4 @@
-/// \file How long a step explicit methods can take, and what surgery does to it.
+/// \file The longest stable step of explicit methods, and how surgery changes it.
 
 #include "cloth_sim/cloth/stable_step.h"
 
@@ -127,8 +127,8 @@ TEST(StableStepBound, OfAClothWithoutSpringsIsInfinite) {
   EXPECT_EQ(stableStep(model), std::numeric_limits<double>::infinity());
 }
 
-/// Of the mass-weighted stiffness that the forces have at `state`; springs in
-/// compression counted without what buckles them, as estimateFastestMode does.
+/// Returns the largest eigenvalue [1/s^2] of the mass-weighted stiffness at `state`. Compressed
+/// springs count without the part that makes them buckle, as in estimateFastestMode.
 double largestEigenvalueAt(const Model& model, const State& state) {
   const int n = 3 * model.particleCount();
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);

@@ -25,11 +25,11 @@ using namespace verify_support;
 
 constexpr double kDt = 1.0 / 60.0;  // [s]
 
-/// What a trial came to.
+/// Result of a trial.
 struct Outcome {
-  bool failed = false;      ///< the method, or the simulation, said that it is over
-  std::string failure;      ///< in which words
-  bool shownFinite = true;  ///< in every step, also the failed one, what is shown was finite
+  bool failed = false;      ///< the method or the simulation reported a failure
+  std::string failure;      ///< its message
+  bool shownFinite = true;  ///< the snapshots of all steps, the failed one included, were finite
   double error = 0.0;       ///< at the end, in the trial's own measure
   double farthest = 0.0;    ///< largest coordinate that was shown [m]
   double residual = 0.0;    ///< largest of those that steps ended with, as the method measures it
@@ -60,8 +60,8 @@ const char* toString(Fate fate) {
 // ---- how trials are run
 // --------------------------------------------------------------------------
 
-/// Whether the cloth that is shown is made of finite numbers, and no figure about it is NaN. (A
-/// figure may be infinite in the step before a method gives up: 1e200 m/s has no square.)
+/// Returns whether the positions in a snapshot are finite, and none of its figures is NaN. A figure
+/// may be infinite in the step before a method fails: the square of 1e200 m/s overflows.
 bool showsNumbers(Simulation& simulation) {
   const auto shown = simulation.snapshot();
   const auto finite = [](const Vec3& x) { return x.allFinite(); };

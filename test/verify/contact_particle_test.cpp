@@ -75,13 +75,13 @@ void expectNothingPasses(const Collider& collider, const std::vector<Vec3>& insi
   const double h = 1.0 / 60.0;
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> share(0.05, 0.95);
+  std::uniform_real_distribution<double> fraction(0.05, 0.95);
   int shots = 0;
   for (int k = 0; k < 2000; ++k) {
     const Vec3 through = insidePoints[static_cast<std::size_t>(k) % insidePoints.size()];
     const double nx = normal(random), ny = normal(random), nz = normal(random);
     const Vec3 direction = Vec3(nx, ny, nz).normalized();
-    const Vec3 start = through - share(random) * speed * h * direction;
+    const Vec3 start = through - fraction(random) * speed * h * direction;
     if (collider.gap(start, 0.0) < 0.0) continue;
     ++shots;
     Contacts contacts = contactsWith(collider);

@@ -120,7 +120,7 @@ TEST_P(Oscillators, EnergyInTheLongRun) {
   record("energy_at_the_end", history.back());
   record("energy_at_most", highest);
   if (info().stabilityLimit == 0.0) {
-    // (1 + a^2)^k = 1e6 for the fastest mode after 350 steps; its share of the first energy is a
+    // (1 + a^2)^k = 1e6 for the fastest mode after 350 steps; its fraction of the first energy is a
     // twelfth, so some 60 steps later.
     EXPECT_GT(highest, 1e6);
     EXPECT_LT(n, 500U);

@@ -48,7 +48,7 @@ struct Catenary {
     const double q = weight * s / pull;
     return 0.5 * weight * s * s / tensile + pull / weight * (std::sqrt(1.0 + q * q) - 1.0);
   }
-  /// Of a chain of rest length `length` over `span`.
+  /// Returns the catenary of a chain of rest length `length` [m] over `span` [m].
   static Catenary between(double weight, double tensile, double length, double span) {
     Catenary result{weight, tensile, 0.0};
     result.pull = root(
@@ -171,8 +171,8 @@ TEST(Elastica, KnowsSmallDeflectionsAndPeircesAngle) {
   EXPECT_NEAR(std::atan2(peirce.drop(), peirce.reach()) * 180.0 / M_PI, 41.5, 1.5);
 }
 
-/// What a strip of six cells does that is clamped level; B is such that the bending length is a
-/// half of the overhang [m].
+/// Strip of six cells that is clamped level at one end. Its bending rigidity B makes the bending
+/// length half of the overhang [m].
 struct Cantilever {
   static constexpr int kCells = 6;
   double overhang = 0.0;
@@ -268,7 +268,7 @@ bool isInside(const Triangle& p, const Vec2& at) {
   return left == 3 || right == 3;
 }
 
-/// What is dark on [-side/2, side/2]^2, in squares.
+/// Raster of the shadow on the square [-side/2, side/2]^2 [m].
 class Shadow {
  public:
   explicit Shadow(double side) : cell_(side / kRaster), dark_(kRaster * kRaster, 0) {}
@@ -330,7 +330,8 @@ Scene drapeScene(const std::string& method, double bending) {
   return scene;
 }
 
-/// As Cusick (1968) has it: how much of what overhangs stays in the shadow.
+/// Returns the drape coefficient of Cusick (1968): the fraction of the overhanging ring that the
+/// shadow of the draped cloth covers [-].
 double drapeCoefficient(const std::string& method, double bending) {
   Simulation simulation(drapeScene(method, bending));
   while (simulation.time() < 1.5 && !simulation.failed()) simulation.step();

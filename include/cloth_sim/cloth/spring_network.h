@@ -17,8 +17,8 @@ namespace cloth_sim {
 /// applies to a whole spring of the undamaged mesh; where the surface opens, the parts of a spring
 /// divide it among themselves.
 struct RawSprings {
-  /// By kind: stiffness [N/m] if `perStretch` is false; otherwise force per stretch ratio,
-  /// f = c (l / l0 - 1), c in [N].
+  /// Constants by kind: stiffness [N/m] if `perStretch` is false; otherwise force per stretch
+  /// ratio, f = c (l / l0 - 1), c in [N].
   std::array<double, kSpringKinds> constant{};
   bool perStretch = false;
   double dashpot = 0.0;  ///< along every spring [N s/m]

@@ -73,7 +73,7 @@ struct DrawnPart {
 
 constexpr Rgba kRoundColour{0.98f, 0.62f, 0.42f};  ///< of spheres and rods
 
-/// Where a solid stops a particle.
+/// Contact of a particle's path with a solid.
 struct SweepHit {
   Vec3 normal = Vec3::UnitZ();  ///< unit vector out of the solid
   double push = 0.0;            ///< distance that the end of the path must move along it [m], > 0

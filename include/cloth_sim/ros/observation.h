@@ -30,7 +30,7 @@ struct Observation {
 /// Springs that failed, in order.
 struct FailureBatch {
   std::uint64_t resets = 0;  ///< number of resets before their run
-  /// In the first batch after a saved state was loaded: the failures before it, which were reported
+  /// Failures before a saved state that was loaded, in the first batch after it; they were reported
   /// when they happened.
   std::vector<FailureEvent> before;
   std::vector<FailureEvent> events;

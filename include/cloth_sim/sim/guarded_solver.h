@@ -31,7 +31,7 @@ class GuardedSolver {
   /// \return whether it ended well; if not, the state is where it was.
   bool advance(const StepLength& length, const SteppedCloth& cloth);
 
-  /// How the last step went.
+  /// Report of the last step.
   const StepReport& report() const { return report_; }
   /// The interventions of the guard so far.
   const GuardRecord& guard() const { return watch_.record(); }

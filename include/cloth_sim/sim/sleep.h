@@ -8,7 +8,7 @@
 
 namespace cloth_sim {
 
-/// Whether a simulation sleeps. It falls asleep at the end of a step after which it has been at
+/// Sleep of a simulation. It falls asleep at the end of a step after which it has been at
 /// rest for long enough, and sleeps until `wake`, which is called for everything that may move the
 /// cloth.
 class Sleep {

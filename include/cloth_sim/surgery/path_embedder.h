@@ -13,7 +13,7 @@ struct EmbeddedPath {
   double deviation = 0.0;          ///< largest distance from the given path [m]
 };
 
-/// How a path ends.
+/// End of an embedded path.
 enum class PathEnd {
   kExact,      ///< at its last point, inside a face if necessary
   kLastCross,  ///< at the last edge that it crosses

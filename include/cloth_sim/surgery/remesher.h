@@ -40,16 +40,18 @@ class Remesher {
   /// Forbids to move `v` from now on.
   void hold(VertexId v) { held_.insert(v); }
 
-  /// For splitting the edge {a, b} with the new vertex at `at`, on the edge or beside it.
+  /// Returns the smallest angle [rad] after splitting the edge {a, b} with a new vertex at `at`, on
+  /// the edge or beside it.
   double angleIfSplit(VertexId a, VertexId b, const Vec2& at) const;
   /// Splits the edge {a, b}. \return the new vertex.
   VertexId splitEdge(VertexId a, VertexId b, const Vec2& at);
 
-  /// For moving a vertex within the faces around it; on a border, along a straight part of it.
+  /// Returns the smallest angle [rad] after moving a vertex within the faces around it; on a
+  /// border, along a straight part of it.
   double angleIfMoved(VertexId v, const Vec2& to) const;
   void moveVertex(VertexId v, const Vec2& to);
 
-  /// For splitting a face in three at a point inside it.
+  /// Returns the smallest angle [rad] after splitting a face in three at a point inside it.
   double angleIfSplit(FaceId f, const Vec2& at) const;
   /// Splits a face in three. \return the new vertex.
   VertexId splitFace(FaceId f, const Vec2& at);

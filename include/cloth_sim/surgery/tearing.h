@@ -146,7 +146,8 @@ class Tearing {
   void forgetOld(const TriangleMesh& mesh, double time);
 
   TearingSettings settings_;
-  /// With a seam: slots of springs that may open it, ascending. Some may be empty by now.
+  /// Slots of springs that may open the seam, ascending; none without a seam. Some may have become
+  /// empty.
   std::vector<std::int32_t> seamSlots_;
   std::map<VertexId, double> tips_;  ///< tips, and the time from which each may advance [s]
   std::vector<TornPoint> recent_;

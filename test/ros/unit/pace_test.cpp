@@ -1,4 +1,4 @@
-/// \file What comes at most at a rate.
+/// \file Tests of Pace, which limits how often something happens.
 
 #include "ros/pace.h"
 
@@ -13,7 +13,7 @@ using std::chrono::milliseconds;
 
 constexpr double kRate = 100.0;  ///< [Hz]: a period of 10 ms
 
-/// How many of these times [ms] are let through.
+/// Returns how many of these times [ms] are let through.
 template <typename Times>
 int taken(const Times& times) {
   const Pace::Clock::time_point start = Pace::Clock::now();

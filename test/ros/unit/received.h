@@ -1,5 +1,5 @@
 #pragma once
-/// \file What a subscriber gets.
+/// \file Messages as a subscriber receives them.
 
 #include <gtest/gtest.h>
 
