@@ -9,6 +9,7 @@ namespace cloth_sim {
 #define CLOTH_SIM_METHODS(ROW) \
   ROW(explicitEulerInfo)       \
   ROW(implicitEulerInfo)       \
+  ROW(lineXpbdInfo)            \
   ROW(pbdInfo)                 \
   ROW(projectiveInfo)          \
   ROW(rungeKuttaInfo)          \

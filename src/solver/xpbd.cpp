@@ -1,31 +1,12 @@
 #include <cmath>
-#include <utility>
 
-#include "constraints/bend_projection.h"
 #include "constraints/reference_projection.h"
-#include "linalg/vector_operations.h"
 #include "methods.h"
+#include "position_based.h"
 #include "substep_solver.h"
-#include "support/vector_clones.h"
 
 namespace cloth_sim {
 namespace {
-
-/// Replaces positions at the start of the substep before by predicted ones, along one axis:
-/// start = x + (x - start) + fall. Kinematic particles do not fall.
-CLOTH_SIM_VECTOR_CLONES
-void predictAxis(std::size_t count, double fall, const double* w, const double* x, double* start) {
-  for (std::size_t k = 0; k < count; ++k)
-    start[k] = x[k] + ((x[k] - start[k]) + (w[k] > 0.0 ? fall : 0.0));
-}
-
-/// Predicts as above, with displacements that drag reduces by the factor `decay`.
-CLOTH_SIM_VECTOR_CLONES
-void predictAxisWithDrag(std::size_t count, double decay, double fall, const double* w,
-                         const double* x, double* start) {
-  for (std::size_t k = 0; k < count; ++k)
-    start[k] = x[k] + (decay * (x[k] - start[k]) + (w[k] > 0.0 ? fall : 0.0));
-}
 
 /// Extended position-based dynamics with small steps: in each substep positions are predicted,
 /// springs are projected colour by colour with their compliance, contacts are enforced, and the
@@ -54,12 +35,7 @@ class Xpbd final : public SubstepMethod {
 
   void prepareSprings(Substep& now);
   void listAttachments(const Substep& now);
-  void predict(Substep& now) const;
-  void predictPart(Substep& now, std::size_t first, std::size_t count) const;
-  void applyLoads(Substep& now) const;
   void projectAttachments(Substep& now) const;
-  void projectBending(Substep& now) const;
-  static void findVelocities(Substep& now);
 
   double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
   double preparedFor_ = 0.0;  ///< length of the substep that springs are prepared for [s]
@@ -75,7 +51,7 @@ void Xpbd::begin(Substep& now) {
   }
   if (now.isNewLayout || preparedFor_ != now.h) prepareSprings(now);
   decay_ = std::exp(-now.controls.drag * now.h);
-  setSum(now.particles.x, -now.h, now.particles.v, now.particles.start);
+  beginPrediction(now);
 }
 
 /// In the sweep a held particle counts as weightless: it takes the whole correction, until it is
@@ -108,54 +84,14 @@ void Xpbd::listAttachments(const Substep& now) {
 }
 
 void Xpbd::advance(Substep& now) {
-  predict(now);
+  predictPositions(now, decay_, now.particles.inverseMass);
   now.placeKinematic();
   now.springs.project(now.particles);
   now.placeKinematic();
   projectAttachments(now);
-  if (!bending_.empty()) projectBending(now);
+  if (!bending_.empty()) projectBending(bending_, now);
   now.contacts.project(now.particles.view(), now.time, now.h);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
-}
-
-/// Loads act on where particles were.
-void Xpbd::predict(Substep& now) const {
-  const std::size_t n = now.particles.mass.size();
-  const bool hasLoads = now.controls.hasLoads();
-  if (hasLoads) {
-    setZero(n, now.force);
-    now.addLoads();
-  }
-  forParts(n, [&](std::size_t first, std::size_t count) { predictPart(now, first, count); });
-  std::swap(now.particles.x, now.particles.start);
-  if (hasLoads) applyLoads(now);
-}
-
-/// Predicts positions in the slots [first, first + count), in the place of `start`.
-void Xpbd::predictPart(Substep& now, std::size_t first, std::size_t count) const {
-  const Vec3 fall = now.h * now.h * now.controls.gravity;
-  const double* const w = now.particles.inverseMass.data() + first;
-  int axis = 0;
-  forAxes(
-      [&](const auto& x, auto& start) {
-        const double* const from = x.data() + first;
-        double* const to = start.data() + first;
-        if (decay_ == 1.0) {
-          predictAxis(count, fall[axis++], w, from, to);
-        } else {
-          predictAxisWithDrag(count, decay_, fall[axis++], w, from, to);
-        }
-      },
-      now.particles.x, now.particles.start);
-}
-
-void Xpbd::applyLoads(Substep& now) const {
-  Particles& p = now.particles;
-  for (std::size_t k = 0; k < p.inverseMass.size(); ++k) {
-    const double scale = now.h * now.h * p.inverseMass[k];
-    p.x.set(k, p.x.at(k) + scale * now.force.at(k));
-  }
-  now.kinematic.addForces(now.h, now.force);
 }
 
 void Xpbd::projectAttachments(Substep& now) const {
@@ -166,17 +102,6 @@ void Xpbd::projectAttachments(Substep& now) const {
     const Vec3 impulse = at.weights.a / (p.inverseMass[at.free] * now.h) * error;
     now.kinematic.addImpulse(at.target, -impulse);
   }
-}
-
-void Xpbd::projectBending(Substep& now) const {
-  bending_.project(now.particles, [&](std::size_t slot, const Vec3& impulse) {
-    now.kinematic.addImpulseAt(slot, impulse / now.h);
-  });
-}
-
-void Xpbd::findVelocities(Substep& now) {
-  Particles& p = now.particles;
-  setDifference(p.x, p.start, 1.0 / now.h, p.v);
 }
 
 }  // namespace

@@ -38,4 +38,24 @@ using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), aligne
   return lanesAt(each);
 }
 
+/// Transposes the 4 x 4 matrix with the rows a, b, c, d.
+[[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+#if defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)
+  const Lanes ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+  const Lanes ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Lanes cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+  const Lanes cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab02, cd02, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab13, cd13, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab02, cd02, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
+#else
+  const Lanes p = a, q = b, r = c, s = d;
+  a = Lanes{p[0], q[0], r[0], s[0]};
+  b = Lanes{p[1], q[1], r[1], s[1]};
+  c = Lanes{p[2], q[2], r[2], s[2]};
+  d = Lanes{p[3], q[3], r[3], s[3]};
+#endif
+}
+
 }  // namespace cloth_sim

@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/line_projection.h"
+#include "linalg/vector_operations.h"
+#include "methods.h"
+#include "position_based.h"
+#include "sim/archive.h"
+#include "substep_solver.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Inertia that is added where the forces of different families of lines cancel each other.
+///
+/// A substep projects one family of lines after the other. In equilibrium the forces F_f of the
+/// families on a particle add up to next to nothing, but each moves it by h^2 F_f / m before the
+/// next one moves it back. Where that is no small part of a cell, as beside a pin that bears half of
+/// the cloth, the lines find each other out of place, and the cloth is too soft there. So a particle
+/// gets the inertia for which the cancelled part of these displacements is `kTolerance` of its
+/// shortest spring. Gravity and other loads act as before, so equilibria stay where they are; what
+/// changes is how fast these few particles accelerate (selective mass scaling, Olovsson, Simonsson
+/// & Unosson 2005).
+class AddedInertia {
+ public:
+  /// Cancelled displacement over rest length [-].
+  static constexpr double kTolerance = 0.02;
+  /// Most inertia, in masses of the particle.
+  static constexpr double kMost = 100.0;
+  /// Time in which added inertia fades by a factor of e when it is no longer needed [s].
+  static constexpr double kMemory = 0.0275;
+
+  /// Follows the model: which particles there are, and their shortest springs.
+  void layOut(const Substep& now) {
+    const std::size_t n = now.particles.mass.size();
+    inertia_.resize(n, 0.0);
+    shortest_.assign(n, std::numeric_limits<double>::infinity());
+    for (const Spring spring : now.model.springs.slots()) {
+      if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
+      for (const VertexId v : {spring.a, spring.b}) {
+        double& shortest = shortest_[now.particles.slotOf[v]];
+        shortest = std::min(shortest, spring.restLength);
+      }
+    }
+  }
+  /// Finds the inverse inertia of each particle; 0 if it is held.
+  void findInverse(const Particles& p) {
+    inverse_.resize(p.mass.size());
+    for (std::size_t k = 0; k < inverse_.size(); ++k) {
+      inverse_[k] = p.mass[k] > 0.0 ? 1.0 / std::max(p.mass[k], inertia_[k]) : 0.0;
+    }
+  }
+  /// Updates the inertia that is needed.
+  /// \param moved      sum of the lengths by which lines moved each particle [m].
+  /// \param predicted  where it was before.
+  void update(double h, const Particles& p, const ScalarArray& moved, const VectorArray& predicted) {
+    const double fade = std::exp(-h / kMemory);
+    for (std::size_t k = 0; k < inverse_.size(); ++k) {
+      if (inverse_[k] == 0.0) continue;
+      const double cancelled = 0.5 * (moved[k] - (p.x.at(k) - predicted.at(k)).norm());
+      const double needed = std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]),
+                                     kMost * p.mass[k]);
+      inertia_[k] = std::max(needed, fade * inertia_[k]);
+    }
+  }
+  /// [1/kg], by particle slot.
+  const ScalarArray& inverse() const { return inverse_; }
+
+  void save(StateWriter& archive) const { archive(inertia_); }
+  void load(StateReader& archive) { archive(inertia_); }
+
+ private:
+  std::vector<double> inertia_;   ///< by particle slot [kg]; below the mass: nothing is added
+  std::vector<double> shortest_;  ///< by particle slot: rest length [m]
+  ScalarArray inverse_;
+};
+
+/// Extended position-based dynamics with small steps in which whole lines of springs are projected
+/// at once, by a direct solve (constraints/line_projection.h): along the threads, across the cells,
+/// and along bend springs. Tension reaches from one end of a line to the other within a substep.
+///
+/// A sweep over single springs is softer than the fabric by T h^2 (w_a + w_b) in a spring of tension
+/// T; here that remains only of what lines of different directions bear together, and
+/// `AddedInertia` bounds it.
+class LineXpbd final : public SubstepMethod {
+ public:
+  void begin(Substep& now) override;
+  void advance(Substep& now) override;
+  void finish(Substep& now) override { findVelocities(now); }
+  void save(StateWriter& archive) const override { inertia_.save(archive); }
+  void load(StateReader& archive) override { inertia_.load(archive); }
+
+ private:
+  /// Substeps from one measurement of the added inertia to the next, from the first one of a step.
+  static constexpr int kMeasureEvery = 4;
+
+  void layOut(Substep& now);
+  void keepFall(Substep& now) const;
+  void projectLines(Substep& now);
+  void passOnPull(Substep& now);
+
+  SpringLines lines_;
+  LineProjection projection_;
+  AddedInertia inertia_;
+  BendProjection bending_;
+  double retardation_ = 0.0;  ///< of bending [s]
+  double preparedFor_ = 0.0;  ///< length of the substep that lines are prepared for [s]
+  double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
+  int substep_ = 0;           ///< of the step
+  VectorArray predicted_, pull_;
+  ScalarArray moved_;
+};
+
+void LineXpbd::begin(Substep& now) {
+  if (now.isNewModel) layOut(now);
+  if (now.isNewLayout || preparedFor_ != now.h) {
+    projection_.prepare(lines_, now.model.springs, now.h);
+    if (!bending_.empty()) bending_.setStep(now.h, retardation_, now.particles.inverseMass);
+    preparedFor_ = now.h;
+  }
+  decay_ = std::exp(-now.controls.drag * now.h);
+  beginPrediction(now);
+  substep_ = 0;
+}
+
+void LineXpbd::layOut(Substep& now) {
+  lines_.build(now.model, now.particles.slotOf);
+  if (!now.model.bending.empty()) {
+    bending_.build(now.model.bending, now.particles);
+    retardation_ = now.model.bendRetardation();
+  }
+  inertia_.layOut(now);
+  const std::size_t n = now.particles.mass.size();
+  for (VectorArray* const array : {&predicted_, &pull_}) array->resize(n);
+  setZero(n, pull_);
+  moved_.resize(n);
+}
+
+void LineXpbd::advance(Substep& now) {
+  if (substep_ == 0 || substep_ % kMeasureEvery == 1) inertia_.findInverse(now.particles);
+  predictPositions(now, decay_, inertia_.inverse());
+  keepFall(now);
+  now.placeKinematic();
+  if (!bending_.empty()) projectBending(bending_, now);
+  projectLines(now);
+  passOnPull(now);
+  now.contacts.project(now.particles.view(), now.time, now.h);
+  if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
+}
+
+/// Takes back the fall of added inertia, which has no weight.
+void LineXpbd::keepFall(Substep& now) const {
+  Particles& p = now.particles;
+  const Vec3 fall = now.h * now.h * now.controls.gravity;
+  for (std::size_t k = 0; k < p.mass.size(); ++k) {
+    if (p.mass[k] == 0.0 || inertia_.inverse()[k] == p.inverseMass[k]) continue;
+    p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inertia_.inverse()[k]) * fall);
+  }
+}
+
+void LineXpbd::projectLines(Substep& now) {
+  Particles& p = now.particles;
+  if (substep_++ % kMeasureEvery != 0) {
+    return projection_.project(lines_, inertia_.inverse(), p, pull_);
+  }
+  copy(p.x, predicted_);
+  std::fill(moved_.begin(), moved_.end(), 0.0);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), p, pull_, moved_);
+  inertia_.update(kMeasureEvery * now.h, p, moved_, predicted_);
+}
+
+/// Tells holders what the lines have done to their particles.
+void LineXpbd::passOnPull(Substep& now) {
+  for (const std::int32_t slot : now.kinematic.slots()) {
+    const auto k = static_cast<std::size_t>(slot);
+    now.kinematic.addImpulseAt(k, pull_.at(k) / now.h);
+    pull_.set(k, Vec3::Zero());
+  }
+}
+
+}  // namespace
+
+SolverInfo lineXpbdInfo() {
+  SolverInfo info;
+  info.name = "line_xpbd";
+  info.title = "Extended position-based dynamics, line by line";
+  info.reference =
+      "Macklin, Mueller & Chentanez 2016; direct solves of chains: Deul et al. 2018; added inertia: "
+      "Olovsson, Simonsson & Unosson 2005";
+  info.limitations =
+      "first order in time; particles next to a concentrated load accelerate too slowly";
+  info.order = 1;
+  info.parameters = {substepsParameter(30)};
+  info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
+    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<LineXpbd>());
+  };
+  return info;
+}
+
+}  // namespace cloth_sim
