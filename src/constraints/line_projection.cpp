@@ -66,7 +66,9 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
   }
 }
 
-/// The direct solves of four lines at once.
+/// The direct solves of four lines at once. The unknowns are nu = mu / l, and each row of the system
+/// is multiplied by l: then its entries are products of d, the vectors between the ends of springs,
+/// instead of unit vectors, and no spring needs a division besides that of its pivot.
 struct LineProjection::Kernel {
   using Slots = SpringLines::Slots;
   using Offsets = std::array<std::uint32_t, kLanes>;
@@ -89,7 +91,7 @@ struct LineProjection::Kernel {
   };
   /// What a pass forwards leaves for the one back, by step. The system is factorised as L D L^T.
   struct Row {
-    Vectors n;        ///< directions
+    Vectors d;        ///< from begin to end of each spring [m]
     Vectors end;      ///< particles at the end of the springs [m]
     Lanes w;          ///< their inverse masses
     Lanes off;        ///< entry beside the diagonal, towards the step before
@@ -146,7 +148,7 @@ struct LineProjection::Kernel {
     Vectors x;      ///< particle at the beginning of the next spring [m]
     Vectors start;  ///< the same at the start of the substep
     Lanes w;        ///< its inverse mass
-    Vectors n;      ///< direction of the spring before
+    Vectors d;      ///< of the spring before, from its begin to its end
     Lanes inverse;  ///< of its pivot; zero at the first spring
     Lanes rightSide;
   };
@@ -162,25 +164,22 @@ struct LineProjection::Kernel {
     load(m, endOffsets, xb, wb);
     const Vectors d{xb.x - f.x.x, xb.y - f.x.y, xb.z - f.x.z};
     const Lanes squared = dot(d, d) + kTinySquare;
-    const Lanes length = sqrt(squared);
-    const Lanes inverseLength = 1.0 / length;
-    const Vectors n{d.x * inverseLength, d.y * inverseLength, d.z * inverseLength};
-    Lanes error = length - lanesAt(four.restLength);
+    Lanes error = squared - lanesAt(four.restLength) * sqrt(squared);
     if constexpr (kDamped) {
       const Vectors startB = loadStart(m, end);
       const Vectors start{startB.x - f.start.x, startB.y - f.start.y, startB.z - f.start.z};
       const Lanes g = lanesAt(gamma);
-      error = (error + g * (length - dot(n, start))) / (1.0 + g);
+      error = (error + g * (squared - dot(d, start))) / (1.0 + g);
       f.start = startB;
     }
-    const Lanes off = -f.w * dot(n, f.n);
+    const Lanes off = -f.w * dot(d, f.d);
     const Lanes factor = off * f.inverse;
-    f.inverse = 1.0 / (f.w + wb + lanesAt(four.compliance) - factor * off);
+    f.inverse = 1.0 / ((f.w + wb + lanesAt(four.compliance)) * squared - factor * off);
     f.rightSide = error - factor * f.rightSide;
     f.x = xb;
     f.w = wb;
-    f.n = n;
-    row.n = n;
+    f.d = d;
+    row.d = d;
     row.end = xb;
     row.w = wb;
     row.off = off;
@@ -233,7 +232,7 @@ struct LineProjection::Kernel {
     Forward f;
     f.x = firstX;
     f.w = firstW;
-    f.n = Vectors(zero, zero, zero);
+    f.d = Vectors(zero, zero, zero);
     f.inverse = zero;
     f.rightSide = zero;
     if constexpr (kDamped) f.start = loadStart(m, slots[0]);
@@ -241,12 +240,12 @@ struct LineProjection::Kernel {
       eliminate<kDamped>(m, slots[s + 1], offsets[s + 1], parameters[s], gamma + kLanes * s, f, rows[s]);
     }
     Vectors after(zero, zero, zero);  // pull of the springs beyond the particle, mu n
-    Lanes offAfter = zero, mu = zero;
+    Lanes offAfter = zero, nu = zero;
     for (std::ptrdiff_t s = steps; s-- > 0;) {
       const Row& row = rows[s];
-      mu = (row.rightSide - offAfter * mu) * row.inverse;
+      nu = (row.rightSide - offAfter * nu) * row.inverse;
       offAfter = row.off;
-      const Vectors own{mu * row.n.x, mu * row.n.y, mu * row.n.z};
+      const Vectors own{nu * row.d.x, nu * row.d.y, nu * row.d.z};
       move<kMeasured>(m, slots[s + 1], offsets[s + 1], row.end, row.w,
                       {after.x - own.x, after.y - own.y, after.z - own.z});
       after = own;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <stdexcept>
 
 namespace cloth_sim {
 namespace {
@@ -139,6 +138,7 @@ void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
   std::vector<std::uint64_t> usedAt(slotOf.size(), 0);
   std::vector<std::int32_t> lastVisit(slotOf.size(), kNone);
   std::vector<std::vector<Line>> coloured;
+  std::vector<std::vector<Line>> alone;  // springs at a vertex with more than 64 of a kind
   std::int32_t visits = 0;
   const auto place = [&](const Line& line) {
     std::uint64_t used = 0;
@@ -161,10 +161,11 @@ void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
     if (place(line)) continue;
     Line single{line.first, 1, line.start};
     for (; single.first < line.first + line.count; ++single.first) {
-      if (!place(single)) throw std::logic_error("a vertex has more than 64 springs of a kind");
+      if (!place(single)) alone.push_back({single});
       single.start = otherEnd(lineSprings_[single.first], single.start);
     }
   }
+  coloured.insert(coloured.end(), alone.begin(), alone.end());
   for (std::vector<Line>& lines : coloured) {
     std::sort(lines.begin(), lines.end(), [&](const Line& a, const Line& b) {
       constexpr std::int32_t kSimilar = 16;  // lengths that may stand side by side
