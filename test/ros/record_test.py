@@ -69,7 +69,7 @@ class RecordTest(unittest.TestCase):
         for k in range(4):
             stroke = msg.CutStroke()
             stroke.header.frame_id = 'world'
-            stroke.points = [Point(-0.3, 0.1 * k - 0.2, 0.5), Point(0.3, 0.1 * k - 0.2, 0.5)]
+            stroke.points = [Point(-0.25, 0.1 * k - 0.2, 0.5), Point(0.25, 0.1 * k - 0.2, 0.5)]
             stroke.direction, stroke.reach = Vector3(0, 0, -1), 1.0
             call('cut', srv.Cut, stroke)
 
