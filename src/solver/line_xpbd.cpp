@@ -47,22 +47,26 @@ class AddedInertia {
   /// Finds the inverse inertia of each particle; 0 if it is held.
   void findInverse(const Particles& p) {
     inverse_.resize(p.mass.size());
-    for (std::size_t k = 0; k < inverse_.size(); ++k) {
-      inverse_[k] = p.mass[k] > 0.0 ? 1.0 / std::max(p.mass[k], inertia_[k]) : 0.0;
-    }
+    forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
+      for (std::size_t k = first; k < first + count; ++k) {
+        inverse_[k] = p.mass[k] > 0.0 ? 1.0 / std::max(p.mass[k], inertia_[k]) : 0.0;
+      }
+    });
   }
   /// Updates the inertia that is needed.
   /// \param moved      sum of the lengths by which lines moved each particle [m].
   /// \param predicted  where it was before.
   void update(double h, const Particles& p, const ScalarArray& moved, const VectorArray& predicted) {
     const double fade = std::exp(-h / kMemory);
-    for (std::size_t k = 0; k < inverse_.size(); ++k) {
-      if (inverse_[k] == 0.0) continue;
-      const double cancelled = 0.5 * (moved[k] - (p.x.at(k) - predicted.at(k)).norm());
-      const double needed = std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]),
-                                     kMost * p.mass[k]);
-      inertia_[k] = std::max(needed, fade * inertia_[k]);
-    }
+    forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
+      for (std::size_t k = first; k < first + count; ++k) {
+        if (inverse_[k] == 0.0) continue;
+        const double cancelled = 0.5 * (moved[k] - (p.x.at(k) - predicted.at(k)).norm());
+        const double needed = std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]),
+                                       kMost * p.mass[k]);
+        inertia_[k] = std::max(needed, fade * inertia_[k]);
+      }
+    });
   }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
@@ -153,10 +157,13 @@ void LineXpbd::advance(Substep& now) {
 void LineXpbd::keepFall(Substep& now) const {
   Particles& p = now.particles;
   const Vec3 fall = now.h * now.h * now.controls.gravity;
-  for (std::size_t k = 0; k < p.mass.size(); ++k) {
-    if (p.mass[k] == 0.0 || inertia_.inverse()[k] == p.inverseMass[k]) continue;
-    p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inertia_.inverse()[k]) * fall);
-  }
+  const ScalarArray& inverse = inertia_.inverse();
+  forParts(p.mass.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k) {
+      if (inverse[k] == p.inverseMass[k]) continue;
+      p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inverse[k]) * fall);
+    }
+  });
 }
 
 void LineXpbd::projectLines(Substep& now) {
