@@ -66,16 +66,16 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
   }
 }
 
-/// The direct solves of four lines at once. The unknowns are nu = mu / l, and each row of the system
-/// is multiplied by l: then its entries are products of d, the vectors between the ends of springs,
-/// instead of unit vectors, and no spring needs a division besides that of its pivot.
+/// The direct solves of four lines at once. The unknowns are nu = mu / l, and each row of the
+/// system is multiplied by l: then its entries are products of d, the vectors between the ends of
+/// springs, instead of unit vectors, and no spring needs a division besides that of its pivot.
 struct LineProjection::Kernel {
   using Slots = SpringLines::Slots;
   using Offsets = std::array<std::uint32_t, kLanes>;
   using Batch = SpringLines::Batch;
 
-  /// Copied coordinate by coordinate: GCC copies the whole in halves of vectors, which then wait for
-  /// each other.
+  /// Copied coordinate by coordinate: GCC copies the whole in halves of vectors, which then wait
+  /// for each other.
   struct Vectors {
     Lanes x, y, z;
     Vectors() = default;
@@ -156,9 +156,8 @@ struct LineProjection::Kernel {
   /// Eliminates a step whose springs end at the particles `end`.
   template <bool kDamped>
   [[gnu::always_inline]] static void eliminate(const Arrays& m, const Slots& end,
-                                               const Offsets& endOffsets,
-                                               const Parameters& four, const double* gamma,
-                                               Forward& f, Row& row) {
+                                               const Offsets& endOffsets, const Parameters& four,
+                                               const double* gamma, Forward& f, Row& row) {
     Vectors xb;
     Lanes wb;
     load(m, endOffsets, xb, wb);
@@ -190,9 +189,8 @@ struct LineProjection::Kernel {
   /// Moves particles by the pull of the springs on both sides.
   /// \param x  where they are.
   template <bool kMeasured>
-  [[gnu::always_inline]] static void move(const Arrays& m, const Slots& at,
-                                          const Offsets& offsets, const Vectors& x, const Lanes& w,
-                                          const Vectors& pull) {
+  [[gnu::always_inline]] static void move(const Arrays& m, const Slots& at, const Offsets& offsets,
+                                          const Vectors& x, const Lanes& w, const Vectors& pull) {
     const Vectors by{w * pull.x, w * pull.y, w * pull.z};
     store(m, offsets, {x.x + by.x, x.y + by.y, x.z + by.z}, w);
     if constexpr (kMeasured) addLengths(m, at, sqrt(dot(by, by)));
@@ -237,7 +235,8 @@ struct LineProjection::Kernel {
     f.rightSide = zero;
     if constexpr (kDamped) f.start = loadStart(m, slots[0]);
     for (std::ptrdiff_t s = 0; s < steps; ++s) {
-      eliminate<kDamped>(m, slots[s + 1], offsets[s + 1], parameters[s], gamma + kLanes * s, f, rows[s]);
+      eliminate<kDamped>(m, slots[s + 1], offsets[s + 1], parameters[s], gamma + kLanes * s, f,
+                         rows[s]);
     }
     Vectors after(zero, zero, zero);  // pull of the springs beyond the particle, mu n
     Lanes offAfter = zero, nu = zero;
@@ -262,19 +261,23 @@ struct LineProjection::Kernel {
 
   // Not templates: GCC makes no clones of those.
   CLOTH_SIM_VECTOR_CLONES
-  static void solveElastic(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end, Row* rows) {
+  static void solveElastic(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end,
+                           Row* rows) {
     solveAll<false, false>(arrays, begin, end, rows);
   }
   CLOTH_SIM_VECTOR_CLONES
-  static void solveElasticMeasured(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end, Row* rows) {
+  static void solveElasticMeasured(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end,
+                                   Row* rows) {
     solveAll<false, true>(arrays, begin, end, rows);
   }
   CLOTH_SIM_VECTOR_CLONES
-  static void solveDamped(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end, Row* rows) {
+  static void solveDamped(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end,
+                          Row* rows) {
     solveAll<true, false>(arrays, begin, end, rows);
   }
   CLOTH_SIM_VECTOR_CLONES
-  static void solveDampedMeasured(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end, Row* rows) {
+  static void solveDampedMeasured(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end,
+                                  Row* rows) {
     solveAll<true, true>(arrays, begin, end, rows);
   }
   template <bool kMeasured>
@@ -288,13 +291,20 @@ template <bool kMeasured>
 void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, Particles& p,
                          VectorArray& pull, double* moved) {
   loadBodies(inverseMass, p);
-  const Kernel::Arrays arrays{lines.batches().data(), lines.slots().data(), parameters_.data(),
-                              gamma_.data(),          firstParameters_.data(),
-                              offsets_.data(),        reinterpret_cast<char*>(bodies_.data()),
+  const Kernel::Arrays arrays{lines.batches().data(),
+                              lines.slots().data(),
+                              parameters_.data(),
+                              gamma_.data(),
+                              firstParameters_.data(),
+                              offsets_.data(),
+                              reinterpret_cast<char*>(bodies_.data()),
                               p.start.x.data(),
-                              p.start.y.data(),       p.start.z.data(),
-                              pull.x.data(),          pull.y.data(),
-                              pull.z.data(),          moved};
+                              p.start.y.data(),
+                              p.start.z.data(),
+                              pull.x.data(),
+                              pull.y.data(),
+                              pull.z.data(),
+                              moved};
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
     const std::int32_t batches = colour.endBatch - colour.firstBatch;

@@ -8,17 +8,20 @@ namespace cloth_sim {
 
 /// Extended position-based dynamics with a direct solve for each line of springs.
 ///
-/// The springs i of a line between its particles i and i + 1 are constraints C_i(x) = l_i - L_i with
-/// the compliance alpha_i = 1 / (k_i h^2) and the damping ratio gamma_i = c_i / (k_i h), as in
+/// The springs i of a line, between its particles i and i + 1, are constraints C_i(x) = l_i - L_i
+/// with the compliance alpha_i = 1 / (k_i h^2) and the damping ratio gamma_i = c_i / (k_i h), as in
 /// reference_projection.h. That projects one spring after the other; here the multipliers mu_i of a
 /// line follow from one linear system (Macklin, Mueller & Chentanez 2016, eqs. 12 and 26),
-///     (W_i + alpha_i / (1 + gamma_i)) mu_i - w_i (n_i . n_{i-1}) mu_{i-1}
-///         - w_{i+1} (n_i . n_{i+1}) mu_{i+1} = (C_i + gamma_i n_i . (d_i - d_start,i)) / (1 + gamma_i),
-/// W_i = w_i + w_{i+1}, which is symmetric, positive definite and tridiagonal: the Thomas algorithm
-/// solves it in one pass forwards and one back. Tension thus passes along a whole line within a
-/// substep, where a sweep over single springs passes it on by one cell. The direct solve of chains
-/// is that of rods by Deul et al. 2018; the iteration over families of lines is line Gauss-Seidel
-/// (Hackbusch 2016, chapter 5).
+///
+///     (w_i + w_{i+1} + alpha_i / (1 + gamma_i)) mu_i
+///         - w_i (n_i . n_{i-1}) mu_{i-1} - w_{i+1} (n_i . n_{i+1}) mu_{i+1}
+///         = (C_i + gamma_i n_i . (d_i - d_start,i)) / (1 + gamma_i).
+///
+/// Its matrix is symmetric, positive definite and tridiagonal, so the Thomas algorithm solves it in
+/// one pass forwards and one back. Tension thus passes along a whole line within a substep, where a
+/// sweep over single springs passes it on by one cell. Direct solves of chains of constraints are
+/// known from rods (Deul et al. 2018); taking one family of lines after the other is line
+/// Gauss-Seidel.
 class LineProjection {
  public:
   /// Prepares for springs, and for substeps of length h [s].
@@ -26,8 +29,8 @@ class LineProjection {
 
   /// Projects every line once, colour by colour. Moves `particles.x`.
   /// \param inverseMass  by particle slot [1/kg]; 0: held.
-  /// \param pull         by particle slot [kg m]: added up for particles that are held; over h it is
-  ///                     the impulse of the springs on the holder.
+  /// \param pull         by particle slot [kg m]: added up for particles that are held; over h it
+  ///                     is the impulse of the springs on the holder.
   void project(const SpringLines& lines, const ScalarArray& inverseMass, Particles& particles,
                VectorArray& pull);
   /// The same; adds the length of the displacement by every line to `moved` [m], by particle slot.

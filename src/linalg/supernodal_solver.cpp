@@ -295,20 +295,20 @@ struct SupernodalSolver::Kernels {
   /// the separator get it as a contribution.
   /// \param x     b, then x, of the supernode's columns
   /// \param work  right-hand sides by row
-  template <int W>
+  template <int kWidth>
   [[gnu::always_inline]] static inline void forward(const Block& block, Float4* x, Float4* work,
                                                     const Separator& separator) {
-    Float4 known[W];
-    for (int t = 0; t < W; ++t) {
+    Float4 known[kWidth];
+    for (int t = 0; t < kWidth; ++t) {
       known[t] = x[t];
-      for (int s = 0; s < t; ++s) known[t] -= block.diagonal[t * W + s] * known[s];
+      for (int s = 0; s < t; ++s) known[t] -= block.diagonal[t * kWidth + s] * known[s];
       x[t] = known[t];
     }
     const float* p = block.below;
     const auto nextProduct = [&]() __attribute__((always_inline)) {
       Float4 sum = p[0] * known[0];
-      for (int t = 1; t < W; ++t) sum += p[t] * known[t];
-      p += W;
+      for (int t = 1; t < kWidth; ++t) sum += p[t] * known[t];
+      p += kWidth;
       return sum;
     };
     std::int32_t k = 0;
@@ -321,18 +321,18 @@ struct SupernodalSolver::Kernels {
   /// Solves D L^T x = b for the columns of one supernode, where x of the rows below is known.
   /// \param inverse  1 / D of the columns
   /// \param x        b, then x, of the supernode's columns
-  template <int W>
+  template <int kWidth>
   [[gnu::always_inline]] static inline void backward(const Block& block, const float* inverse,
                                                      Float4* x, const Float4* work) {
-    Float4 sum[W];
-    for (int t = 0; t < W; ++t) sum[t] = inverse[t] * x[t];
+    Float4 sum[kWidth];
+    for (int t = 0; t < kWidth; ++t) sum[t] = inverse[t] * x[t];
     const float* p = block.below;
-    for (std::int32_t k = 0; k < block.rows; ++k, p += W) {
+    for (std::int32_t k = 0; k < block.rows; ++k, p += kWidth) {
       const Float4 known = work[block.row[k]];
-      for (int t = 0; t < W; ++t) sum[t] -= p[t] * known;
+      for (int t = 0; t < kWidth; ++t) sum[t] -= p[t] * known;
     }
-    for (int t = W - 1; t >= 0; --t) {
-      for (int s = t + 1; s < W; ++s) sum[t] -= block.diagonal[s * W + t] * sum[s];
+    for (int t = kWidth - 1; t >= 0; --t) {
+      for (int s = t + 1; s < kWidth; ++s) sum[t] -= block.diagonal[s * kWidth + t] * sum[s];
       x[t] = sum[t];
     }
   }

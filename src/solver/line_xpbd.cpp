@@ -16,12 +16,12 @@ namespace {
 ///
 /// A substep projects one family of lines after the other. In equilibrium the forces F_f of the
 /// families on a particle add up to next to nothing, but each moves it by h^2 F_f / m before the
-/// next one moves it back. Where that is no small part of a cell, as beside a pin that bears half of
-/// the cloth, the lines find each other out of place, and the cloth is too soft there. So a particle
-/// gets the inertia for which the cancelled part of these displacements is `kTolerance` of its
-/// shortest spring. Gravity and other loads act as before, so equilibria stay where they are; what
-/// changes is how fast these few particles accelerate (selective mass scaling, Olovsson, Simonsson
-/// & Unosson 2005).
+/// next one moves it back. Where that is no small part of a cell, as beside a pin that bears half
+/// of the cloth, the lines find each other out of place, and the cloth is too soft there. So a
+/// particle gets the inertia for which the cancelled part of these displacements is `kTolerance` of
+/// its shortest spring. Gravity and other loads act as before, so equilibria stay where they are;
+/// what changes is how fast these few particles accelerate (selective mass scaling, Olovsson,
+/// Simonsson & Unosson 2005).
 class AddedInertia {
  public:
   /// Cancelled displacement over rest length [-].
@@ -56,14 +56,15 @@ class AddedInertia {
   /// Updates the inertia that is needed.
   /// \param moved      sum of the lengths by which lines moved each particle [m].
   /// \param predicted  where it was before.
-  void update(double h, const Particles& p, const ScalarArray& moved, const VectorArray& predicted) {
+  void update(double h, const Particles& p, const ScalarArray& moved,
+              const VectorArray& predicted) {
     const double fade = std::exp(-h / kMemory);
     forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
       for (std::size_t k = first; k < first + count; ++k) {
         if (inverse_[k] == 0.0) continue;
         const double cancelled = 0.5 * (moved[k] - (p.x.at(k) - predicted.at(k)).norm());
-        const double needed = std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]),
-                                       kMost * p.mass[k]);
+        const double needed =
+            std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
         inertia_[k] = std::max(needed, fade * inertia_[k]);
       }
     });
@@ -84,8 +85,8 @@ class AddedInertia {
 /// at once, by a direct solve (constraints/line_projection.h): along the threads, across the cells,
 /// and along bend springs. Tension reaches from one end of a line to the other within a substep.
 ///
-/// A sweep over single springs is softer than the fabric by T h^2 (w_a + w_b) in a spring of tension
-/// T; here that remains only of what lines of different directions bear together, and
+/// A sweep over single springs is softer than the fabric by T h^2 (w_a + w_b) in a spring of
+/// tension T; here that remains only of what lines of different directions bear together, and
 /// `AddedInertia` bounds it.
 class LineXpbd final : public SubstepMethod {
  public:
@@ -193,7 +194,8 @@ SolverInfo lineXpbdInfo() {
   info.name = "line_xpbd";
   info.title = "Extended position-based dynamics, line by line";
   info.reference =
-      "Macklin, Mueller & Chentanez 2016; direct solves of chains: Deul et al. 2018; added inertia: "
+      "Macklin, Mueller & Chentanez 2016; direct solves of chains: Deul et al. 2018; added "
+      "inertia: "
       "Olovsson, Simonsson & Unosson 2005";
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";

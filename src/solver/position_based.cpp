@@ -64,8 +64,7 @@ void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass
     setZero(n, now.force);
     now.addLoads();
   }
-  forParts(n,
-           [&](std::size_t first, std::size_t count) { predictPart(now, decay, first, count); });
+  forParts(n, [&](std::size_t first, std::size_t count) { predictPart(now, decay, first, count); });
   std::swap(now.particles.x, now.particles.start);
   if (hasLoads) applyLoads(now, inverseMass);
 }

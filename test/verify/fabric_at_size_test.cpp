@@ -43,8 +43,8 @@ TEST(FabricAtSize, LinesBearTheWeightOfASheetWithTheStrainOfTheFabric) {
   EXPECT_NEAR(largestStrain("line_xpbd", 20), kStrain, 0.1 * kStrain);
 }
 
-/// Where the single springs of xpbd end with the same number of substeps, for comparison: each gives
-/// way by T h^2 (w_a + w_b), which here is a strain of some tenths, in place of some 1e-4.
+/// Where the single springs of xpbd end with the same number of substeps, for comparison: each
+/// gives way by T h^2 (w_a + w_b), which here is a strain of some tenths, in place of some 1e-4.
 TEST(FabricAtSize, SingleSpringsWithAsManySubstepsAreTwoOrdersSofter) {
   EXPECT_GT(largestStrain("xpbd", 20), 50.0 * kStrain);
 }
