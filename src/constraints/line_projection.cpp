@@ -1,8 +1,6 @@
 #include "line_projection.h"
 
-#include <cmath>
-#include <cstring>
-#include <limits>
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -89,7 +87,7 @@ struct LineProjection::Kernel {
       return *this;
     }
   };
-  /// What a pass forwards leaves for the one back, by step. The system is factorised as L D L^T.
+  /// A row of the factorised system, L D L^T: kept from the pass forwards for the one back.
   struct Row {
     Vectors d;        ///< from begin to end of each spring [m]
     Vectors end;      ///< particles at the end of the springs [m]

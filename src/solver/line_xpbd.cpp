@@ -195,8 +195,7 @@ SolverInfo lineXpbdInfo() {
   info.title = "Extended position-based dynamics, line by line";
   info.reference =
       "Macklin, Mueller & Chentanez 2016; direct solves of chains: Deul et al. 2018; added "
-      "inertia: "
-      "Olovsson, Simonsson & Unosson 2005";
+      "inertia: Olovsson, Simonsson & Unosson 2005";
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What position-based methods share: prediction of positions, loads, bending, velocities.
+/// \file Parts of position-based methods: prediction of positions, loads, bending, velocities.
 
 #include "constraints/bend_projection.h"
 #include "substep.h"
