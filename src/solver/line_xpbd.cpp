@@ -35,6 +35,7 @@ class AddedInertia {
   void layOut(const Substep& now) {
     const std::size_t n = now.particles.mass.size();
     inertia_.resize(n, 0.0);
+    heavier_.reserve(n);
     shortest_.assign(n, std::numeric_limits<double>::infinity());
     for (const Spring spring : now.model.springs.slots()) {
       if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
@@ -46,31 +47,31 @@ class AddedInertia {
   }
   /// Finds the inverse inertia of each particle; 0 if it is held.
   void findInverse(const Particles& p) {
-    inverse_.resize(p.mass.size());
-    forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
-      for (std::size_t k = first; k < first + count; ++k) {
-        inverse_[k] = p.mass[k] > 0.0 ? 1.0 / std::max(p.mass[k], inertia_[k]) : 0.0;
-      }
-    });
+    inverse_ = p.inverseMass;
+    heavier_.clear();
+    for (std::size_t k = 0; k < inverse_.size(); ++k) {
+      if (inverse_[k] == 0.0 || inertia_[k] <= p.mass[k]) continue;
+      inverse_[k] = 1.0 / inertia_[k];
+      heavier_.push_back(static_cast<std::int32_t>(k));
+    }
   }
   /// Updates the inertia that is needed.
-  /// \param moved      sum of the lengths by which lines moved each particle [m].
-  /// \param predicted  where it was before.
-  void update(double h, const Particles& p, const ScalarArray& moved,
-              const VectorArray& predicted) {
+  /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
+  void update(double h, const Particles& p, const ScalarArray& cancelled) {
     const double fade = std::exp(-h / kMemory);
     forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
       for (std::size_t k = first; k < first + count; ++k) {
         if (inverse_[k] == 0.0) continue;
-        const double cancelled = 0.5 * (moved[k] - (p.x.at(k) - predicted.at(k)).norm());
         const double needed =
-            std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
+            std::min(cancelled[k] / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
         inertia_[k] = std::max(needed, fade * inertia_[k]);
       }
     });
   }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
+  /// Slots of the particles with added inertia.
+  const std::vector<std::int32_t>& heavier() const { return heavier_; }
 
   void save(StateWriter& archive) const { archive(inertia_); }
   void load(StateReader& archive) { archive(inertia_); }
@@ -79,6 +80,7 @@ class AddedInertia {
   std::vector<double> inertia_;   ///< by particle slot [kg]; below the mass: nothing is added
   std::vector<double> shortest_;  ///< by particle slot: rest length [m]
   ScalarArray inverse_;
+  std::vector<std::int32_t> heavier_;
 };
 
 /// Extended position-based dynamics with small steps in which whole lines of springs are projected
@@ -113,14 +115,14 @@ class LineXpbd final : public SubstepMethod {
   double preparedFor_ = 0.0;  ///< length of the substep that lines are prepared for [s]
   double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
   int substep_ = 0;           ///< of the step
-  VectorArray predicted_, pull_;
-  ScalarArray moved_;
+  VectorArray pull_;
+  ScalarArray cancelled_;
 };
 
 void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
-    projection_.prepare(lines_, now.model.springs, now.h);
+    projection_.prepare(lines_, now.model.springs, now.particles.slotOf, now.h);
     if (!bending_.empty()) bending_.setStep(now.h, retardation_, now.particles.inverseMass);
     preparedFor_ = now.h;
   }
@@ -137,9 +139,8 @@ void LineXpbd::layOut(Substep& now) {
   }
   inertia_.layOut(now);
   const std::size_t n = now.particles.mass.size();
-  for (VectorArray* const array : {&predicted_, &pull_}) array->resize(n);
   setZero(n, pull_);
-  moved_.resize(n);
+  cancelled_.assign(n, 0.0);
 }
 
 void LineXpbd::advance(Substep& now) {
@@ -158,13 +159,10 @@ void LineXpbd::advance(Substep& now) {
 void LineXpbd::keepFall(Substep& now) const {
   Particles& p = now.particles;
   const Vec3 fall = now.h * now.h * now.controls.gravity;
-  const ScalarArray& inverse = inertia_.inverse();
-  forParts(p.mass.size(), [&](std::size_t first, std::size_t count) {
-    for (std::size_t k = first; k < first + count; ++k) {
-      if (inverse[k] == p.inverseMass[k]) continue;
-      p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inverse[k]) * fall);
-    }
-  });
+  for (const std::int32_t slot : inertia_.heavier()) {
+    const auto k = static_cast<std::size_t>(slot);
+    p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inertia_.inverse()[k]) * fall);
+  }
 }
 
 void LineXpbd::projectLines(Substep& now) {
@@ -172,10 +170,8 @@ void LineXpbd::projectLines(Substep& now) {
   if (substep_++ % kMeasureEvery != 0) {
     return projection_.project(lines_, inertia_.inverse(), p, pull_);
   }
-  copy(p.x, predicted_);
-  std::fill(moved_.begin(), moved_.end(), 0.0);
-  projection_.projectAndMeasure(lines_, inertia_.inverse(), p, pull_, moved_);
-  inertia_.update(kMeasureEvery * now.h, p, moved_, predicted_);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), p, pull_, cancelled_);
+  inertia_.update(kMeasureEvery * now.h, p, cancelled_);
 }
 
 /// Tells holders what the lines have done to their particles.
