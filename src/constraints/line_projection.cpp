@@ -20,10 +20,16 @@ constexpr float kLeastSquare = 1e-24F;
 /// Springs that are worth a thread of their own.
 constexpr std::int32_t kGrain = 2048;
 
+/// Time for which impulses of bend springs are collected, at most [s].
+constexpr double kBendPeriod = 1.0 / 300.0;
+
 }  // namespace
 
 void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs,
                              const std::vector<std::int32_t>& slotOf, double h) {
+  constexpr double kRounding = 1e-9;
+  bendInterval_ =
+      std::clamp(static_cast<int>(kBendPeriod / h + kRounding), 1, kLongestBendInterval);
   parameters_.clear();
   gamma_.clear();
   firstParameters_.clear();
@@ -37,10 +43,11 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
         const std::int32_t slot = lines.springs()[batch.firstStep + s][lane];
         const Spring spring = slot == kNone ? Spring() : springs[slot];
         const bool pulls = spring.stiffness > 0.0;
+        const int interval = spring.kind == SpringKind::kBend ? bendInterval_ : 1;
         const double gamma = pulls ? spring.damping / (spring.stiffness * h) : 0.0;
         all.restLength[lane] = static_cast<float>(spring.restLength);
         all.compliance[lane] =
-            pulls ? static_cast<float>(1.0 / (spring.stiffness * h * h * (1.0 + gamma)))
+            pulls ? static_cast<float>(1.0 / (spring.stiffness * interval * h * h * (1.0 + gamma)))
                   : kNoSpring;
         gamma_.push_back(static_cast<float>(gamma));
         isDamped |= gamma > 0.0;
@@ -360,7 +367,7 @@ struct LineProjection::Kernel {
 };
 
 template <bool kMeasured>
-void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass,
+void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                          const Particles& p, VectorArray& pull) {
   loadBodies(inverseMass, p);
   if (!gamma_.empty()) loadStarts(p);
@@ -377,6 +384,7 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
                               pull.z.data()};
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
+    if (colour.kind == SpringKind::kBend && !bends) continue;
     const std::int32_t batches = colour.endBatch - colour.firstBatch;
     const auto grain =
         static_cast<std::int32_t>(std::int64_t{kGrain} * batches / std::max(1, colour.springs)) + 1;
@@ -460,16 +468,16 @@ void LineProjection::findCancelled(const Particles& p, ScalarArray& cancelled) c
   });
 }
 
-void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass,
+void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                              Particles& particles, VectorArray& pull) {
-  run<false>(lines, inverseMass, particles, pull);
+  run<false>(lines, inverseMass, bends, particles, pull);
   storeBodies(particles);
 }
 
 void LineProjection::projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass,
-                                       Particles& particles, VectorArray& pull,
+                                       bool bends, Particles& particles, VectorArray& pull,
                                        ScalarArray& cancelled) {
-  run<true>(lines, inverseMass, particles, pull);
+  run<true>(lines, inverseMass, bends, particles, pull);
   findCancelled(particles, cancelled);
   storeBodies(particles);
 }

@@ -29,21 +29,30 @@ namespace cloth_sim {
 /// of about 1e-7, and the impulses of a line add up to zero to about 1e-7 of the largest.
 class LineProjection {
  public:
+  /// Substeps from one projection of bend springs to the next, at most.
+  static constexpr int kLongestBendInterval = 4;
+
   /// Prepares for springs, and for substeps of length h [s].
   /// \param slotOf  particle slot by vertex.
   void prepare(const SpringLines& lines, const SpringNetwork& springs,
                const std::vector<std::int32_t>& slotOf, double h);
 
-  /// Projects every line once, colour by colour. Moves `particles.x`.
+  /// Number of substeps after which bend springs act, with the impulse of so many substeps
+  /// (multiple time stepping, Tuckerman, Berne & Martyna 1992), which is that of 1/300 s at most:
+  /// the motion that they resist is slower.
+  int bendInterval() const { return bendInterval_; }
+
+  /// Projects every line once, colour by colour; bend springs only if `bends`. Moves
+  /// `particles.x`.
   /// \param inverseMass  by particle slot [1/kg]; 0: held.
   /// \param pull         by particle slot [kg m]: added up for particles that are held; over h it
   ///                     is the impulse of the springs on the holder.
-  void project(const SpringLines& lines, const ScalarArray& inverseMass, Particles& particles,
-               VectorArray& pull);
+  void project(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
+               Particles& particles, VectorArray& pull);
   /// The same; finds how far the lines displaced each particle in vain.
   /// \param cancelled  by particle slot: half of the difference between the sum of the lengths of
   ///                   the displacements by every line and the length of their sum [m].
-  void projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass,
+  void projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                          Particles& particles, VectorArray& pull, ScalarArray& cancelled);
 
  private:
@@ -83,9 +92,10 @@ class LineProjection {
   template <typename Visit>
   static void forBodies(const Particles& particles, const Visit& visit);
   template <bool kMeasured>
-  void run(const SpringLines& lines, const ScalarArray& inverseMass, const Particles& particles,
-           VectorArray& pull);
+  void run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
+           const Particles& particles, VectorArray& pull);
 
+  int bendInterval_ = 1;
   /// Of the batches that differ: many rows of a grid share theirs.
   std::vector<Parameters> parameters_;
   std::vector<float> gamma_;  ///< shape (as `parameters_`, kWidth); empty without dashpots

@@ -80,7 +80,7 @@ void SpringLines::build(const Model& model, const std::vector<std::int32_t>& slo
   all_.assign(model.springs.slots().begin(), model.springs.slots().end());
   for (const SpringKind kind : {SpringKind::kBend, SpringKind::kShear, SpringKind::kStructural}) {
     findLines(model.mesh, kind);
-    appendColours(slotOf);
+    appendColours(kind, slotOf);
   }
   all_ = {};
 }
@@ -134,7 +134,7 @@ void SpringLines::findLines(const TriangleMesh& mesh, SpringKind kind) {
 
 /// Colours the lines found, and appends them in batches of lines of similar lengths. A line that
 /// crosses itself, or lines of every colour, is divided into its springs.
-void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
+void SpringLines::appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf) {
   std::vector<std::uint64_t> usedAt(slotOf.size(), 0);
   std::vector<std::int32_t> lastVisit(slotOf.size(), kNone);
   std::vector<std::vector<Line>> coloured;
@@ -172,7 +172,7 @@ void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
       const std::int32_t classA = a.count / kSimilar, classB = b.count / kSimilar;
       return classA != classB ? classA > classB : a.start < b.start;
     });
-    Colour colour{static_cast<std::int32_t>(batches_.size()), 0, 0};
+    Colour colour{static_cast<std::int32_t>(batches_.size()), 0, 0, kind};
     for (std::size_t k = 0; k < lines.size(); k += kWidth) {
       appendBatch(slotOf, lines.data() + k, std::min<std::size_t>(kWidth, lines.size() - k));
     }

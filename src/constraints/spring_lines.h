@@ -37,6 +37,7 @@ class SpringLines {
     std::int32_t firstBatch = 0;
     std::int32_t endBatch = 0;
     std::int32_t springs = 0;
+    SpringKind kind = SpringKind::kStructural;
   };
   using Slots = std::array<std::int32_t, kWidth>;
 
@@ -59,7 +60,7 @@ class SpringLines {
   };
 
   void findLines(const TriangleMesh& mesh, SpringKind kind);
-  void appendColours(const std::vector<std::int32_t>& slotOf);
+  void appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf);
   void appendBatch(const std::vector<std::int32_t>& slotOf, const Line* lines, std::size_t count);
   /// Calls `visit(v)` for every particle of a line, from its start on.
   template <typename Visit>

@@ -95,8 +95,14 @@ class LineXpbd final : public SubstepMethod {
   void begin(Substep& now) override;
   void advance(Substep& now) override;
   void finish(Substep& now) override { findVelocities(now); }
-  void save(StateWriter& archive) const override { inertia_.save(archive); }
-  void load(StateReader& archive) override { inertia_.load(archive); }
+  void save(StateWriter& archive) const override {
+    inertia_.save(archive);
+    archive(sinceBending_);
+  }
+  void load(StateReader& archive) override {
+    inertia_.load(archive);
+    archive(sinceBending_);
+  }
 
  private:
   /// Substeps from one measurement of the added inertia to the next, from the first one of a step.
@@ -111,10 +117,11 @@ class LineXpbd final : public SubstepMethod {
   LineProjection projection_;
   AddedInertia inertia_;
   BendProjection bending_;
-  double retardation_ = 0.0;  ///< of bending [s]
-  double preparedFor_ = 0.0;  ///< length of the substep that lines are prepared for [s]
-  double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
-  int substep_ = 0;           ///< of the step
+  double retardation_ = 0.0;       ///< of bending [s]
+  double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
+  double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
+  int substep_ = 0;                ///< of the step
+  std::int32_t sinceBending_ = 0;  ///< substeps since bend springs have acted
   VectorArray pull_;
   ScalarArray cancelled_;
 };
@@ -167,10 +174,12 @@ void LineXpbd::keepFall(Substep& now) const {
 
 void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
+  const bool bends = ++sinceBending_ >= projection_.bendInterval();
+  if (bends) sinceBending_ = 0;
   if (substep_++ % kMeasureEvery != 0) {
-    return projection_.project(lines_, inertia_.inverse(), p, pull_);
+    return projection_.project(lines_, inertia_.inverse(), bends, p, pull_);
   }
-  projection_.projectAndMeasure(lines_, inertia_.inverse(), p, pull_, cancelled_);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
   inertia_.update(kMeasureEvery * now.h, p, cancelled_);
 }
 
