@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "constraints/line_projection.h"
+#include "error_control.h"
 #include "linalg/vector_operations.h"
 #include "methods.h"
 #include "position_based.h"
@@ -68,6 +69,14 @@ class AddedInertia {
       }
     });
   }
+  /// The largest displacement in vain of a free particle over its shortest spring [-].
+  double largestFraction(const ScalarArray& cancelled) const {
+    double largest = 0.0;
+    for (std::size_t k = 0; k < inverse_.size(); ++k) {
+      if (inverse_[k] > 0.0) largest = std::max(largest, cancelled[k] / shortest_[k]);
+    }
+    return largest;
+  }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
   /// Slots of the particles with added inertia.
@@ -94,13 +103,20 @@ class LineXpbd final : public SubstepMethod {
  public:
   void begin(Substep& now) override;
   void advance(Substep& now) override;
-  void finish(Substep& now) override { findVelocities(now); }
+  explicit LineXpbd(const ErrorGoal& goal) : control_(goal) {}
+  void finish(Substep& now) override;
+  int substepsOfStep(double dt, int substeps) const override {
+    return control_.substepsFor(dt, substeps);
+  }
+  const ErrorEstimate* error() const override { return &control_.estimate(); }
   void save(StateWriter& archive) const override {
     inertia_.save(archive);
+    control_.save(archive);
     archive(sinceBending_);
   }
   void load(StateReader& archive) override {
     inertia_.load(archive);
+    control_.load(archive);
     archive(sinceBending_);
   }
 
@@ -116,6 +132,7 @@ class LineXpbd final : public SubstepMethod {
   SpringLines lines_;
   LineProjection projection_;
   AddedInertia inertia_;
+  ErrorControl control_;
   BendProjection bending_;
   double retardation_ = 0.0;       ///< of bending [s]
   double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
@@ -135,7 +152,13 @@ void LineXpbd::begin(Substep& now) {
   }
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
+  control_.begin(now.particles);
   substep_ = 0;
+}
+
+void LineXpbd::finish(Substep& now) {
+  findVelocities(now);
+  control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
 }
 
 void LineXpbd::layOut(Substep& now) {
@@ -145,6 +168,7 @@ void LineXpbd::layOut(Substep& now) {
     retardation_ = now.model.bendRetardation();
   }
   inertia_.layOut(now);
+  control_.layOut(now.model);
   const std::size_t n = now.particles.mass.size();
   setZero(n, pull_);
   cancelled_.assign(n, 0.0);
@@ -180,6 +204,7 @@ void LineXpbd::projectLines(Substep& now) {
     return projection_.project(lines_, inertia_.inverse(), bends, p, pull_);
   }
   projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
+  control_.addCancelled(inertia_.largestFraction(cancelled_));
   inertia_.update(kMeasureEvery * now.h, p, cancelled_);
 }
 
@@ -190,6 +215,23 @@ void LineXpbd::passOnPull(Substep& now) {
     now.kinematic.addImpulseAt(k, pull_.at(k) / now.h);
     pull_.set(k, Vec3::Zero());
   }
+}
+
+SolverParameter errorParameter() {
+  SolverParameter parameter;
+  parameter.name = "error";
+  parameter.maximum = 1.0;
+  parameter.description =
+      "bound on the errors of the largest strain and, over the side, of positions: chooses the "
+      "substeps; 0: as many as `substeps` says";
+  return parameter;
+}
+
+SolverParameter budgetParameter() {
+  SolverParameter parameter = substepsParameter(40);
+  parameter.name = "budget";
+  parameter.description = "most parts that `error` may divide a step into";
+  return parameter;
 }
 
 }  // namespace
@@ -204,9 +246,10 @@ SolverInfo lineXpbdInfo() {
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;
-  info.parameters = {substepsParameter(30)};
+  info.parameters = {substepsParameter(30), errorParameter(), budgetParameter()};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<LineXpbd>());
+    const ErrorGoal goal{p.at("error"), static_cast<int>(p.at("budget"))};
+    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<LineXpbd>(goal));
   };
   return info;
 }
