@@ -21,7 +21,7 @@ constexpr float kLeastSquare = 1e-24F;
 constexpr std::int32_t kGrain = 2048;
 
 /// Time for which impulses of bend springs are collected, at most [s].
-constexpr double kBendPeriod = 1.0 / 300.0;
+constexpr double kBendPeriod = 1.0 / 600.0;
 
 }  // namespace
 

@@ -30,7 +30,7 @@ namespace cloth_sim {
 class LineProjection {
  public:
   /// Substeps from one projection of bend springs to the next, at most.
-  static constexpr int kLongestBendInterval = 4;
+  static constexpr int kLongestBendInterval = 2;
 
   /// Prepares for springs, and for substeps of length h [s].
   /// \param slotOf  particle slot by vertex.
@@ -38,7 +38,7 @@ class LineProjection {
                const std::vector<std::int32_t>& slotOf, double h);
 
   /// Number of substeps after which bend springs act, with the impulse of so many substeps
-  /// (multiple time stepping, Tuckerman, Berne & Martyna 1992), which is that of 1/300 s at most:
+  /// (multiple time stepping, Tuckerman, Berne & Martyna 1992), which is that of 1/600 s at most:
   /// the motion that they resist is slower.
   int bendInterval() const { return bendInterval_; }
 

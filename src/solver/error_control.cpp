@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::size_t kEvery = 4;          ///< vertices from one sample to the next
 constexpr double kMemory = 1.0;            ///< of errors of positions [s]
-constexpr double kCoarsest = 1.0 / 480.0;  ///< longest substep [s]
-constexpr std::int32_t kFirstLevel = 3;
+constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep [s]
+constexpr std::int32_t kFirstLevel = 0;
 constexpr std::int32_t kFinestLevel = 24;    ///< substeps of half a microsecond
 constexpr std::int32_t kMostPatience = 160;  ///< calm steps before longer substeps are tried
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well

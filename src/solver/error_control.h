@@ -27,7 +27,7 @@ struct ErrorGoal {
 /// bear against each other (see LineProjection::projectAndMeasure). The largest of these
 /// displacements over the rest length of the shortest spring measures how soft the cloth is there.
 ///
-/// The length of substeps is 1/480 s over a power of the square root of two. It shrinks at once
+/// The length of substeps is 1/1200 s over a power of the square root of two. It shrinks at once
 /// where an estimate exceeds the goal; longer substeps are tried after ten calm steps, and after
 /// twice as many whenever a trial has failed. All that depends on the steps before alone, so bits
 /// do not depend on the machine.
@@ -77,7 +77,7 @@ class ErrorControl {
   double side_ = 1.0;                  ///< of the cloth [m]
   std::vector<Sample> samples_;        ///< of every fourth vertex
   double cancelled_ = 0.0;             ///< in this step [-]
-  std::int32_t level_;                 ///< substeps are of 2^(-level/2) / 480 s
+  std::int32_t level_;                 ///< substeps are of 2^(-level/2) / 1200 s
   std::int32_t calm_ = 0;              ///< steps in a row well below the goal
   std::int32_t patience_ = kPatience;  ///< calm steps before longer substeps are tried
   std::int32_t sinceTrial_ = 1000;     ///< steps since they were

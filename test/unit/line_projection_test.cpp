@@ -163,7 +163,7 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   const ScalarArray& w = cloth.particles.inverseMass;
   LineProjection projection;
   projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf, kStep);
-  EXPECT_EQ(projection.bendInterval(), 4);
+  EXPECT_EQ(projection.bendInterval(), 2);
   forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBatch>& all) {
     for (const LineOfBatch& line : all) {
       projectDensely(cloth, line, w, projection.bendInterval(), expected);
