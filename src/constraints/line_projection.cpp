@@ -20,6 +20,10 @@ constexpr float kLeastSquare = 1e-24F;
 /// Springs that are worth a thread of their own.
 constexpr std::int32_t kGrain = 2048;
 
+/// Makes the compiler read back what it has stored. GCC 12 vectorises x - double(float(x)) to
+/// x - x.
+[[gnu::always_inline]] inline void keepRounded() { asm volatile("" ::: "memory"); }
+
 /// Time for which impulses of bend springs are collected, at most [s].
 constexpr double kBendPeriod = 1.0 / 600.0;
 
@@ -397,7 +401,15 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
   }
 }
 
-/// Calls `visit(k, body)` for the slot of each particle and its place.
+Vec3 LineProjection::positionOf(const Body& body) {
+  Vec3 x;
+  for (int axis = 0; axis < 3; ++axis) {
+    x[axis] = static_cast<double>(body.near[axis]) + static_cast<double>(body.offset[axis]);
+  }
+  return x;
+}
+
+/// Calls `visit(k, place)` for the slot of each particle and its place.
 template <typename Visit>
 void LineProjection::forBodies(const Particles& p, const Visit& visit) {
   forParts(p.slotOf.size(), [&](std::size_t first, std::size_t count) {
@@ -411,14 +423,12 @@ void LineProjection::loadBodies(const ScalarArray& inverseMass, const Particles&
   bodies_.resize(static_cast<std::size_t>(placeOf(p.count())) + 1);
   forBodies(p, [&](std::size_t k, std::uint32_t place) {
     Body& body = bodies_[place];
-    int axis = 0;
-    forAxes(
-        [&](const auto& x) {
-          body.near[axis] = static_cast<float>(x[k]);
-          body.offset[axis] = static_cast<float>(x[k] - static_cast<double>(body.near[axis]));
-          ++axis;
-        },
-        p.x);
+    const Vec3 x = p.x.at(k);
+    for (int axis = 0; axis < 3; ++axis) body.near[axis] = static_cast<float>(x[axis]);
+    keepRounded();
+    for (int axis = 0; axis < 3; ++axis) {
+      body.offset[axis] = static_cast<float>(x[axis] - static_cast<double>(body.near[axis]));
+    }
     body.w = static_cast<float>(inverseMass[k]);
     body.moved = 0.0F;
   });
@@ -427,44 +437,24 @@ void LineProjection::loadBodies(const ScalarArray& inverseMass, const Particles&
 void LineProjection::loadStarts(const Particles& p) {
   starts_.resize(bodies_.size());
   forBodies(p, [&](std::size_t k, std::uint32_t place) {
-    int axis = 0;
-    forAxes(
-        [&](const auto& start) {
-          const auto near = static_cast<double>(bodies_[place].near[axis]);
-          starts_[place].offset[axis++] = static_cast<float>(start[k] - near);
-        },
-        p.start);
+    const Vec3 start = p.start.at(k);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto near = static_cast<double>(bodies_[place].near[axis]);
+      starts_[place].offset[axis] = static_cast<float>(start[axis] - near);
+    }
   });
 }
 
 void LineProjection::storeBodies(Particles& p) const {
-  forBodies(p, [&](std::size_t k, std::uint32_t place) {
-    int axis = 0;
-    forAxes(
-        [&](auto& x) {
-          x[k] = static_cast<double>(bodies_[place].near[axis]) +
-                 static_cast<double>(bodies_[place].offset[axis]);
-          ++axis;
-        },
-        p.x);
-  });
+  forBodies(p, [&](std::size_t k, std::uint32_t place) { p.x.set(k, positionOf(bodies_[place])); });
 }
 
 /// Cancelled displacements, of particles that are not stored yet.
 void LineProjection::findCancelled(const Particles& p, ScalarArray& cancelled) const {
   forBodies(p, [&](std::size_t k, std::uint32_t place) {
     const Body& body = bodies_[place];
-    double square = 0.0;
-    int axis = 0;
-    forAxes(
-        [&](const auto& x) {
-          const double by =
-              static_cast<double>(body.near[axis]) - x[k] + static_cast<double>(body.offset[axis]);
-          square += by * by;
-          ++axis;
-        },
-        p.x);
-    cancelled[k] = 0.5 * (static_cast<double>(body.moved) - std::sqrt(square));
+    const double net = (positionOf(body) - p.x.at(k)).norm();
+    cancelled[k] = 0.5 * (static_cast<double>(body.moved) - net);
   });
 }
 

@@ -89,6 +89,7 @@ class LineProjection {
   void loadStarts(const Particles& particles);
   void storeBodies(Particles& particles) const;
   void findCancelled(const Particles& particles, ScalarArray& cancelled) const;
+  static Vec3 positionOf(const Body& body);
   template <typename Visit>
   static void forBodies(const Particles& particles, const Visit& visit);
   template <bool kMeasured>

@@ -7,8 +7,8 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::size_t kEvery = 4;          ///< vertices from one sample to the next
-constexpr double kMemory = 1.0;            ///< of errors of positions [s]
+constexpr std::size_t kEvery = 4;           ///< vertices from one sample to the next
+constexpr double kMemory = 1.0;             ///< of errors of positions [s]
 constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep [s]
 constexpr std::int32_t kFirstLevel = 0;
 constexpr std::int32_t kFinestLevel = 24;    ///< substeps of half a microsecond
@@ -21,13 +21,17 @@ constexpr double kMargin = 0.8;  ///< part of the goal below which longer subste
 constexpr double kPositionFactor = 1.3;  ///< true over summed up error of positions
 constexpr double kSoftness = 0.3;        ///< error of the strain over a small cancelled fraction
 constexpr double kFirm = 0.06;           ///< a cancelled fraction by which it grows quadratically
+constexpr double kMostSoftness = 1.5;
 
-double strainError(double cancelled) { return cancelled * std::max(kSoftness, cancelled / kFirm); }
+double strainError(double cancelled) {
+  return cancelled * std::clamp(cancelled / kFirm, kSoftness, kMostSoftness);
+}
 
 }  // namespace
 
 ErrorControl::ErrorControl(const ErrorGoal& goal) : goal_(goal), level_(kFirstLevel) {
   estimate_.asked = goal.error;
+  if (goal.error > 0.0) estimate_.budget = goal.budget;
 }
 
 void ErrorControl::layOut(const Model& model) {
