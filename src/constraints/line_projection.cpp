@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <string>
+#include <unordered_map>
 
 #include "linalg/vector_operations.h"
 #include "support/vector_clones.h"
@@ -30,59 +30,75 @@ constexpr double kBendPeriod = 1.0 / 600.0;
 }  // namespace
 
 void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs,
-                             const std::vector<std::int32_t>& slotOf, double h) {
-  constexpr double kRounding = 1e-9;
-  bendInterval_ =
-      std::clamp(static_cast<int>(kBendPeriod / h + kRounding), 1, kLongestBendInterval);
-  parameters_.clear();
-  gamma_.clear();
+                             const std::vector<std::int32_t>& slotOf) {
+  sources_.clear();
   firstParameters_.clear();
   bool isDamped = false;
-  std::map<std::string, std::int32_t> known;  // contents of a batch -> its first parameters
+  std::unordered_map<std::string, std::int32_t> known;  // contents of a batch -> its first source
   for (const SpringLines::Batch& batch : lines.batches()) {
-    const auto first = static_cast<std::int32_t>(parameters_.size());
+    const auto first = static_cast<std::int32_t>(sources_.size());
     for (std::int32_t s = 0; s < batch.steps; ++s) {
-      Parameters all;
-      for (std::int32_t lane = 0; lane < kWidth; ++lane) {
-        const std::int32_t slot = lines.springs()[batch.firstStep + s][lane];
-        const Spring spring = slot == kNone ? Spring() : springs[slot];
-        const bool pulls = spring.stiffness > 0.0;
-        const int interval = spring.kind == SpringKind::kBend ? bendInterval_ : 1;
-        const double gamma = pulls ? spring.damping / (spring.stiffness * h) : 0.0;
-        all.restLength[lane] = static_cast<float>(spring.restLength);
-        all.compliance[lane] =
-            pulls ? static_cast<float>(1.0 / (spring.stiffness * interval * h * h * (1.0 + gamma)))
-                  : kNoSpring;
-        gamma_.push_back(static_cast<float>(gamma));
-        isDamped |= gamma > 0.0;
-      }
-      parameters_.push_back(all);
+      sources_.push_back(sourceOf(lines.springs()[batch.firstStep + s], springs));
+      for (const double damping : sources_.back().damping) isDamped |= damping > 0.0;
     }
-    if (isDamped) {  // gamma_ goes by the same index
-      firstParameters_.push_back(first);
-      continue;
-    }
-    const std::string content(reinterpret_cast<const char*>(parameters_.data() + first),
-                              sizeof(Parameters) * static_cast<std::size_t>(batch.steps));
+    const std::string content(reinterpret_cast<const char*>(sources_.data() + first),
+                              sizeof(Source) * static_cast<std::size_t>(batch.steps));
     const auto [entry, isNew] = known.emplace(content, first);
     firstParameters_.push_back(entry->second);
-    if (isNew) continue;
-    parameters_.resize(static_cast<std::size_t>(first));
-    gamma_.resize(static_cast<std::size_t>(kWidth * first));
+    if (!isNew) sources_.resize(static_cast<std::size_t>(first));
   }
-  if (!isDamped) gamma_.clear();
-  std::vector<std::uint32_t> placeOfSlot(
-      slotOf.empty()
-          ? 0
-          : 1 + static_cast<std::size_t>(*std::max_element(slotOf.begin(), slotOf.end())));
+  parameters_.resize(sources_.size());
+  gamma_.resize(isDamped ? kWidth * sources_.size() : 0);
+  findOffsets(lines, slotOf);
+}
+
+LineProjection::Source LineProjection::sourceOf(const SpringLines::Slots& slots,
+                                                const SpringNetwork& springs) {
+  Source source{};
+  for (std::size_t lane = 0; lane < kWidth; ++lane) {
+    if (slots[lane] == kNone) continue;
+    const Spring spring = springs[slots[lane]];
+    source.restLength[lane] = spring.restLength;
+    source.stiffness[lane] = spring.stiffness;
+    source.damping[lane] = spring.damping;
+    source.isBend[lane] = spring.kind == SpringKind::kBend ? 1.0 : 0.0;
+  }
+  return source;
+}
+
+void LineProjection::findOffsets(const SpringLines& lines,
+                                 const std::vector<std::int32_t>& slotOf) {
+  std::vector<std::uint32_t> placeOfSlot;
   for (std::size_t v = 0; v < slotOf.size(); ++v) {
-    placeOfSlot[slotOf[v]] = placeOf(static_cast<VertexId>(v));
+    const auto slot = static_cast<std::size_t>(slotOf[v]);
+    if (slot >= placeOfSlot.size()) placeOfSlot.resize(slot + 1);
+    placeOfSlot[slot] = placeOf(static_cast<VertexId>(v));
   }
   offsets_.resize(lines.slots().size());
   for (std::size_t k = 0; k < offsets_.size(); ++k) {
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
       offsets_[k][lane] =
           placeOfSlot[lines.slots()[k][lane]] * static_cast<std::uint32_t>(sizeof(Body));
+    }
+  }
+}
+
+void LineProjection::setStep(double h) {
+  constexpr double kRounding = 1e-9;
+  bendInterval_ =
+      std::clamp(static_cast<int>(kBendPeriod / h + kRounding), 1, kLongestBendInterval);
+  for (std::size_t k = 0; k < sources_.size(); ++k) {
+    const Source& source = sources_[k];
+    for (std::size_t lane = 0; lane < kWidth; ++lane) {
+      const bool pulls = source.stiffness[lane] > 0.0;
+      const double gamma = pulls ? source.damping[lane] / (source.stiffness[lane] * h) : 0.0;
+      const double interval = source.isBend[lane] > 0.0 ? bendInterval_ : 1.0;
+      parameters_[k].restLength[lane] = static_cast<float>(source.restLength[lane]);
+      parameters_[k].compliance[lane] =
+          pulls ? static_cast<float>(1.0 /
+                                     (source.stiffness[lane] * interval * h * h * (1.0 + gamma)))
+                : kNoSpring;
+      if (!gamma_.empty()) gamma_[kWidth * k + lane] = static_cast<float>(gamma);
     }
   }
 }

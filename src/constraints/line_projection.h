@@ -32,10 +32,11 @@ class LineProjection {
   /// Substeps from one projection of bend springs to the next, at most.
   static constexpr int kLongestBendInterval = 2;
 
-  /// Prepares for springs, and for substeps of length h [s].
-  /// \param slotOf  particle slot by vertex.
+  /// Prepares for springs. \param slotOf  particle slot by vertex.
   void prepare(const SpringLines& lines, const SpringNetwork& springs,
-               const std::vector<std::int32_t>& slotOf, double h);
+               const std::vector<std::int32_t>& slotOf);
+  /// Prepares for substeps of length h [s]. Allocates no memory.
+  void setStep(double h);
 
   /// Number of substeps after which bend springs act, with the impulse of so many substeps
   /// (multiple time stepping, Tuckerman, Berne & Martyna 1992), which is that of 1/600 s at most:
@@ -58,7 +59,14 @@ class LineProjection {
  private:
   static constexpr std::int32_t kWidth = SpringLines::kWidth;
 
-  /// Parameters of the springs of a step of a batch.
+  /// The springs of a step of a batch, as the model has them; zero where there is none.
+  struct Source {
+    double restLength[kWidth];  ///< [m]
+    double stiffness[kWidth];   ///< [N/m]
+    double damping[kWidth];     ///< [N s/m]
+    double isBend[kWidth];      ///< 1 for bend springs, else 0
+  };
+  /// Parameters of these springs for a length of the substep.
   struct alignas(32) Parameters {
     float restLength[kWidth];  ///< [m]
     float compliance[kWidth];  ///< alpha / (1 + gamma) [1/kg]
@@ -85,6 +93,8 @@ class LineProjection {
     return k + k / 128 * 4;
   }
 
+  static Source sourceOf(const SpringLines::Slots& slots, const SpringNetwork& springs);
+  void findOffsets(const SpringLines& lines, const std::vector<std::int32_t>& slotOf);
   void loadBodies(const ScalarArray& inverseMass, const Particles& particles);
   void loadStarts(const Particles& particles);
   void storeBodies(Particles& particles) const;
@@ -97,8 +107,8 @@ class LineProjection {
            const Particles& particles, VectorArray& pull);
 
   int bendInterval_ = 1;
-  /// Of the batches that differ: many rows of a grid share theirs.
-  std::vector<Parameters> parameters_;
+  std::vector<Source> sources_;  ///< of the batches that differ: many rows of a grid share theirs
+  std::vector<Parameters> parameters_;  ///< by source
   std::vector<float> gamma_;  ///< shape (as `parameters_`, kWidth); empty without dashpots
   std::vector<std::int32_t> firstParameters_;  ///< by batch: index in `parameters_`
   /// By place of the lines, as `SpringLines::slots`: where in `bodies_` particles are [bytes].

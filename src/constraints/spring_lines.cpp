@@ -31,31 +31,46 @@ struct Incidence {
   }
 };
 
-/// Finds how springs of one kind continue each other.
+/// How springs of one kind continue each other.
 class Continuation {
  public:
   Continuation(const TriangleMesh& mesh, const std::vector<Spring>& springs,
                const std::vector<std::int32_t>& slots)
-      : mesh_(mesh), springs_(springs), at_(springs, slots, mesh.vertexCount()) {}
+      : mesh_(mesh),
+        springs_(springs),
+        at_(springs, slots, mesh.vertexCount()),
+        next_(springs.size(), {kNone, kNone}) {
+    for (VertexId v = 0; v < mesh.vertexCount(); ++v) joinAt(v);
+  }
 
   /// The spring that goes on from `spring` at its end v, or kNone. The relation is mutual.
   std::int32_t next(std::int32_t spring, VertexId v) const {
-    const std::int32_t best = straightest(spring, v);
-    return best != kNone && straightest(best, v) == spring ? best : kNone;
+    return next_[spring][springs_[spring].a == v ? 0 : 1];
   }
 
  private:
-  std::int32_t straightest(std::int32_t spring, VertexId v) const {
-    const Vec2 from = directionFrom(v, spring);
-    std::int32_t best = kNone;
+  /// Joins the springs at a vertex of which each is the straightest continuation of the other.
+  void joinAt(VertexId v) {
+    const std::int32_t* const springs = at_.springs.data() + at_.first[v];
+    const auto count = static_cast<std::size_t>(at_.first[v + 1] - at_.first[v]);
+    directions_.clear();
+    for (std::size_t i = 0; i < count; ++i) directions_.push_back(directionFrom(v, springs[i]));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = straightest(i);
+      if (j != i && straightest(j) == i) {
+        next_[springs[i]][springs_[springs[i]].a == v ? 0 : 1] = springs[j];
+      }
+    }
+  }
+  /// The straightest continuation of `directions_[i]`; i if there is none.
+  std::size_t straightest(std::size_t i) const {
+    std::size_t best = i;
     double least = kStraight;
-    for (std::int32_t k = at_.first[v]; k < at_.first[v + 1]; ++k) {
-      const std::int32_t other = at_.springs[k];
-      if (other == spring) continue;
-      const double cosine = from.dot(directionFrom(v, other));
-      if (cosine >= least) continue;
+    for (std::size_t j = 0; j < directions_.size(); ++j) {
+      const double cosine = directions_[i].dot(directions_[j]);
+      if (j == i || cosine >= least) continue;
       least = cosine;
-      best = other;
+      best = j;
     }
     return best;
   }
@@ -67,6 +82,8 @@ class Continuation {
   const TriangleMesh& mesh_;
   const std::vector<Spring>& springs_;
   Incidence at_;
+  std::vector<std::array<std::int32_t, 2>> next_;  ///< by spring, at its ends a and b
+  std::vector<Vec2> directions_;                   ///< of the springs at a vertex, away from it
 };
 
 }  // namespace

@@ -146,7 +146,7 @@ class LineXpbd final : public SubstepMethod {
 void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
-    projection_.prepare(lines_, now.model.springs, now.particles.slotOf, now.h);
+    projection_.setStep(now.h);
     if (!bending_.empty()) bending_.setStep(now.h, retardation_, now.particles.inverseMass);
     preparedFor_ = now.h;
   }
@@ -163,6 +163,7 @@ void LineXpbd::finish(Substep& now) {
 
 void LineXpbd::layOut(Substep& now) {
   lines_.build(now.model, now.particles.slotOf);
+  projection_.prepare(lines_, now.model.springs, now.particles.slotOf);
   if (!now.model.bending.empty()) {
     bending_.build(now.model.bending, now.particles);
     retardation_ = now.model.bendRetardation();

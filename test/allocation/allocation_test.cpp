@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -104,6 +105,23 @@ TEST_P(Allocation, AStepOfTwoClothsOnOneBallAllocatesNothing) {
   EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
   EXPECT_EQ(simulation.contacts().candidates.size(), 2U);
+}
+
+TEST(AllocationErrorControl, AChangeOfSubstepsAllocatesNothing) {
+  const ThreadLimit oneThread(1);
+  Simulation simulation(
+      parseScene(kTwoCloths, "scene", {"solver.error=0.002", "solver.budget=300"}));
+  simulation.step();
+  simulation.step();
+  int least = simulation.lastReport().substeps, most = least;
+  const long before = allocations;
+  for (int k = 0; k < 60; ++k) {
+    simulation.step();
+    least = std::min(least, simulation.lastReport().substeps);
+    most = std::max(most, simulation.lastReport().substeps);
+  }
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_LT(least, most) << "substeps have not changed";
 }
 
 TEST(AllocationAsleep, AStepAsleepAllocatesNothing) {

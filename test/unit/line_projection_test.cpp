@@ -162,7 +162,8 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   Particles expected = cloth.particles;
   const ScalarArray& w = cloth.particles.inverseMass;
   LineProjection projection;
-  projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf, kStep);
+  projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf);
+  projection.setStep(kStep);
   EXPECT_EQ(projection.bendInterval(), 2);
   forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBatch>& all) {
     for (const LineOfBatch& line : all) {
@@ -201,7 +202,8 @@ TEST(LineProjection, LeavesHeldParticlesWhereTheyAre) {
   SpringLines lines;
   lines.build(cloth.model, cloth.particles.slotOf);
   LineProjection projection;
-  projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf, kStep);
+  projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf);
+  projection.setStep(kStep);
   VectorArray pull;
   pull.resize(cloth.particles.mass.size());
   const ScalarArray held(cloth.particles.mass.size(), 0.0);

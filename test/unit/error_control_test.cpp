@@ -1,0 +1,160 @@
+/// \file `solver.error` chooses substeps; the estimates it rests on are those of the true errors.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/saved_state.h"
+#include "cloth_sim/sim/summary.h"
+
+namespace cloth_sim {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A cloth of silk that swings from an edge.
+std::string swing(const std::string& solver, int particles = 40) {
+  const std::string n = std::to_string(particles);
+  return R"(
+cloth:
+  size: [0.8, 0.8]
+  particles: [)" +
+         n + ", " + n + R"(]
+  pose: {position: [0, 0, 1], rpy: [0.6, 0, 0]}
+  fabric: {preset: silk}
+  pins: [last_row]
+drag: 0.3
+phases: [{name: swing, timeout: 5}]
+solver: )" +
+         solver + "\n";
+}
+
+Scene sceneOf(const std::string& solver, const std::vector<std::string>& set = {}) {
+  return parseScene(swing(solver), "swing.yaml", set);
+}
+
+std::string refusal(const std::string& solver) {
+  try {
+    sceneOf(solver);
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SolverError, TakesLinesAndABudgetWithoutAMethod) {
+  const SolverSpec solver = sceneOf("{error: 0.02}").solver;
+  EXPECT_EQ(solver.method, "line_xpbd");
+  EXPECT_EQ(solver.parameters.at("error"), 0.02);
+  EXPECT_EQ(solver.parameters.at("budget"), 40.0);
+  EXPECT_EQ(sceneOf("{error: 0.02, budget: 90}").solver.parameters.at("budget"), 90.0);
+}
+
+TEST(SolverError, GivesWayToSubstepsAndToOtherMethods) {
+  const std::vector<std::string> substeps{"solver.substeps=7"};
+  const SolverSpec fixed = sceneOf("{error: 0.02}", substeps).solver;
+  EXPECT_EQ(fixed.method, "line_xpbd");
+  EXPECT_EQ(fixed.parameters.at("error"), 0.0);
+  EXPECT_EQ(fixed.parameters.at("substeps"), 7.0);
+  const SolverSpec other =
+      sceneOf("{error: 0.02, budget: 50}", {"solver.method=verlet", "solver.substeps=1500"}).solver;
+  EXPECT_EQ(other.method, "verlet");
+  EXPECT_EQ(other.parameters.at("substeps"), 1500.0);
+}
+
+TEST(SolverError, RefusesWhatNothingReachesWithOneLine) {
+  for (const char* error : {"0", "-0.1", ".nan", "1.5", "soft"}) {
+    EXPECT_THAT(refusal(std::string("{error: ") + error + "}"),
+                HasSubstr("swing.yaml:11: solver.error"))
+        << error;
+  }
+  EXPECT_THAT(refusal("{error: 0.0001}"), AllOf(HasSubstr("0.002"), HasSubstr("200 substeps")));
+  EXPECT_THAT(refusal("{error: 0.01, budget: 0}"), HasSubstr("solver.budget"));
+}
+
+/// Root mean square of the differences of positions over the side.
+double difference(const Simulation& a, const Simulation& b) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < a.state().x.size(); ++k) {
+    sum += (a.state().x[k] - b.state().x[k]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(a.state().x.size())) / 0.8;
+}
+
+/// Of a fabric, size and motion that no factor was fitted to.
+TEST(ErrorEstimate, OfPositionsIsTheTrueErrorWithinAFactorOfTwo) {
+  for (const char* substeps : {"8", "20"}) {
+    Simulation coarse(sceneOf(std::string("{method: line_xpbd, substeps: ") + substeps + "}"));
+    Simulation fine(sceneOf("{method: line_xpbd, substeps: 200}"));
+    for (int k = 0; k < 36; ++k) {
+      coarse.step();
+      fine.step();
+    }
+    const double error = difference(coarse, fine);
+    ASSERT_TRUE(coarse.lastReport().error);
+    EXPECT_GT(coarse.lastReport().error->position, 0.5 * error) << substeps;
+    EXPECT_LT(coarse.lastReport().error->position, 2.0 * error) << substeps;
+    EXPECT_GT(error, 1e-4) << substeps << ": nothing to estimate";
+  }
+}
+
+TEST(ErrorEstimate, IsZeroInFreeFall) {
+  const std::vector<std::string> free{"cloth.pins=[]", "drag=0"};
+  Simulation simulation(sceneOf("{method: line_xpbd, substeps: 5}", free));
+  for (int k = 0; k < 30; ++k) simulation.step();
+  EXPECT_LT(simulation.lastReport().error->position, 1e-6);
+  EXPECT_LT(simulation.lastReport().error->strain, 1e-6);
+}
+
+TEST(ErrorControl, TakesMoreSubstepsForASmallerError) {
+  const auto substepsOf = [](const std::string& error) {
+    Simulation simulation(sceneOf("{error: " + error + ", budget: 300}"));
+    int sum = 0;
+    for (int k = 0; k < 36; ++k) {
+      simulation.step();
+      sum += simulation.lastReport().substeps;
+    }
+    EXPECT_LT(simulation.lastReport().error->position, std::stod(error));
+    return sum;
+  };
+  const int few = substepsOf("0.1");
+  EXPECT_EQ(few, 36 * 20);
+  EXPECT_GT(substepsOf("0.002"), few);
+}
+
+TEST(ErrorControl, SaysWhenTheBudgetDoesNotSuffice) {
+  Simulation simulation(sceneOf("{error: 0.002, budget: 4}"));
+  for (int k = 0; k < 36; ++k) {
+    simulation.step();
+    EXPECT_EQ(simulation.lastReport().substeps, 4);
+  }
+  const ErrorEstimate error = *simulation.lastReport().error;
+  EXPECT_FALSE(error.sufficed);
+  EXPECT_THAT(shortfallText(error),
+              AllOf(HasSubstr("solver.budget (4 substeps)"), HasSubstr("0.002")));
+  const auto summary = nlohmann::json::parse(summaryJson(simulation, RunRecord(), 1.0));
+  EXPECT_EQ(summary.at("error_estimate").at("budget_sufficed"), false);
+  EXPECT_EQ(summary.at("error_estimate").at("asked"), 0.002);
+  EXPECT_GT(summary.at("error_estimate").at("largest_position"), 0.002);
+}
+
+TEST(ErrorControl, GoesOnFromASavedStateToTheBit) {
+  const Scene scene = sceneOf("{error: 0.004, budget: 200}");
+  Simulation straight(scene);
+  for (int k = 0; k < 20; ++k) straight.step();
+  Simulation loaded(scene);
+  ASSERT_TRUE(loaded.apply(Restore{straight.save()}).success);
+  for (int k = 0; k < 20; ++k) {
+    straight.step();
+    loaded.step();
+    ASSERT_EQ(straight.lastReport().substeps, loaded.lastReport().substeps) << k;
+  }
+  EXPECT_EQ(straight.save(), loaded.save());
+}
+
+}  // namespace
+}  // namespace cloth_sim
