@@ -251,6 +251,84 @@ def resolution_chart(folder, rows):
     save(figure, folder, 'resolution')
 
 
+# ---- errors and cost at the size that people run --------------------------------------------------
+
+ERRORS = {'position_error': 'positions, over the side', 'strain_error': 'largest strain',
+          'force_error': 'force at the pins, relative', 'energy_error': 'energy, of that released'}
+LEAST = 1e-5  # smaller errors are drawn here
+
+
+def series(rows):
+    """The rows by what is drawn as one line: method, and how its substeps are chosen."""
+    lines = {}
+    for row in rows:
+        chosen = float(row['error']) > 0.0
+        lines.setdefault(row['method'] + (' with solver.error' if chosen else ''), []).append(row)
+    return lines
+
+
+def at_size_chart(folder, scene, particles, rows):
+    """Four errors against the cost of a frame."""
+    figure, panels = plt.subplots(2, 2, figsize=(9.6, 7.2), sharex=True)
+    ok = [row for row in rows if row['status'] == 'ok']
+    [reference] = [row for row in rows if row['status'] == 'reference']
+    for axes, (column, title) in zip(panels.flat, ERRORS.items()):
+        for k, (name, of) in enumerate(series(ok).items()):
+            axes.plot([float(row['ms_per_frame']) for row in of],
+                      [max(LEAST, float(row[column])) for row in of],
+                      color=COLOURS[k], marker=MARKERS[k], label=name)
+        axes.axhspan(LEAST / 2, max(LEAST, float(reference[column])), color=GREY, alpha=0.2)
+        axes.set_xscale('log')
+        axes.set_yscale('log')
+        axes.set_title('error of ' + title, fontsize=10)
+    for axes in panels[1]:
+        axes.set_xlabel('CPU time of a frame of 1/60 s [ms]')
+    panels[0][0].legend(fontsize=8)
+    figure.suptitle(f'{scene}, {particles} × {particles}, cotton'
+                    ' (grey: the reference against one twice as coarse)')
+    save(figure, folder, f'at_size_{scene}_{particles}')
+
+
+def cost_at(rows, column, goal):
+    """The least cost of a method whose error meets the goal; None if no run does."""
+    costs = [float(row['ms_per_frame']) for row in rows if float(row[column]) <= goal]
+    return min(costs) if costs else None
+
+
+def growth_chart(folder, rows):
+    """Cost to reach 1 % of the side and a strain error of 0.01, against particles."""
+    figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True)
+    ok = [row for row in rows if row['status'] == 'ok']
+    scenes = unique(row['scene'] for row in ok)
+    for axes, scene in zip(panels, scenes):
+        for k, name in enumerate(unique(row['method'] for row in ok)):
+            points = []
+            for size in unique(int(row['particles']) for row in ok):
+                of = [row for row in ok if row['scene'] == scene and row['method'] == name and
+                      int(row['particles']) == size and float(row['position_error']) <= 0.01]
+                cost = cost_at(of, 'strain_error', 0.01)
+                if cost is not None:
+                    points.append((size, cost))
+            if points:
+                axes.plot(*zip(*points), color=COLOURS[k], marker=MARKERS[k], label=name)
+        axes.set_xscale('log', base=2)
+        axes.set_yscale('log')
+        axes.set_xlabel('particles a side')
+        axes.set_title(scene)
+    panels[0].set_ylabel('CPU time of a frame [ms]')
+    panels[0].legend(fontsize=8)
+    figure.suptitle('Cost of 1 % of the side and a strain error of 0.01')
+    save(figure, folder, 'at_size_growth')
+
+
+def at_size_charts(folder, rows):
+    for scene in unique(row['scene'] for row in rows):
+        largest = max(int(row['particles']) for row in rows)
+        at_size_chart(folder, scene, largest, [row for row in rows if row['scene'] == scene and
+                                               int(row['particles']) == largest])
+    growth_chart(folder, rows)
+
+
 def main(folder):
     rows = read(folder, 'work_precision.csv')
     front = read(folder, 'pareto.csv')
@@ -266,6 +344,9 @@ def main(folder):
     resolution = read(folder, 'resolution.csv')
     if resolution:
         resolution_chart(folder, resolution)
+    at_size = read(folder, 'at_size.csv')
+    if at_size:
+        at_size_charts(folder, at_size)
 
 
 if __name__ == '__main__':

@@ -29,6 +29,10 @@ class AddedInertia {
   static constexpr double kTolerance = 0.02;
   /// Most inertia, in masses of the particle.
   static constexpr double kMost = 100.0;
+  /// Most force of added inertia, over the force of a family of lines that others cancel [-].
+  static constexpr double kDrag = 0.02;
+  /// Acceleration that counts as none [m/s^2].
+  static constexpr double kStill = 1e-3;
   /// Time in which added inertia fades by a factor of e when it is no longer needed [s].
   static constexpr double kMemory = 0.0275;
 
@@ -36,6 +40,8 @@ class AddedInertia {
   void layOut(const Substep& now) {
     const std::size_t n = now.particles.mass.size();
     inertia_.resize(n, 0.0);
+    velocity_.resize(n, Vec3::Zero());
+    acceleration_.resize(n, Vec3::Zero());
     heavier_.reserve(n);
     shortest_.assign(n, std::numeric_limits<double>::infinity());
     for (const Spring spring : now.model.springs.slots()) {
@@ -57,15 +63,21 @@ class AddedInertia {
     }
   }
   /// Updates the inertia that is needed.
+  /// \param h          length of the substep [s].
+  /// \param duration   since the last update [s].
   /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
-  void update(double h, const Particles& p, const ScalarArray& cancelled) {
-    const double fade = std::exp(-h / kMemory);
+  void update(double h, double duration, const Particles& p, const ScalarArray& cancelled) {
+    const double fade = std::exp(-duration / kMemory);
     forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
       for (std::size_t k = first; k < first + count; ++k) {
+        const double acceleration =
+            followMotion(k, (p.x.at(k) - p.start.at(k)) / h, duration, fade);
         if (inverse_[k] == 0.0) continue;
+        const double force = cancelled[k] / (h * h * inverse_[k]);
         const double needed =
             std::min(cancelled[k] / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
-        inertia_[k] = std::max(needed, fade * inertia_[k]);
+        const double most = p.mass[k] + kDrag * force / std::max(acceleration, kStill);
+        inertia_[k] = std::min(std::max(needed, fade * inertia_[k]), most);
       }
     });
   }
@@ -82,12 +94,22 @@ class AddedInertia {
   /// Slots of the particles with added inertia.
   const std::vector<std::int32_t>& heavier() const { return heavier_; }
 
-  void save(StateWriter& archive) const { archive(inertia_); }
-  void load(StateReader& archive) { archive(inertia_); }
+  void save(StateWriter& archive) const { archive(inertia_, velocity_, acceleration_); }
+  void load(StateReader& archive) { archive(inertia_, velocity_, acceleration_); }
 
  private:
-  std::vector<double> inertia_;   ///< by particle slot [kg]; below the mass: nothing is added
-  std::vector<double> shortest_;  ///< by particle slot: rest length [m]
+  /// Averages the acceleration of a particle over about `kMemory`. \return its length [m/s^2].
+  double followMotion(std::size_t k, const Vec3& velocity, double duration, double fade) {
+    const Vec3 now = (velocity - velocity_[k]) / duration;
+    velocity_[k] = velocity;
+    acceleration_[k] += (1.0 - fade) * (now - acceleration_[k]);
+    return acceleration_[k].norm();
+  }
+
+  std::vector<double> inertia_;     ///< by particle slot [kg]; below the mass: nothing is added
+  std::vector<Vec3> velocity_;      ///< by particle slot, at the last update [m/s]
+  std::vector<Vec3> acceleration_;  ///< by particle slot, averaged [m/s^2]
+  std::vector<double> shortest_;    ///< by particle slot: rest length [m]
   ScalarArray inverse_;
   std::vector<std::int32_t> heavier_;
 };
@@ -206,7 +228,7 @@ void LineXpbd::projectLines(Substep& now) {
   }
   projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
-  inertia_.update(kMeasureEvery * now.h, p, cancelled_);
+  inertia_.update(now.h, kMeasureEvery * now.h, p, cancelled_);
 }
 
 /// Tells holders what the lines have done to their particles.

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "at_size.h"
 #include "cloth_sim/scene/load.h"
 #include "jobs.h"
 #include "resolution.h"
@@ -42,10 +43,12 @@ class Study {
 
   void run() {
     // The longest first, so that no thread waits long for the last.
+    if (options_.atSize) planSizes();
     if (options_.resolution) planResolutions();
     if (options_.workPrecision) planComparisons();
     if (options_.stability) planLimits();
     runJobs(jobs_, options_.jobs);
+    if (options_.atSize) writeSizes();
     if (options_.resolution) writeResolutions();
     if (options_.workPrecision) writeComparisons();
     if (options_.stability) writeLimits();
@@ -189,6 +192,32 @@ class Study {
                [&](auto& out) { writeStabilityLimits(out, limits_); });
   }
 
+  // ---- errors and cost at the size that people run
+
+  void planSizes() {
+    std::vector<AtSizeRun> runs =
+        atSizeRuns(options_.quick ? std::vector<int>{16, 32} : std::vector<int>{16, 32, 64, 128});
+    std::stable_sort(runs.begin(), runs.end(), [](const AtSizeRun& a, const AtSizeRun& b) {
+      return a.particles > b.particles;
+    });
+    sizes_.resize(runs.size());
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      add(1, [this, k, run = runs[k]] {
+        announce("at size, " + run.scene + ", " + std::to_string(run.particles) + " particles");
+        sizes_[k] = run.make();
+      });
+    }
+  }
+
+  void writeSizes() const {
+    std::vector<AtSizeRow> rows;
+    for (const auto& of : sizes_) rows.insert(rows.end(), of.begin(), of.end());
+    std::stable_sort(rows.begin(), rows.end(), [](const AtSizeRow& a, const AtSizeRow& b) {
+      return a.scene != b.scene ? a.scene > b.scene : a.particles < b.particles;
+    });
+    writeTable(file("at_size.csv"), [&](auto& out) { writeAtSize(out, rows); });
+  }
+
   // ---- influence of the resolution
 
   void planResolutions() {
@@ -224,6 +253,7 @@ class Study {
   std::vector<VibratingSystem> systems_;
   std::vector<StabilityLimit> limits_;
   std::vector<std::vector<ResolutionRow>> resolutions_;
+  std::vector<std::vector<AtSizeRow>> sizes_;
 };
 
 }  // namespace

@@ -17,6 +17,7 @@ struct StudyOptions {
   bool workPrecision = true;
   bool stability = true;
   bool resolution = true;
+  bool atSize = false;  ///< takes ten minutes, two of them with `quick`
   int jobs = 1;  ///< threads; each run is made and timed in one of them
 };
 

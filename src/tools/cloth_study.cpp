@@ -34,6 +34,7 @@ constexpr double kLinePeriod = 5.0;  ///< between two lines in a log, wall time 
 const char* const kWorkPrecision = "work_precision";
 const char* const kStability = "stability";
 const char* const kResolution = "resolution";
+const char* const kAtSize = "at_size";
 
 struct Options {
   bool quick = false;
@@ -69,9 +70,11 @@ void addStudyOptions(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 1024));
   app.add_option("--scenes", options.scenes, "only these of the study's scenes, a,b,...")
       ->delimiter(',');
-  app.add_option("--parts", options.parts, "some of work_precision, stability and resolution")
+  app.add_option("--parts", options.parts,
+                 "some of work_precision, stability, resolution and at_size\n"
+                 "(default: the first three)")
       ->delimiter(',')
-      ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution}));
+      ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution, kAtSize}));
   app.add_flag("!--no-charts", options.charts, "only the tables");
   app.add_option(
       "--make-references", options.references,
@@ -292,6 +295,7 @@ int run(const Options& options) {
   study.workPrecision = parts.count(kWorkPrecision) != 0;
   study.stability = parts.count(kStability) != 0;
   study.resolution = parts.count(kResolution) != 0;
+  study.atSize = parts.count(kAtSize) != 0;
   Progress progress;
   runStudy(study, progress);
   if (options.charts) drawCharts(options.out);
