@@ -264,8 +264,13 @@ void writeSummary(const std::string& file, const std::string& text) {
   }
 }
 
-/// Writes one line if the run did not succeed. \return the exit code.
+/// Writes one line if the run did not succeed, and one if its result is doubtful. \return the exit
+/// code.
 int report(const Options& options, const Simulation& simulation) {
+  if (!simulation.warning().empty()) {
+    std::cerr << "cloth_run: " << options.scene << ": warning: " << simulation.warning()
+              << std::endl;
+  }
   if (simulation.failed()) {
     std::cerr << "cloth_run: " << options.scene
               << ": the simulation failed at t = " << simulation.time()

@@ -50,6 +50,12 @@ class Simulation {
   bool failed() const { return parts_.failed(); }
   /// Why it failed, in one sentence; "" if it has not.
   const std::string& failure() const { return parts_.failure; }
+  /// What is wrong with the result although the simulation goes on, in one sentence; "" if nothing
+  /// is known. It stays until a reset.
+  const std::string& warning() const { return parts_.softness.warning(); }
+  /// The largest strain so far that the forces on the cloth did not explain [-]; see
+  /// sim/softness_watch.h.
+  double unexplainedStrain() const { return parts_.softness.unexplainedStrain(); }
   /// While the cloth sleeps, steps only let time go on; see docs/model.md.
   bool isAsleep() const { return parts_.sleep.isAsleep(); }
   /// Simulated time slept through since the start or the last reset [s].
@@ -74,6 +80,11 @@ class Simulation {
   /// \throws StateError if they are damaged, of another version or of another scene; nothing has
   ///         changed then.
   void load(const std::string& bytes) { parts_ = loadParts(bytes, parts_); }
+  /// Takes over all that was saved except for the method: this simulation's own method goes on from
+  /// there, without a memory. It compares methods from the same state.
+  /// \throws StateError if `bytes` are damaged, of another version or of another scene; nothing has
+  ///         changed then.
+  void adopt(const std::string& bytes) { parts_ = adoptParts(bytes, parts_); }
 
   /// The connected pieces of cloth, the largest first.
   std::vector<PieceSnapshot> describePieces() const;

@@ -3,6 +3,7 @@
 
 #include "cloth_sim/sim/measurements.h"
 #include "cloth_sim/sim/sleep.h"
+#include "cloth_sim/sim/softness_watch.h"
 #include "cloth_sim/sim/surgery.h"
 
 namespace cloth_sim {
@@ -24,6 +25,7 @@ struct SimulationParts {
   PhaseScript script;
   Sleep sleep;
   Measurements measurements;
+  SoftnessWatch softness;
   std::uint64_t stepCount = 0;  ///< steps since the start or the last reset
   std::string failure;          ///< why the simulation stopped; "" while it goes on
   std::uint64_t startHash = 0;  ///< stateHash before the first step

@@ -100,6 +100,7 @@ struct Snapshot {
   GuardRecord guard;  ///< interventions of the step guard
   bool failed = false;
   std::string failure;             ///< why the simulation stopped; "" if it did not
+  std::string warning;             ///< what is wrong although it goes on; "" if nothing is known
   std::optional<Figures> figures;  ///< with Detail::kFigures
 };
 
