@@ -298,8 +298,8 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
   } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
     status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
-  } else if (!snapshot.warning.empty()) {
-    status.summary(DiagnosticStatus::WARN, snapshot.warning);
+  } else if (!snapshot.warnings.empty()) {
+    status.summary(DiagnosticStatus::WARN, snapshot.warnings.front());
   } else {
     status.summary(DiagnosticStatus::OK, "running");
   }

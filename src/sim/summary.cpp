@@ -104,12 +104,6 @@ std::string statusOf(const Simulation& simulation, bool interrupted) {
   return interrupted ? "interrupted" : "done";
 }
 
-Json warningsJson(const Simulation& simulation) {
-  Json warnings = Json::array();
-  if (!simulation.warning().empty()) warnings.push_back(simulation.warning());
-  return warnings;
-}
-
 Json droppedJson(const DroppedScraps& dropped) {
   return {{"count", dropped.count},
           {"mass_kg", number(dropped.mass)},
@@ -180,7 +174,7 @@ std::string summaryJson(const Simulation& simulation, const RunRecord& record, d
   addScene(simulation.scene(), json);
   json["status"] = statusOf(simulation, interrupted);
   json["failure"] = simulation.failure();
-  json["warnings"] = warningsJson(simulation);
+  json["warnings"] = simulation.warnings();
   addCloth(simulation, json);
   addRecord(record, json);
   json["phases"] = phasesJson(simulation.script());

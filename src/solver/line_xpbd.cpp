@@ -69,6 +69,16 @@ class AddedInertia {
       }
     });
   }
+  /// Returns what is added to all particles, over their mass [-].
+  double addedFraction(const Particles& p) const {
+    double mass = 0.0;
+    double added = 0.0;
+    for (std::size_t k = 0; k < inertia_.size(); ++k) {
+      mass += p.mass[k];
+      added += std::max(0.0, inertia_[k] - p.mass[k]);
+    }
+    return mass > 0.0 ? added / mass : 0.0;
+  }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
 
@@ -92,7 +102,10 @@ class LineXpbd final : public SubstepMethod {
  public:
   void begin(Substep& now) override;
   void advance(Substep& now) override;
-  void finish(Substep& now) override { findVelocities(now); }
+  void finish(Substep& now) override {
+    findVelocities(now);
+    now.addedMass = inertia_.addedFraction(now.particles);
+  }
   void save(StateWriter& archive) const override { inertia_.save(archive); }
   void load(StateReader& archive) override { inertia_.load(archive); }
 

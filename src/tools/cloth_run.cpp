@@ -264,13 +264,15 @@ void writeSummary(const std::string& file, const std::string& text) {
   }
 }
 
-/// Writes one line if the run did not succeed, and one if its result is doubtful. \return the exit
-/// code.
-int report(const Options& options, const Simulation& simulation) {
-  if (!simulation.warning().empty()) {
-    std::cerr << "cloth_run: " << options.scene << ": warning: " << simulation.warning()
-              << std::endl;
+/// Writes a line for each doubt about the result.
+void reportWarnings(const Options& options, const Simulation& simulation) {
+  for (const std::string& warning : simulation.warnings()) {
+    std::cerr << "cloth_run: " << options.scene << ": warning: " << warning << std::endl;
   }
+}
+
+/// Writes one line if the run did not succeed. \return the exit code.
+int report(const Options& options, const Simulation& simulation) {
   if (simulation.failed()) {
     std::cerr << "cloth_run: " << options.scene
               << ": the simulation failed at t = " << simulation.time()
@@ -410,6 +412,7 @@ class Run {
     const double wallTime = progress.wallTime();
     progress.finish(*simulation_);
     writeOutputs(wallTime);
+    reportWarnings(options_, *simulation_);
     return outcome ? report(options_, *recording_, *outcome) : report(options_, *simulation_);
   }
 

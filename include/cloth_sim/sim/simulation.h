@@ -50,12 +50,11 @@ class Simulation {
   bool failed() const { return parts_.failed(); }
   /// Why it failed, in one sentence; "" if it has not.
   const std::string& failure() const { return parts_.failure; }
-  /// What is wrong with the result although the simulation goes on, in one sentence; "" if nothing
-  /// is known. It stays until a reset.
-  const std::string& warning() const { return parts_.softness.warning(); }
-  /// The largest strain so far that the forces on the cloth did not explain [-]; see
-  /// sim/softness_watch.h.
-  double unexplainedStrain() const { return parts_.softness.unexplainedStrain(); }
+  /// What is doubtful about the result although the simulation goes on: sentences, none at best.
+  /// They stay until a reset.
+  std::vector<std::string> warnings() const { return parts_.watch.warnings(); }
+  /// The measures behind the warnings.
+  const ResultWatch& watch() const { return parts_.watch; }
   /// While the cloth sleeps, steps only let time go on; see docs/model.md.
   bool isAsleep() const { return parts_.sleep.isAsleep(); }
   /// Simulated time slept through since the start or the last reset [s].

@@ -99,9 +99,9 @@ struct Snapshot {
   int substeps = 0;   ///< of the last step
   GuardRecord guard;  ///< interventions of the step guard
   bool failed = false;
-  std::string failure;             ///< why the simulation stopped; "" if it did not
-  std::string warning;             ///< what is wrong although it goes on; "" if nothing is known
-  std::optional<Figures> figures;  ///< with Detail::kFigures
+  std::string failure;                ///< why the simulation stopped; "" if it did not
+  std::vector<std::string> warnings;  ///< what is doubtful although it goes on
+  std::optional<Figures> figures;     ///< with Detail::kFigures
 };
 
 }  // namespace cloth_sim
