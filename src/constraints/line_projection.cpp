@@ -1,11 +1,12 @@
 #include "line_projection.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <map>
 #include <string>
 
 #include "linalg/vector_operations.h"
-#include "spring_parameters.h"
 #include "support/vector_clones.h"
 #include "threads/parallel_for.h"
 
@@ -13,13 +14,26 @@ namespace cloth_sim {
 namespace {
 
 /// Compliance of a place without a spring [1/kg]: it pulls nothing.
-constexpr double kNoSpring = 1e30;
+constexpr float kNoSpring = 1e30F;
+/// Added to squares of lengths, so that no length is zero [m^2].
+constexpr float kLeastSquare = 1e-24F;
 /// Springs that are worth a thread of their own.
 constexpr std::int32_t kGrain = 2048;
 
+/// Makes the compiler read back what it has stored. GCC 12 vectorises x - double(float(x)) to
+/// x - x.
+[[gnu::always_inline]] inline void keepRounded() { asm volatile("" ::: "memory"); }
+
+/// Time for which impulses of bend springs are collected, at most [s].
+constexpr double kBendPeriod = 1.0 / 600.0;
+
 }  // namespace
 
-void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs, double h) {
+void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs,
+                             const std::vector<std::int32_t>& slotOf, double h) {
+  constexpr double kRounding = 1e-9;
+  bendInterval_ =
+      std::clamp(static_cast<int>(kBendPeriod / h + kRounding), 1, kLongestBendInterval);
   parameters_.clear();
   gamma_.clear();
   firstParameters_.clear();
@@ -28,19 +42,21 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
   for (const SpringLines::Batch& batch : lines.batches()) {
     const auto first = static_cast<std::int32_t>(parameters_.size());
     for (std::int32_t s = 0; s < batch.steps; ++s) {
-      Parameters four;
-      for (std::int32_t lane = 0; lane < kLanes; ++lane) {
+      Parameters all;
+      for (std::int32_t lane = 0; lane < kWidth; ++lane) {
         const std::int32_t slot = lines.springs()[batch.firstStep + s][lane];
         const Spring spring = slot == kNone ? Spring() : springs[slot];
         const bool pulls = spring.stiffness > 0.0;
+        const int interval = spring.kind == SpringKind::kBend ? bendInterval_ : 1;
         const double gamma = pulls ? spring.damping / (spring.stiffness * h) : 0.0;
-        four.restLength[lane] = spring.restLength;
-        four.compliance[lane] =
-            pulls ? 1.0 / (spring.stiffness * h * h * (1.0 + gamma)) : kNoSpring;
-        gamma_.push_back(gamma);
+        all.restLength[lane] = static_cast<float>(spring.restLength);
+        all.compliance[lane] =
+            pulls ? static_cast<float>(1.0 / (spring.stiffness * interval * h * h * (1.0 + gamma)))
+                  : kNoSpring;
+        gamma_.push_back(static_cast<float>(gamma));
         isDamped |= gamma > 0.0;
       }
-      parameters_.push_back(four);
+      parameters_.push_back(all);
     }
     if (isDamped) {  // gamma_ goes by the same index
       firstParameters_.push_back(first);
@@ -52,32 +68,40 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
     firstParameters_.push_back(entry->second);
     if (isNew) continue;
     parameters_.resize(static_cast<std::size_t>(first));
-    gamma_.resize(static_cast<std::size_t>(kLanes * first));
+    gamma_.resize(static_cast<std::size_t>(kWidth * first));
   }
   if (!isDamped) gamma_.clear();
+  std::vector<std::uint32_t> placeOfSlot(
+      slotOf.empty()
+          ? 0
+          : 1 + static_cast<std::size_t>(*std::max_element(slotOf.begin(), slotOf.end())));
+  for (std::size_t v = 0; v < slotOf.size(); ++v) {
+    placeOfSlot[slotOf[v]] = placeOf(static_cast<VertexId>(v));
+  }
   offsets_.resize(lines.slots().size());
   for (std::size_t k = 0; k < offsets_.size(); ++k) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kWidth; ++lane) {
       offsets_[k][lane] =
-          placeOf(lines.slots()[k][lane]) * static_cast<std::uint32_t>(sizeof(Body));
+          placeOfSlot[lines.slots()[k][lane]] * static_cast<std::uint32_t>(sizeof(Body));
     }
   }
 }
 
-/// The direct solves of four lines at once. The unknowns are nu = mu / l, and each row of the
-/// system is multiplied by l: then its entries are products of d, the vectors between the ends of
-/// springs, instead of unit vectors, and no spring needs a division besides that of its pivot.
+/// The direct solves of the lines of a batch at once. The unknowns are nu = mu / l, and each row of
+/// the system is multiplied by l: then its entries are products of d, the vectors between the ends
+/// of springs, instead of unit vectors, and no spring needs a division besides that of its pivot.
 struct LineProjection::Kernel {
   using Slots = SpringLines::Slots;
-  using Offsets = std::array<std::uint32_t, kLanes>;
+  using Offsets = std::array<std::uint32_t, kWidth>;
   using Batch = SpringLines::Batch;
 
   /// Copied coordinate by coordinate: GCC copies the whole in halves of vectors, which then wait
   /// for each other.
   struct Vectors {
-    Lanes x, y, z;
+    FloatLanes x, y, z;
     Vectors() = default;
-    [[gnu::always_inline]] Vectors(const Lanes& ofX, const Lanes& ofY, const Lanes& ofZ)
+    [[gnu::always_inline]] Vectors(const FloatLanes& ofX, const FloatLanes& ofY,
+                                   const FloatLanes& ofZ)
         : x(ofX), y(ofY), z(ofZ) {}
     [[gnu::always_inline]] Vectors(const Vectors& other) : x(other.x), y(other.y), z(other.z) {}
     [[gnu::always_inline]] Vectors& operator=(const Vectors& other) {
@@ -87,167 +111,228 @@ struct LineProjection::Kernel {
       return *this;
     }
   };
-  /// A row of the factorised system, L D L^T: kept from the pass forwards for the one back.
+  /// Particles, one a lane.
+  struct Bodies {
+    Vectors near, offset;
+    FloatLanes w, moved;
+    Bodies() = default;
+    [[gnu::always_inline]] Bodies(const Bodies& other)
+        : near(other.near), offset(other.offset), w(other.w), moved(other.moved) {}
+    [[gnu::always_inline]] Bodies& operator=(const Bodies& other) {
+      near = other.near;
+      offset = other.offset;
+      w = other.w;
+      moved = other.moved;
+      return *this;
+    }
+  };
+  /// Kept of each step from the pass forwards for the one back. The multiplier is
+  /// `own` - `factor` of the next step * multiplier of the next step.
   struct Row {
-    Vectors d;        ///< from begin to end of each spring [m]
-    Vectors end;      ///< particles at the end of the springs [m]
-    Lanes w;          ///< their inverse masses
-    Lanes off;        ///< entry beside the diagonal, towards the step before
-    Lanes inverse;    ///< of the pivot
-    Lanes rightSide;  ///< after elimination
+    Vectors d;          ///< from begin to end of each spring [m]
+    Vectors end;        ///< `Body::offset` of the particles at the end of the springs [m]
+    FloatLanes w;       ///< their inverse masses
+    FloatLanes moved;   ///< their `Body::moved`, if measured
+    FloatLanes own;     ///< right side over pivot
+    FloatLanes factor;  ///< of the elimination of the step before
   };
   /// Arrays that it reads and writes; passed by value, so that they stay in registers.
   struct Arrays {
     const Batch* batches;
     const Slots* slots;
     const Parameters* parameters;
-    const double* gamma;
+    const float* gamma;
     const std::int32_t* firstParameters;
     const Offsets* offsets;
     char* bodies;
-    const double *startX, *startY, *startZ;
+    const char* starts;
     double *pullX, *pullY, *pullZ;
-    double* moved;
   };
 
-  [[gnu::always_inline]] static Lanes dot(const Vectors& a, const Vectors& b) {
+  [[gnu::always_inline]] static FloatLanes dot(const Vectors& a, const Vectors& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
   }
-  /// The particle at an offset, as a vector.
-  [[gnu::always_inline]] static Lanes& body(const Arrays& m, std::uint32_t offset) {
-    return *reinterpret_cast<Lanes*>(m.bodies + offset);
+  [[gnu::always_inline]] static Vectors difference(const Vectors& a, const Vectors& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
   }
-  /// Loads four particles.
-  [[gnu::always_inline]] static void load(const Arrays& m, const Offsets& at, Vectors& x,
-                                          Lanes& w) {
-    x.x = body(m, at[0]);
-    x.y = body(m, at[1]);
-    x.z = body(m, at[2]);
-    w = body(m, at[3]);
-    transpose(x.x, x.y, x.z, w);
+  [[gnu::always_inline]] static Vectors sum(const Vectors& a, const Vectors& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
   }
-  /// Stores four particles. Lanes without a line name the same particles as the lane before, which
+
+  /// Loads four consecutive floats for each lane, from `base` plus its offset.
+  [[gnu::always_inline]] static void loadFours(const char* base, const Offsets& at, FloatLanes& a,
+                                               FloatLanes& b, FloatLanes& c, FloatLanes& d) {
+    const auto four = [&](int lane) {
+      return *reinterpret_cast<const FloatHalf*>(base + at[lane]);
+    };
+    a = join(four(0), four(4));
+    b = join(four(1), four(5));
+    c = join(four(2), four(6));
+    d = join(four(3), four(7));
+    transposeHalves(a, b, c, d);
+  }
+  [[gnu::always_inline]] static void load(const Arrays& m, const Offsets& at, Bodies& all) {
+    loadFours(m.bodies, at, all.near.x, all.near.y, all.near.z, all.w);
+    loadFours(m.bodies + offsetof(Body, offset), at, all.offset.x, all.offset.y, all.offset.z,
+              all.moved);
+  }
+  /// Stores what changes. Lanes without a line name the same particles as the lane before, which
   /// is written last.
-  [[gnu::always_inline]] static void store(const Arrays& m, const Offsets& at, const Vectors& x,
-                                           const Lanes& w) {
-    Lanes a = x.x, b = x.y, c = x.z, d = w;
-    transpose(a, b, c, d);
-    body(m, at[3]) = d;
-    body(m, at[2]) = c;
-    body(m, at[1]) = b;
-    body(m, at[0]) = a;
+  [[gnu::always_inline]] static void store(const Arrays& m, const Offsets& at,
+                                           const Vectors& offset, const FloatLanes& moved) {
+    FloatLanes a = offset.x, b = offset.y, c = offset.z, d = moved;
+    transposeHalves(a, b, c, d);
+    char* const base = m.bodies + offsetof(Body, offset);
+    const auto four = [&](int lane) -> FloatHalf& {
+      return *reinterpret_cast<FloatHalf*>(base + at[lane]);
+    };
+    four(7) = highHalf(d);
+    four(6) = highHalf(c);
+    four(5) = highHalf(b);
+    four(4) = highHalf(a);
+    four(3) = lowHalf(d);
+    four(2) = lowHalf(c);
+    four(1) = lowHalf(b);
+    four(0) = lowHalf(a);
   }
-  [[gnu::always_inline]] static Vectors loadStart(const Arrays& m, const Slots& at) {
-    return {gather(m.startX, at.data()), gather(m.startY, at.data()), gather(m.startZ, at.data())};
+  /// Displacements in the substep.
+  [[gnu::always_inline]] static Vectors displacement(const Arrays& m, const Offsets& at,
+                                                     const Vectors& offset) {
+    Offsets places;
+    for (std::size_t lane = 0; lane < kWidth; ++lane) {
+      places[lane] = at[lane] / static_cast<std::uint32_t>(sizeof(Body) / sizeof(Start));
+    }
+    Vectors start;
+    FloatLanes unused;
+    loadFours(m.starts, places, start.x, start.y, start.z, unused);
+    return difference(offset, start);
   }
 
   /// State of the pass forwards.
   struct Forward {
-    Vectors x;      ///< particle at the beginning of the next spring [m]
-    Vectors start;  ///< the same at the start of the substep
-    Lanes w;        ///< its inverse mass
-    Vectors d;      ///< of the spring before, from its begin to its end
-    Lanes inverse;  ///< of its pivot; zero at the first spring
-    Lanes rightSide;
+    Bodies begin;          ///< particles at the beginning of the next springs
+    Vectors displacement;  ///< theirs in the substep [m]
+    Vectors d;             ///< of the springs before, from their begin to their end
+    FloatLanes inverse;    ///< of their pivots; zero at the first springs
+    FloatLanes rightSide;  ///< theirs after elimination
+    FloatLanes leastW;     ///< least inverse mass so far
   };
 
-  /// Eliminates a step whose springs end at the particles `end`.
-  template <bool kDamped>
-  [[gnu::always_inline]] static void eliminate(const Arrays& m, const Slots& end,
-                                               const Offsets& endOffsets, const Parameters& four,
-                                               const double* gamma, Forward& f, Row& row) {
-    Vectors xb;
-    Lanes wb;
-    load(m, endOffsets, xb, wb);
-    const Vectors d{xb.x - f.x.x, xb.y - f.x.y, xb.z - f.x.z};
-    const Lanes squared = dot(d, d) + kTinySquare;
-    Lanes error = squared - lanesAt(four.restLength) * sqrt(squared);
+  /// Eliminates a step whose springs end at the particles at `at`.
+  template <bool kDamped, bool kMeasured>
+  [[gnu::always_inline]] static void eliminate(const Arrays& m, const Offsets& at,
+                                               const Parameters& springs, const float* gamma,
+                                               Forward& f, Row& row) {
+    Bodies end;
+    load(m, at, end);
+    const Vectors d =
+        sum(difference(end.near, f.begin.near), difference(end.offset, f.begin.offset));
+    const FloatLanes squared = dot(d, d) + kLeastSquare;
+    FloatLanes error = squared - floatLanesAt(springs.restLength) * sqrt(squared);
     if constexpr (kDamped) {
-      const Vectors startB = loadStart(m, end);
-      const Vectors start{startB.x - f.start.x, startB.y - f.start.y, startB.z - f.start.z};
-      const Lanes g = lanesAt(gamma);
-      error = (error + g * (squared - dot(d, start))) / (1.0 + g);
-      f.start = startB;
+      const Vectors displaced = displacement(m, at, end.offset);
+      const FloatLanes g = floatLanesAt(gamma);
+      error = (error + g * dot(d, difference(displaced, f.displacement))) / (1.0F + g);
+      f.displacement = displaced;
     }
-    const Lanes off = -f.w * dot(d, f.d);
-    const Lanes factor = off * f.inverse;
-    f.inverse = 1.0 / ((f.w + wb + lanesAt(four.compliance)) * squared - factor * off);
+    const FloatLanes off = -f.begin.w * dot(d, f.d);
+    const FloatLanes factor = off * f.inverse;
+    const FloatLanes diagonal = f.begin.w + end.w + floatLanesAt(springs.compliance);
+    f.inverse = 1.0F / (diagonal * squared - factor * off);
     f.rightSide = error - factor * f.rightSide;
-    f.x = xb;
-    f.w = wb;
+    f.leastW = end.w < f.leastW ? end.w : f.leastW;
+    f.begin = end;
     f.d = d;
     row.d = d;
-    row.end = xb;
-    row.w = wb;
-    row.off = off;
-    row.inverse = f.inverse;
-    row.rightSide = f.rightSide;
+    row.end = end.offset;
+    row.w = end.w;
+    if constexpr (kMeasured) row.moved = end.moved;
+    row.own = f.rightSide * f.inverse;
+    row.factor = factor;
   }
 
   /// Moves particles by the pull of the springs on both sides.
-  /// \param x  where they are.
+  /// \param offset  where they are, less `Body::near`.
   template <bool kMeasured>
-  [[gnu::always_inline]] static void move(const Arrays& m, const Slots& at, const Offsets& offsets,
-                                          const Vectors& x, const Lanes& w, const Vectors& pull) {
+  [[gnu::always_inline]] static void move(const Arrays& m, const Offsets& at, const Vectors& offset,
+                                          const FloatLanes& w, const FloatLanes& moved,
+                                          const Vectors& pull) {
     const Vectors by{w * pull.x, w * pull.y, w * pull.z};
-    store(m, offsets, {x.x + by.x, x.y + by.y, x.z + by.z}, w);
-    if constexpr (kMeasured) addLengths(m, at, sqrt(dot(by, by)));
-    if (w[0] * w[1] * w[2] * w[3] == 0.0) recordPull(m, at, w, pull);
-  }
-
-  [[gnu::always_inline]] static void addLengths(const Arrays& m, const Slots& at,
-                                                const Lanes& lengths) {
-    const Lanes sum = gather(m.moved, at.data()) + lengths;
-    for (std::int32_t lane = kLanes; lane-- > 0;) m.moved[at[lane]] = sum[lane];
+    if constexpr (kMeasured) {
+      store(m, at, sum(offset, by), moved + sqrt(dot(by, by)));
+    } else {
+      store(m, at, sum(offset, by), w);  // nobody reads `moved`
+    }
   }
 
   /// Adds what the springs do to held particles.
-  static void recordPull(const Arrays& m, const Slots& slots, const Lanes& w, const Vectors& pull) {
-    for (std::int32_t lane = 0; lane < kLanes; ++lane) {
-      if (w[lane] != 0.0) continue;
+  static void recordPull(const Arrays& m, const Slots& slots, const FloatLanes& w,
+                         const Vectors& pull) {
+    for (std::size_t lane = 0; lane < kWidth; ++lane) {
+      if (w[lane] != 0.0F) continue;
       const std::int32_t slot = slots[lane];
-      m.pullX[slot] += pull.x[lane];
-      m.pullY[slot] += pull.y[lane];
-      m.pullZ[slot] += pull.z[lane];
+      m.pullX[slot] += static_cast<double>(pull.x[lane]);
+      m.pullY[slot] += static_cast<double>(pull.y[lane]);
+      m.pullZ[slot] += static_cast<double>(pull.z[lane]);
     }
   }
+  static bool hasZero(const FloatLanes& of) {
+    bool found = false;
+    for (std::size_t lane = 0; lane < kWidth; ++lane) found |= of[lane] == 0.0F;
+    return found;
+  }
 
-  /// Solves the four lines of a batch.
+  /// Finds the multipliers from the last step to the first, and moves the particles.
+  /// \param kHolds  some particles are held.
+  template <bool kMeasured, bool kHolds>
+  [[gnu::always_inline]] static void substitute(const Arrays& m, const Batch& batch,
+                                                const Bodies& first, const Row* rows) {
+    const Slots* const slots = m.slots + batch.firstPlace;
+    const Offsets* const offsets = m.offsets + batch.firstPlace;
+    const FloatLanes zero{};
+    Vectors after(zero, zero, zero);  // pull of the springs beyond the particle, mu n
+    FloatLanes factor = zero, nu = zero;
+    for (std::ptrdiff_t s = batch.steps; s-- > 0;) {
+      const Row& row = rows[s];
+      nu = row.own - factor * nu;
+      factor = row.factor;
+      const Vectors own{nu * row.d.x, nu * row.d.y, nu * row.d.z};
+      const Vectors pull = difference(after, own);
+      move<kMeasured>(m, offsets[s + 1], row.end, row.w, row.moved, pull);
+      if (kHolds && hasZero(row.w)) recordPull(m, slots[s + 1], row.w, pull);
+      after = own;
+    }
+    move<kMeasured>(m, offsets[0], first.offset, first.w, first.moved, after);
+    if (kHolds && hasZero(first.w)) recordPull(m, slots[0], first.w, after);
+  }
+
+  /// Solves the lines of a batch.
   template <bool kDamped, bool kMeasured>
   [[gnu::always_inline]] static void solve(const Arrays& m, std::ptrdiff_t index, Row* rows) {
     const Batch& batch = m.batches[index];
-    const Slots* const slots = m.slots + batch.firstPlace;
     const Offsets* const offsets = m.offsets + batch.firstPlace;
     const Parameters* const parameters = m.parameters + m.firstParameters[index];
-    const double* const gamma = m.gamma + (kDamped ? kLanes * m.firstParameters[index] : 0);
+    const float* const gamma = m.gamma + (kDamped ? kWidth * m.firstParameters[index] : 0);
     const std::ptrdiff_t steps = batch.steps;
-    const Lanes zero{};
-    Vectors firstX;
-    Lanes firstW;
-    load(m, offsets[0], firstX, firstW);
+    const FloatLanes zero{};
+    Bodies first;
+    load(m, offsets[0], first);
     Forward f;
-    f.x = firstX;
-    f.w = firstW;
+    f.begin = first;
     f.d = Vectors(zero, zero, zero);
     f.inverse = zero;
     f.rightSide = zero;
-    if constexpr (kDamped) f.start = loadStart(m, slots[0]);
+    f.leastW = first.w;
+    if constexpr (kDamped) f.displacement = displacement(m, offsets[0], first.offset);
     for (std::ptrdiff_t s = 0; s < steps; ++s) {
-      eliminate<kDamped>(m, slots[s + 1], offsets[s + 1], parameters[s], gamma + kLanes * s, f,
-                         rows[s]);
+      eliminate<kDamped, kMeasured>(m, offsets[s + 1], parameters[s], gamma + kWidth * s, f,
+                                    rows[s]);
     }
-    Vectors after(zero, zero, zero);  // pull of the springs beyond the particle, mu n
-    Lanes offAfter = zero, nu = zero;
-    for (std::ptrdiff_t s = steps; s-- > 0;) {
-      const Row& row = rows[s];
-      nu = (row.rightSide - offAfter * nu) * row.inverse;
-      offAfter = row.off;
-      const Vectors own{nu * row.d.x, nu * row.d.y, nu * row.d.z};
-      move<kMeasured>(m, slots[s + 1], offsets[s + 1], row.end, row.w,
-                      {after.x - own.x, after.y - own.y, after.z - own.z});
-      after = own;
+    if (hasZero(f.leastW)) {
+      substitute<kMeasured, true>(m, batch, first, rows);
+    } else {
+      substitute<kMeasured, false>(m, batch, first, rows);
     }
-    move<kMeasured>(m, slots[0], offsets[0], firstX, firstW, after);
   }
 
   template <bool kDamped, bool kMeasured>
@@ -286,9 +371,10 @@ struct LineProjection::Kernel {
 };
 
 template <bool kMeasured>
-void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, Particles& p,
-                         VectorArray& pull, double* moved) {
+void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
+                         const Particles& p, VectorArray& pull) {
   loadBodies(inverseMass, p);
+  if (!gamma_.empty()) loadStarts(p);
   const Kernel::Arrays arrays{lines.batches().data(),
                               lines.slots().data(),
                               parameters_.data(),
@@ -296,15 +382,13 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
                               firstParameters_.data(),
                               offsets_.data(),
                               reinterpret_cast<char*>(bodies_.data()),
-                              p.start.x.data(),
-                              p.start.y.data(),
-                              p.start.z.data(),
+                              reinterpret_cast<const char*>(starts_.data()),
                               pull.x.data(),
                               pull.y.data(),
-                              pull.z.data(),
-                              moved};
+                              pull.z.data()};
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
+    if (colour.kind == SpringKind::kBend && !bends) continue;
     const std::int32_t batches = colour.endBatch - colour.firstBatch;
     const auto grain =
         static_cast<std::int32_t>(std::int64_t{kGrain} * batches / std::max(1, colour.springs)) + 1;
@@ -315,38 +399,77 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
                                                  colour.firstBatch + end, rows.data());
     });
   }
-  storeBodies(p);
+}
+
+Vec3 LineProjection::positionOf(const Body& body) {
+  Vec3 x;
+  for (int axis = 0; axis < 3; ++axis) {
+    x[axis] = static_cast<double>(body.near[axis]) + static_cast<double>(body.offset[axis]);
+  }
+  return x;
+}
+
+/// Calls `visit(k, place)` for the slot of each particle and its place.
+template <typename Visit>
+void LineProjection::forBodies(const Particles& p, const Visit& visit) {
+  forParts(p.slotOf.size(), [&](std::size_t first, std::size_t count) {
+    for (std::size_t v = first; v < first + count; ++v) {
+      visit(static_cast<std::size_t>(p.slotOf[v]), placeOf(static_cast<VertexId>(v)));
+    }
+  });
 }
 
 void LineProjection::loadBodies(const ScalarArray& inverseMass, const Particles& p) {
-  const auto slots = static_cast<std::size_t>(p.slots);
-  bodies_.resize(static_cast<std::size_t>(placeOf(p.slots)) + 1);
-  forParts(slots, [&](std::size_t first, std::size_t count) {
-    for (std::size_t k = first; k < first + count; ++k) {
-      bodies_[placeOf(static_cast<std::int32_t>(k))] = {{p.x.x[k], p.x.y[k], p.x.z[k]},
-                                                        inverseMass[k]};
+  bodies_.resize(static_cast<std::size_t>(placeOf(p.count())) + 1);
+  forBodies(p, [&](std::size_t k, std::uint32_t place) {
+    Body& body = bodies_[place];
+    const Vec3 x = p.x.at(k);
+    for (int axis = 0; axis < 3; ++axis) body.near[axis] = static_cast<float>(x[axis]);
+    keepRounded();
+    for (int axis = 0; axis < 3; ++axis) {
+      body.offset[axis] = static_cast<float>(x[axis] - static_cast<double>(body.near[axis]));
+    }
+    body.w = static_cast<float>(inverseMass[k]);
+    body.moved = 0.0F;
+  });
+}
+
+void LineProjection::loadStarts(const Particles& p) {
+  starts_.resize(bodies_.size());
+  forBodies(p, [&](std::size_t k, std::uint32_t place) {
+    const Vec3 start = p.start.at(k);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto near = static_cast<double>(bodies_[place].near[axis]);
+      starts_[place].offset[axis] = static_cast<float>(start[axis] - near);
     }
   });
 }
 
 void LineProjection::storeBodies(Particles& p) const {
-  forParts(static_cast<std::size_t>(p.slots), [&](std::size_t first, std::size_t count) {
-    for (std::size_t k = first; k < first + count; ++k) {
-      const Body& body = bodies_[placeOf(static_cast<std::int32_t>(k))];
-      p.x.set(k, Vec3(body.x[0], body.x[1], body.x[2]));
-    }
+  forBodies(p, [&](std::size_t k, std::uint32_t place) { p.x.set(k, positionOf(bodies_[place])); });
+}
+
+/// Cancelled displacements, of particles that are not stored yet.
+void LineProjection::findCancelled(const Particles& p, ScalarArray& cancelled) const {
+  forBodies(p, [&](std::size_t k, std::uint32_t place) {
+    const Body& body = bodies_[place];
+    const double net = (positionOf(body) - p.x.at(k)).norm();
+    cancelled[k] = 0.5 * (static_cast<double>(body.moved) - net);
   });
 }
 
-void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass,
+void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                              Particles& particles, VectorArray& pull) {
-  run<false>(lines, inverseMass, particles, pull, nullptr);
+  run<false>(lines, inverseMass, bends, particles, pull);
+  storeBodies(particles);
 }
 
 void LineProjection::projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass,
-                                       Particles& particles, VectorArray& pull,
-                                       ScalarArray& moved) {
-  run<true>(lines, inverseMass, particles, pull, moved.data());
+                                       bool bends, Particles& particles, VectorArray& pull,
+                                       ScalarArray& cancelled) {
+  run<true>(lines, inverseMass, bends, particles, pull);
+  findCancelled(particles, cancelled);
+  storeBodies(particles);
 }
 
 }  // namespace cloth_sim

@@ -80,7 +80,7 @@ void SpringLines::build(const Model& model, const std::vector<std::int32_t>& slo
   all_.assign(model.springs.slots().begin(), model.springs.slots().end());
   for (const SpringKind kind : {SpringKind::kBend, SpringKind::kShear, SpringKind::kStructural}) {
     findLines(model.mesh, kind);
-    appendColours(slotOf);
+    appendColours(kind, slotOf);
   }
   all_ = {};
 }
@@ -134,7 +134,7 @@ void SpringLines::findLines(const TriangleMesh& mesh, SpringKind kind) {
 
 /// Colours the lines found, and appends them in batches of lines of similar lengths. A line that
 /// crosses itself, or lines of every colour, is divided into its springs.
-void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
+void SpringLines::appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf) {
   std::vector<std::uint64_t> usedAt(slotOf.size(), 0);
   std::vector<std::int32_t> lastVisit(slotOf.size(), kNone);
   std::vector<std::vector<Line>> coloured;
@@ -170,11 +170,11 @@ void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
     std::sort(lines.begin(), lines.end(), [&](const Line& a, const Line& b) {
       constexpr std::int32_t kSimilar = 16;  // lengths that may stand side by side
       const std::int32_t classA = a.count / kSimilar, classB = b.count / kSimilar;
-      return classA != classB ? classA > classB : slotOf[a.start] < slotOf[b.start];
+      return classA != classB ? classA > classB : a.start < b.start;
     });
-    Colour colour{static_cast<std::int32_t>(batches_.size()), 0, 0};
-    for (std::size_t k = 0; k < lines.size(); k += kLanes) {
-      appendBatch(slotOf, lines.data() + k, std::min<std::size_t>(kLanes, lines.size() - k));
+    Colour colour{static_cast<std::int32_t>(batches_.size()), 0, 0, kind};
+    for (std::size_t k = 0; k < lines.size(); k += kWidth) {
+      appendBatch(slotOf, lines.data() + k, std::min<std::size_t>(kWidth, lines.size() - k));
     }
     for (const Line& line : lines) colour.springs += line.count;
     colour.endBatch = static_cast<std::int32_t>(batches_.size());
@@ -182,7 +182,7 @@ void SpringLines::appendColours(const std::vector<std::int32_t>& slotOf) {
   }
 }
 
-/// Appends up to four lines.
+/// Appends up to kWidth lines.
 void SpringLines::appendBatch(const std::vector<std::int32_t>& slotOf, const Line* lines,
                               std::size_t count) {
   Batch batch;
@@ -196,7 +196,7 @@ void SpringLines::appendBatch(const std::vector<std::int32_t>& slotOf, const Lin
   springs_.resize(springs_.size() + static_cast<std::size_t>(batch.steps), none);
   slots_.resize(slots_.size() + static_cast<std::size_t>(batch.steps) + 1, none);
   Slots* const at = slots_.data() + batch.firstPlace;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+  for (std::size_t lane = 0; lane < kWidth; ++lane) {
     const Line& line = lines[std::min(lane, count - 1)];
     std::int32_t place = 0;
     forParticles(line, [&](VertexId v) { at[place++][lane] = slotOf[v]; });

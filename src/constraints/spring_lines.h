@@ -8,7 +8,7 @@
 
 namespace cloth_sim {
 
-/// All springs of a model as lines, four lines to a batch, for LineProjection.
+/// All springs of a model as lines, eight lines to a batch, for LineProjection.
 ///
 /// A line is a chain of springs of one kind that continue each other nearly straight in the
 /// material plane: along a thread (structural springs), across the cells (shear springs), or over
@@ -20,7 +20,9 @@ namespace cloth_sim {
 /// Lines follow from the springs of the model alone, whatever edits made them.
 class SpringLines {
  public:
-  /// Four lines side by side. Line k has its spring number s at `springs()[firstStep + s]`, lane k,
+  static constexpr std::int32_t kWidth = kFloatLanes;  ///< lines in a batch
+
+  /// Lines side by side. Line k has its spring number s at `springs()[firstStep + s]`, lane k,
   /// between the particles `slots()[firstPlace + s]` and `slots()[firstPlace + s + 1]`, lane k.
   /// A line that is shorter than `steps` repeats its last particle, with springs that pull nothing;
   /// a lane without a line does so with the particles of the lane before, which is to be written
@@ -35,8 +37,9 @@ class SpringLines {
     std::int32_t firstBatch = 0;
     std::int32_t endBatch = 0;
     std::int32_t springs = 0;
+    SpringKind kind = SpringKind::kStructural;
   };
-  using Slots = std::array<std::int32_t, kLanes>;
+  using Slots = std::array<std::int32_t, kWidth>;
 
   /// \param slotOf  particle slot by vertex.
   void build(const Model& model, const std::vector<std::int32_t>& slotOf);
@@ -44,7 +47,7 @@ class SpringLines {
   const std::vector<Colour>& colours() const { return colours_; }  ///< in the order of a sweep
   const std::vector<Batch>& batches() const { return batches_; }
   const std::vector<Slots>& slots() const { return slots_; }
-  /// Slots of the network, shape (steps of all batches,); kNone where a line has ended.
+  /// Slots of the network, shape (steps of all batches, kWidth); kNone where a line has ended.
   const std::vector<Slots>& springs() const { return springs_; }
   std::int32_t longest() const { return longest_; }  ///< most steps of a batch
 
@@ -57,7 +60,7 @@ class SpringLines {
   };
 
   void findLines(const TriangleMesh& mesh, SpringKind kind);
-  void appendColours(const std::vector<std::int32_t>& slotOf);
+  void appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf);
   void appendBatch(const std::vector<std::int32_t>& slotOf, const Line* lines, std::size_t count);
   /// Calls `visit(v)` for every particle of a line, from its start on.
   template <typename Visit>

@@ -83,8 +83,8 @@ void ClampPorts::attach(const std::string& clamp, const PoseSource& source, Port
     const PoseTracker::Sink sink = [this, clamp](const MovingPose& target) {
       submit("follow/" + clamp, Command{GuideClamp{clamp, target}}, simulation_);
     };
-    port.tracker = std::make_unique<PoseTracker>(node_, "clamp " + clamp, source, world_,
-                                                 parameters_.rateTracking, sink);
+    port.tracker =
+        PoseTracker::track(node_, "clamp " + clamp, source, world_, parameters_.rateTracking, sink);
   }
   if (source.graspWidth.empty()) return;
   port.width = listen<std_msgs::Float64>(

@@ -45,7 +45,7 @@ class ClampPorts {
     std::vector<ros::Subscriber> commands;
     ros::Publisher wrench;
     WrenchFilter filter;
-    std::unique_ptr<PoseTracker> tracker;  ///< null while the clamp tracks nothing
+    std::shared_ptr<PoseTracker> tracker;  ///< null while the clamp tracks nothing
     ros::Subscriber width;                 ///< of the hand
   };
 

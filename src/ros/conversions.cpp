@@ -8,6 +8,18 @@
 namespace cloth_sim {
 namespace {
 
+ErrorInfo toErrorInfo(const ErrorEstimate& error) {
+  ErrorInfo message;
+  message.known = true;
+  message.strain = error.strain;
+  message.position = error.position;
+  message.largest_strain = error.largestStrain;
+  message.largest_position = error.largestPosition;
+  message.asked = error.asked;
+  message.budget_sufficed = error.sufficed;
+  return message;
+}
+
 SpringCounts toCounts(const std::array<int, kSpringKinds>& byKind) {
   SpringCounts counts;
   counts.structural = byKind[static_cast<int>(SpringKind::kStructural)];
@@ -214,6 +226,7 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.gravity_energy = figures.energies.gravity;
   message.mean_speed = figures.meanSpeed;
   message.max_strain = strainOfStretch(figures.maxStretch);
+  if (snapshot.error) message.error_estimate = toErrorInfo(*snapshot.error);
   message.state_hash = hashText(figures.hash);
   message.paused = observation.paused;
   message.failed = snapshot.failed;

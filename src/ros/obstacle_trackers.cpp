@@ -10,8 +10,8 @@ ObstacleTrackers::ObstacleTrackers(ros::NodeHandle& node, const NodeParameters& 
     const PoseTracker::Sink sink = [&simulation, name = obstacle](const MovingPose& target) {
       submit("follow_obstacle/" + name, Command{GuideObstacle{name, target}}, simulation);
     };
-    trackers_.push_back(std::make_unique<PoseTracker>(node, "obstacle " + obstacle, source, world,
-                                                      parameters.rateTracking, sink));
+    trackers_.push_back(PoseTracker::track(node, "obstacle " + obstacle, source, world,
+                                           parameters.rateTracking, sink));
   }
 }
 

@@ -20,7 +20,7 @@ class ObstacleTrackers {
   std::vector<TrackingStatus> statuses() const;
 
  private:
-  std::vector<std::unique_ptr<PoseTracker>> trackers_;
+  std::vector<std::shared_ptr<PoseTracker>> trackers_;
 };
 
 }  // namespace cloth_sim

@@ -10,24 +10,46 @@
 #include "cloth_sim/validation.h"
 
 namespace cloth_sim {
-PoseTracker::PoseTracker(ros::NodeHandle& node, std::string name, const PoseSource& source,
-                         const WorldFrame& world, double rate, Sink sink)
-    : name_(std::move(name)), source_(source), world_(world), sink_(std::move(sink)) {
-  subscribe(node);
-  timer_ = node.createSteadyTimer(ros::WallDuration(1.0 / rate),
-                                  [this](const ros::SteadyTimerEvent&) { onTimer(); });
+
+template <typename... Arguments, typename Body>
+auto PoseTracker::whileAlive(const Body& body) {
+  return [weak = weak_from_this(), body](const Arguments&... arguments) {
+    if (const std::shared_ptr<PoseTracker> alive = weak.lock()) body(*alive, arguments...);
+  };
 }
+
+std::shared_ptr<PoseTracker> PoseTracker::track(ros::NodeHandle& node, std::string name,
+                                                const PoseSource& source, const WorldFrame& world,
+                                                double rate, Sink sink) {
+  const std::shared_ptr<PoseTracker> tracker(
+      new PoseTracker(std::move(name), source, world, std::move(sink)));
+  tracker->subscribe(node);
+  tracker->timer_ = node.createSteadyTimer(
+      ros::WallDuration(1.0 / rate),
+      tracker->whileAlive<ros::SteadyTimerEvent>(
+          [](PoseTracker& it, const ros::SteadyTimerEvent&) { it.onTimer(); }));
+  return tracker;
+}
+
+PoseTracker::PoseTracker(std::string name, const PoseSource& source, const WorldFrame& world,
+                         Sink sink)
+    : name_(std::move(name)), source_(source), world_(world), sink_(std::move(sink)) {}
 
 /// Subscribes to the source if it is a topic; a frame is looked up by the timer.
 void PoseTracker::subscribe(ros::NodeHandle& node) {
   if (source_.kind == PoseSource::Kind::kPose) {
     const boost::function<void(const geometry_msgs::PoseStamped&)> callback =
-        [this](const geometry_msgs::PoseStamped& it) { onPose(it.header, it.pose); };
+        whileAlive<geometry_msgs::PoseStamped>(
+            [](PoseTracker& tracker, const geometry_msgs::PoseStamped& it) {
+              tracker.onPose(it.header, it.pose);
+            });
     subscriber_ = node.subscribe<geometry_msgs::PoseStamped, const geometry_msgs::PoseStamped&>(
         source_.name, 1, callback);
   } else if (source_.kind == PoseSource::Kind::kOdometry) {
     const boost::function<void(const nav_msgs::Odometry&)> callback =
-        [this](const nav_msgs::Odometry& it) { onPose(it.header, it.pose.pose); };
+        whileAlive<nav_msgs::Odometry>([](PoseTracker& tracker, const nav_msgs::Odometry& it) {
+          tracker.onPose(it.header, it.pose.pose);
+        });
     subscriber_ =
         node.subscribe<nav_msgs::Odometry, const nav_msgs::Odometry&>(source_.name, 1, callback);
   }

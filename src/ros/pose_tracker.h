@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <mutex>
 
 #include "motion_estimator.h"
@@ -22,22 +23,31 @@ constexpr double kSourceTimeout = 0.5;
 /// Turns the poses of a source into moving targets in the world frame. While the source is silent,
 /// unknown to tf, or sends invalid poses, the target stays at the last valid pose. The tracker
 /// warns once when the source is lost, and reports once when it is back.
-class PoseTracker {
+///
+/// roscpp does not wait for running callbacks when a timer or a subscriber goes (since 1.15), so
+/// callbacks share the ownership of the tracker while they run.
+class PoseTracker : public std::enable_shared_from_this<PoseTracker> {
  public:
   /// Receives each new target; called from any thread, must not block.
   using Sink = std::function<void(const MovingPose&)>;
 
+  /// Begins to track a source.
   /// \param name   of what is moved, for messages to the user: "clamp left".
   /// \param world  must outlive this.
   /// \param rate   of tf look-ups [Hz].
-  PoseTracker(ros::NodeHandle& node, std::string name, const PoseSource& source,
-              const WorldFrame& world, double rate, Sink sink);
+  static std::shared_ptr<PoseTracker> track(ros::NodeHandle& node, std::string name,
+                                            const PoseSource& source, const WorldFrame& world,
+                                            double rate, Sink sink);
 
   TrackingStatus status() const;
 
  private:
   using Clock = std::chrono::steady_clock;
 
+  PoseTracker(std::string name, const PoseSource& source, const WorldFrame& world, Sink sink);
+  /// A callback that does nothing once the tracker is gone.
+  template <typename... Arguments, typename Body>
+  auto whileAlive(const Body& body);
   void subscribe(ros::NodeHandle& node);
   void lookUpFrame();
   void onPose(const std_msgs::Header& header, const geometry_msgs::Pose& pose);
@@ -57,7 +67,6 @@ class PoseTracker {
   std::string problem_;    ///< with the source at the last look; "" if there was none
   TrackingStatus::State state_ = TrackingStatus::State::kWaiting;
 
-  // Last: their callbacks use everything above.
   ros::Subscriber subscriber_;
   ros::SteadyTimer timer_;
 };

@@ -1,5 +1,6 @@
 #include "publishers.h"
 
+#include <ros/console.h>
 #include <ros/this_node.h>
 #include <std_msgs/String.h>
 
@@ -152,8 +153,16 @@ void Publishers::tick() {
     sendSceneMarkers(observation);
   }
   sendSurfaces(observation, now);
+  warnOfShortfall(observation.snapshot->error);
   diagnosed_ = observation;
   updater_.update();
+}
+
+/// Warns once from start or reset on if the error that the scene asks for is not kept.
+void Publishers::warnOfShortfall(const std::optional<ErrorEstimate>& error) {
+  const bool isShort = error && !error->sufficed;
+  if (isShort && !hasWarned_) ROS_WARN_STREAM(shortfallText(*error));
+  hasWarned_ = isShort;
 }
 
 /// Returns the stamp of a snapshot: its simulated time if this node publishes /clock, else now.
@@ -298,6 +307,9 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
   } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
     status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
+  } else if (snapshot.error && snapshot.error->asked > 0.0 &&
+             std::max(snapshot.error->strain, snapshot.error->position) > snapshot.error->asked) {
+    status.summary(DiagnosticStatus::WARN, "the estimated error exceeds solver.error");
   } else if (!snapshot.warnings.empty()) {
     status.summary(DiagnosticStatus::WARN, snapshot.warnings.front());
   } else {
@@ -312,6 +324,12 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   const double substep = diagnosed_.substep;
   status.add("substep [s]", substep);
   status.add("substep over the limit of explicit methods", substep / snapshot.topology->stableStep);
+  if (snapshot.error) {
+    status.add("estimated error of strain", snapshot.error->strain);
+    status.add("estimated error of positions over the side", snapshot.error->position);
+    status.add("error asked for", snapshot.error->asked);
+    status.add("budget sufficed", snapshot.error->sufficed);
+  }
   status.add("phase", snapshot.phase);
   status.add("pieces", figures.pieces.size());
   status.add("broken springs", snapshot.broken.total);

@@ -70,6 +70,7 @@ class Publishers {
   void sendMarkers(const Observation& observation);
   void sendSceneMarkers(const Observation& observation);
   void diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void warnOfShortfall(const std::optional<ErrorEstimate>& error);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
   double wantedFigures() const;
@@ -114,7 +115,8 @@ class Publishers {
   ros::Time sentTransforms_;
   int sentBroken_ = -1;  ///< number of broken springs sent last; -1: none yet
   std::uint64_t resetsSeen_ = 0;
-  Observation diagnosed_;  ///< the last observation
+  Observation diagnosed_;   ///< the last observation
+  bool hasWarned_ = false;  ///< of an error that exceeds what the scene asks for
 
   std::atomic<bool> stopping_{false};
   std::thread thread_;  // last: it uses everything above

@@ -67,6 +67,15 @@ QString byKind(const SpringCounts& counts) {
       .arg(counts.bend);
 }
 
+/// "", or the estimated errors.
+QString errorsText(const ErrorInfo& error) {
+  if (!error.known) return {};
+  return QString("<br>estimated error: strain %1, positions %2 %%3")
+      .arg(error.strain, 0, 'f', 4)
+      .arg(100.0 * error.position, 0, 'f', 2)
+      .arg(error.budget_sufficed ? "" : "; the budget of substeps did not suffice");
+}
+
 }  // namespace
 
 ClothPanel::ClothPanel(QWidget* parent)
@@ -208,7 +217,8 @@ void ClothPanel::showFigures(const ClothState& state) {
                        .arg(byKind(state.springs), byKind(state.broken))
                        .arg(state.broken_torn)
                        .arg(state.broken_cut)
-                       .arg(state.max_strain, 0, 'f', 3));
+                       .arg(state.max_strain, 0, 'f', 3) +
+                   errorsText(state.error_estimate));
 }
 
 void ClothPanel::onParameters(const dynamic_reconfigure::Config& config) {

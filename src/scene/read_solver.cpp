@@ -9,6 +9,8 @@ namespace {
 constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
 constexpr Range kError{0.0, 1.0, true, false};
 const char* const kAuto = "auto";
+const char* const kErrorControlled = "line_xpbd";  ///< takes `error` where no method is named
+constexpr double kLeastError = 0.002;              ///< of `kErrorControlled`
 
 const Section<SleepSettings> kSleepSection{
     "`solver.sleep`",
@@ -31,18 +33,23 @@ void readGuard(const SceneNode& node, SolverSpec& solver) {
                                          {"refuse", StepGuard::kRefuse}});
 }
 
-/// The keys besides the parameters of the method. `error` depends on the method.
+/// The keys besides the parameters of the method. `error` and `budget` depend on the method: a
+/// scene may name them and still be run with another method (`--set solver.method=...`).
 const Section<SolverSpec> kSolverSection{"`solver`",
                                          {{"method"},
                                           {"dt", &SolverSpec::dt, kTimeStep},
                                           {"step_guard", readGuard},
                                           {"error"},
+                                          {"budget"},
                                           {"sleep", readSleep}}};
 
 /// Reads the method; returns nullptr for `auto`.
 const SolverInfo* readMethod(const SceneNode& node, SolverSpec& solver) {
   const auto method = node.find("method");
-  if (!method) return &findSolver(solver.method);
+  if (!method) {
+    if (node.find("error")) solver.method = kErrorControlled;
+    return &findSolver(solver.method);
+  }
   std::vector<std::pair<std::string, const SolverInfo*>> known;
   for (const SolverInfo& info : solverRegistry()) known.emplace_back(info.name, &info);
   known.emplace_back(kAuto, nullptr);
@@ -62,9 +69,26 @@ void readParameter(const SceneNode& node, const SolverParameter& parameter,
           : value->number({parameter.minimum, parameter.maximum, false, false});
 }
 
+/// Reads the bound on the error, which substeps override.
+void readError(const SceneNode& node, SolverParameters& parameters) {
+  const auto error = node.find("error");
+  if (!error) return;
+  const double bound = error->number(kError);
+  if (bound < kLeastError) {
+    error->refuse(
+        "expected 0.002 or more, which takes some 200 substeps of a 60th of a second; "
+        "for less, take method: verlet with as many substeps as it needs");
+  }
+  if (!node.find("substeps")) parameters["error"] = bound;
+}
+
 void readParameters(const SceneNode& node, const SolverInfo& info, SolverParameters& parameters) {
   for (const SolverParameter& parameter : info.parameters) {
-    readParameter(node, parameter, parameters);
+    if (parameter.name == "error") {
+      readError(node, parameters);
+    } else {
+      readParameter(node, parameter, parameters);
+    }
   }
   try {
     parameters = completeParameters(info, parameters);
@@ -84,11 +108,9 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
   }
   node.expectKeys(allowed);
   kSolverSection.readKnown(node, solver);
-  const auto error = node.find("error");
   if (info == nullptr) {
     solver.choice = AutoChoice{node.need("error", kError.text()).number(kError), ""};
   } else {
-    if (error) error->refuse("expected only beside method: auto (got " + info->name + ")");
     readParameters(node, *info, solver.parameters);
   }
 }

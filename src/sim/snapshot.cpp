@@ -71,6 +71,7 @@ std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail deta
   showCloth(parts, *shot);
   showSurroundings(parts, *shot);
   shot->substeps = parts.solver.report().substeps;
+  shot->error = parts.solver.report().error;
   shot->guard = parts.solver.guard();
   shot->failed = parts.failed();
   shot->failure = parts.failure;

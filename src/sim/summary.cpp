@@ -119,6 +119,17 @@ Json guardJson(const Simulation& simulation) {
           {"finest_redo", guard.finest}};
 }
 
+/// Returns null if the method estimates none.
+Json errorJson(const std::optional<ErrorEstimate>& error) {
+  if (!error) return nullptr;
+  return {{"strain", number(error->strain)},
+          {"position", number(error->position)},
+          {"largest_strain", number(error->largestStrain)},
+          {"largest_position", number(error->largestPosition)},
+          {"asked", error->asked > 0.0 ? Json(error->asked) : Json(nullptr)},
+          {"budget_sufficed", error->sufficed}};
+}
+
 Json energyJson(const Energies& energy) {
   return {{"kinetic", number(energy.kinetic)},
           {"elastic", number(energy.elastic)},
@@ -145,6 +156,7 @@ void addCloth(const Simulation& simulation, Json& json) {
   json["shortest_edge_m"] = number(shortestEdge(model.mesh));
   json["stable_step_s"] = number(stableStep(model));
   json["guard"] = guardJson(simulation);
+  json["error_estimate"] = errorJson(simulation.lastReport().error);
   json["mass_kg"] = number(totalMass(model));
   json["rest_area_m2"] = number(model.mesh.totalRestArea());
 }

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "constraints/line_projection.h"
+#include "error_control.h"
 #include "linalg/vector_operations.h"
 #include "methods.h"
 #include "position_based.h"
@@ -35,6 +36,7 @@ class AddedInertia {
   void layOut(const Substep& now) {
     const std::size_t n = now.particles.mass.size();
     inertia_.resize(n, 0.0);
+    heavier_.reserve(n);
     shortest_.assign(n, std::numeric_limits<double>::infinity());
     for (const Spring spring : now.model.springs.slots()) {
       if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
@@ -46,25 +48,23 @@ class AddedInertia {
   }
   /// Finds the inverse inertia of each particle; 0 if it is held.
   void findInverse(const Particles& p) {
-    inverse_.resize(p.mass.size());
-    forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
-      for (std::size_t k = first; k < first + count; ++k) {
-        inverse_[k] = p.mass[k] > 0.0 ? 1.0 / std::max(p.mass[k], inertia_[k]) : 0.0;
-      }
-    });
+    inverse_ = p.inverseMass;
+    heavier_.clear();
+    for (std::size_t k = 0; k < inverse_.size(); ++k) {
+      if (inverse_[k] == 0.0 || inertia_[k] <= p.mass[k]) continue;
+      inverse_[k] = 1.0 / inertia_[k];
+      heavier_.push_back(static_cast<std::int32_t>(k));
+    }
   }
   /// Updates the inertia that is needed.
-  /// \param moved      sum of the lengths by which lines moved each particle [m].
-  /// \param predicted  where it was before.
-  void update(double h, const Particles& p, const ScalarArray& moved,
-              const VectorArray& predicted) {
+  /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
+  void update(double h, const Particles& p, const ScalarArray& cancelled) {
     const double fade = std::exp(-h / kMemory);
     forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
       for (std::size_t k = first; k < first + count; ++k) {
         if (inverse_[k] == 0.0) continue;
-        const double cancelled = 0.5 * (moved[k] - (p.x.at(k) - predicted.at(k)).norm());
         const double needed =
-            std::min(cancelled / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
+            std::min(cancelled[k] / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
         inertia_[k] = std::max(needed, fade * inertia_[k]);
       }
     });
@@ -79,8 +79,18 @@ class AddedInertia {
     }
     return mass > 0.0 ? added / mass : 0.0;
   }
+  /// The largest displacement in vain of a free particle over its shortest spring [-].
+  double largestFraction(const ScalarArray& cancelled) const {
+    double largest = 0.0;
+    for (std::size_t k = 0; k < inverse_.size(); ++k) {
+      if (inverse_[k] > 0.0) largest = std::max(largest, cancelled[k] / shortest_[k]);
+    }
+    return largest;
+  }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
+  /// Slots of the particles with added inertia.
+  const std::vector<std::int32_t>& heavier() const { return heavier_; }
 
   void save(StateWriter& archive) const { archive(inertia_); }
   void load(StateReader& archive) { archive(inertia_); }
@@ -89,6 +99,7 @@ class AddedInertia {
   std::vector<double> inertia_;   ///< by particle slot [kg]; below the mass: nothing is added
   std::vector<double> shortest_;  ///< by particle slot: rest length [m]
   ScalarArray inverse_;
+  std::vector<std::int32_t> heavier_;
 };
 
 /// Extended position-based dynamics with small steps in which whole lines of springs are projected
@@ -102,12 +113,22 @@ class LineXpbd final : public SubstepMethod {
  public:
   void begin(Substep& now) override;
   void advance(Substep& now) override;
-  void finish(Substep& now) override {
-    findVelocities(now);
-    now.addedMass = inertia_.addedFraction(now.particles);
+  explicit LineXpbd(const ErrorGoal& goal) : control_(goal) {}
+  void finish(Substep& now) override;
+  int substepsOfStep(double dt, int substeps) const override {
+    return control_.substepsFor(dt, substeps);
   }
-  void save(StateWriter& archive) const override { inertia_.save(archive); }
-  void load(StateReader& archive) override { inertia_.load(archive); }
+  const ErrorEstimate* error() const override { return &control_.estimate(); }
+  void save(StateWriter& archive) const override {
+    inertia_.save(archive);
+    control_.save(archive);
+    archive(sinceBending_);
+  }
+  void load(StateReader& archive) override {
+    inertia_.load(archive);
+    control_.load(archive);
+    archive(sinceBending_);
+  }
 
  private:
   /// Substeps from one measurement of the added inertia to the next, from the first one of a step.
@@ -121,25 +142,34 @@ class LineXpbd final : public SubstepMethod {
   SpringLines lines_;
   LineProjection projection_;
   AddedInertia inertia_;
+  ErrorControl control_;
   BendProjection bending_;
-  double retardation_ = 0.0;  ///< of bending [s]
-  double preparedFor_ = 0.0;  ///< length of the substep that lines are prepared for [s]
-  double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
-  int substep_ = 0;           ///< of the step
-  VectorArray predicted_, pull_;
-  ScalarArray moved_;
+  double retardation_ = 0.0;       ///< of bending [s]
+  double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
+  double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
+  int substep_ = 0;                ///< of the step
+  std::int32_t sinceBending_ = 0;  ///< substeps since bend springs have acted
+  VectorArray pull_;
+  ScalarArray cancelled_;
 };
 
 void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
-    projection_.prepare(lines_, now.model.springs, now.h);
+    projection_.prepare(lines_, now.model.springs, now.particles.slotOf, now.h);
     if (!bending_.empty()) bending_.setStep(now.h, retardation_, now.particles.inverseMass);
     preparedFor_ = now.h;
   }
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
+  control_.begin(now.particles);
   substep_ = 0;
+}
+
+void LineXpbd::finish(Substep& now) {
+  findVelocities(now);
+  now.addedMass = inertia_.addedFraction(now.particles);
+  control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
 }
 
 void LineXpbd::layOut(Substep& now) {
@@ -149,10 +179,10 @@ void LineXpbd::layOut(Substep& now) {
     retardation_ = now.model.bendRetardation();
   }
   inertia_.layOut(now);
+  control_.layOut(now.model);
   const std::size_t n = now.particles.mass.size();
-  for (VectorArray* const array : {&predicted_, &pull_}) array->resize(n);
   setZero(n, pull_);
-  moved_.resize(n);
+  cancelled_.assign(n, 0.0);
 }
 
 void LineXpbd::advance(Substep& now) {
@@ -171,24 +201,22 @@ void LineXpbd::advance(Substep& now) {
 void LineXpbd::keepFall(Substep& now) const {
   Particles& p = now.particles;
   const Vec3 fall = now.h * now.h * now.controls.gravity;
-  const ScalarArray& inverse = inertia_.inverse();
-  forParts(p.mass.size(), [&](std::size_t first, std::size_t count) {
-    for (std::size_t k = first; k < first + count; ++k) {
-      if (inverse[k] == p.inverseMass[k]) continue;
-      p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inverse[k]) * fall);
-    }
-  });
+  for (const std::int32_t slot : inertia_.heavier()) {
+    const auto k = static_cast<std::size_t>(slot);
+    p.x.set(k, p.x.at(k) - (1.0 - p.mass[k] * inertia_.inverse()[k]) * fall);
+  }
 }
 
 void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
+  const bool bends = ++sinceBending_ >= projection_.bendInterval();
+  if (bends) sinceBending_ = 0;
   if (substep_++ % kMeasureEvery != 0) {
-    return projection_.project(lines_, inertia_.inverse(), p, pull_);
+    return projection_.project(lines_, inertia_.inverse(), bends, p, pull_);
   }
-  copy(p.x, predicted_);
-  std::fill(moved_.begin(), moved_.end(), 0.0);
-  projection_.projectAndMeasure(lines_, inertia_.inverse(), p, pull_, moved_);
-  inertia_.update(kMeasureEvery * now.h, p, moved_, predicted_);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
+  control_.addCancelled(inertia_.largestFraction(cancelled_));
+  inertia_.update(kMeasureEvery * now.h, p, cancelled_);
 }
 
 /// Tells holders what the lines have done to their particles.
@@ -198,6 +226,23 @@ void LineXpbd::passOnPull(Substep& now) {
     now.kinematic.addImpulseAt(k, pull_.at(k) / now.h);
     pull_.set(k, Vec3::Zero());
   }
+}
+
+SolverParameter errorParameter() {
+  SolverParameter parameter;
+  parameter.name = "error";
+  parameter.maximum = 1.0;
+  parameter.description =
+      "bound on the errors of the largest strain and, over the side, of positions: chooses the "
+      "substeps; 0: as many as `substeps` says";
+  return parameter;
+}
+
+SolverParameter budgetParameter() {
+  SolverParameter parameter = substepsParameter(40);
+  parameter.name = "budget";
+  parameter.description = "most parts that `error` may divide a step into";
+  return parameter;
 }
 
 }  // namespace
@@ -212,9 +257,10 @@ SolverInfo lineXpbdInfo() {
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;
-  info.parameters = {substepsParameter(30)};
+  info.parameters = {substepsParameter(30), errorParameter(), budgetParameter()};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
-    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<LineXpbd>());
+    const ErrorGoal goal{p.at("error"), static_cast<int>(p.at("budget"))};
+    return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<LineXpbd>(goal));
   };
   return info;
 }

@@ -59,6 +59,11 @@ class SubstepMethod {
   /// Substeps of a step, given the number that the scene asks for. Asked after every edit.
   virtual int substepsFor(const Model& /*model*/, int configured) { return configured; }
 
+  /// Substeps of the next step of dt [s], given those of `substepsFor`.
+  virtual int substepsOfStep(double /*dt*/, int substeps) const { return substeps; }
+  /// The error that the method expects after a step; null if it estimates none.
+  virtual const ErrorEstimate* error() const { return nullptr; }
+
   /// See Solver::save and Solver::load: for methods with a memory beyond `particles`.
   virtual void save(StateWriter& /*archive*/) const {}
   virtual void load(StateReader& /*archive*/) {}

@@ -67,6 +67,7 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
   report_.residual = now.residual;
   report_.addedMass = now.addedMass;
   report_.status = particles_.areSlowerThan(kFastest) ? StepStatus::kOk : StepStatus::kDiverged;
+  if (const ErrorEstimate* const error = method_->error()) report_.error = *error;
   if (report_.status == StepStatus::kDiverged) return report_;
   const bool isWhole = done == division.substeps;
   finish(now, length, isWhole ? division.dt : done * division.h, isWhole, state);
@@ -76,7 +77,8 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
 SubstepSolver::Division SubstepSolver::divide(const StepLength& length) const {
   constexpr double kRounding = 1e-9;
   const double left = 1.0 - length.done;
-  const int substeps = stepCount(left * substeps_ * length.substepFactor);
+  const int wanted = method_->substepsOfStep(length.dt, substeps_);
+  const int substeps = stepCount(left * wanted * length.substepFactor);
   // If substeps are as long as those of a whole step, then to the bit: matrices depend on h.
   const double all = std::round(substeps / left);
   const bool isAsLong = std::abs(all * left - substeps) < kRounding;

@@ -291,6 +291,11 @@ int report(const Options& options, const Simulation& simulation) {
   return kDone;
 }
 
+/// Says on one line if the error that the scene asks for was not kept.
+void reportShortfall(const std::optional<ErrorEstimate>& error) {
+  if (error && !error->sufficed) std::cerr << "cloth_run: " << shortfallText(*error) << std::endl;
+}
+
 /// Writes the choice of `method: auto` on one line.
 void reportChoice(const SolverSpec& solver) {
   if (!solver.choice) return;
@@ -411,6 +416,7 @@ class Run {
     }
     const double wallTime = progress.wallTime();
     progress.finish(*simulation_);
+    reportShortfall(simulation_->lastReport().error);
     writeOutputs(wallTime);
     reportWarnings(options_, *simulation_);
     return outcome ? report(options_, *recording_, *outcome) : report(options_, *simulation_);

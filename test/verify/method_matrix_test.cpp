@@ -139,11 +139,19 @@ void stepOn(Simulation& simulation, int steps, double longest, Course& course) {
   course.reason = simulation.failure();
 }
 
-Course runFrom(const std::string& state, const Scene& scene, int steps, double longest) {
+/// How a run takes over the state.
+enum class Memory { kNone, kOfMethod };
+
+Course runFrom(const std::string& state, const Scene& scene, Memory memory, int steps,
+               double longest) {
   Course course;
   try {
     Simulation simulation(scene);
-    simulation.adopt(state);
+    if (memory == Memory::kOfMethod) {
+      simulation.load(state);
+    } else {
+      simulation.adopt(state);
+    }
     stepOn(simulation, steps, longest, course);
   } catch (const std::invalid_argument& error) {
     course.outcome = "refused";
@@ -254,20 +262,21 @@ class MethodMatrix : public testing::TestWithParam<Start> {
   void check(const MatrixKey& key, const Scene& scene) {
     SCOPED_TRACE(key[1] + ", " + key[2]);
     if (recordsMatrix()) {
-      table_[key] = observe(scene, kMostSteps, kLongestRun);
+      table_[key] = observe(key, scene, kMostSteps, kLongestRun);
       return;
     }
     ASSERT_EQ(table_.count(key), 1U) << "no row: run it with CLOTH_SIM_RECORD=1 to add one";
     const Row& known = table_.at(key);
     const int steps = known.steps + (stopsEarly(known) ? 1 : 0);
-    const Row row = observe(scene, steps, std::numeric_limits<double>::infinity());
+    const Row row = observe(key, scene, steps, std::numeric_limits<double>::infinity());
     if (isClose(row)) return;
     EXPECT_EQ(row.outcome, known.outcome) << "strain " << row.strain << ", reference "
                                           << row.referenceStrain << ", rms " << row.rms << " m";
   }
 
-  Row observe(const Scene& scene, int steps, double longest) const {
-    const Course course = runFrom(state_, scene, steps, longest);
+  Row observe(const MatrixKey& key, const Scene& scene, int steps, double longest) const {
+    const Memory memory = key[2] == "scene" ? Memory::kOfMethod : Memory::kNone;
+    const Course course = runFrom(state_, scene, memory, steps, longest);
     EXPECT_TRUE(course.finite) << "numbers that are not finite were shown";
     EXPECT_EQ(course.outcome.empty(), course.reason.empty()) << "it stopped without a reason";
     return judge(course, reference_, side_);
@@ -293,7 +302,8 @@ TEST_P(MethodMatrix, EndsAsKnown) {
   state_ = startState(own, GetParam().time);
   const Scene fine =
       withMethod(own, findSolver("line_xpbd"), {{"substeps", 1.0 * kReferenceSubsteps}});
-  reference_ = runFrom(state_, fine, kMostSteps, std::numeric_limits<double>::infinity());
+  reference_ =
+      runFrom(state_, fine, Memory::kNone, kMostSteps, std::numeric_limits<double>::infinity());
   ASSERT_EQ(reference_.steps(), kMostSteps) << reference_.reason;
   for (const SolverInfo& info : solverRegistry()) {
     const bool isOwn = info.name == own.solver.method;

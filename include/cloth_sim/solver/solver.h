@@ -7,6 +7,7 @@
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
+#include "cloth_sim/solver/error_estimate.h"
 
 namespace cereal {
 class PortableBinaryOutputArchive;
@@ -102,6 +103,7 @@ struct StepReport {
   /// Reactions [N], in the order of Controls::kinematic: the mean force that springs, damping,
   /// weight, wind and inertia of the cloth put on the holder of each kinematic particle.
   std::vector<Vec3> reactions;
+  std::optional<ErrorEstimate> error;  ///< absent: the method estimates none
 };
 
 /// A method of advancing a cloth in time. It keeps what it derives from the model (packed arrays,
