@@ -310,6 +310,8 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   } else if (snapshot.error && snapshot.error->asked > 0.0 &&
              std::max(snapshot.error->strain, snapshot.error->position) > snapshot.error->asked) {
     status.summary(DiagnosticStatus::WARN, "the estimated error exceeds solver.error");
+  } else if (!snapshot.warnings.empty()) {
+    status.summary(DiagnosticStatus::WARN, snapshot.warnings.front());
   } else {
     status.summary(DiagnosticStatus::OK, "running");
   }

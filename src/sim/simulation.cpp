@@ -38,6 +38,8 @@ void Simulation::step() {
   if (failed()) return;
   parts_.holders.recordGripEvents(model(), state(), colliders());
   ++parts_.stepCount;
+  parts_.watch.observe(parts_.stepCount, model(), state(), parts_.controls, contacts(),
+                       lastReport());
   watchRest(brokenBefore);
 }
 

@@ -19,8 +19,8 @@ struct Origin {
   void serialize(Archive& archive) {
     archive(text, startHash, method);
   }
-  bool operator==(const Origin& other) const {
-    return text == other.text && startHash == other.startHash && method == other.method;
+  bool isOfSameScene(const Origin& other) const {
+    return text == other.text && startHash == other.startHash;
   }
 };
 
@@ -110,28 +110,71 @@ std::string saveParts(const SimulationParts& parts) {
   return sealState(out.str());
 }
 
-SimulationParts loadParts(const std::string& bytes, const SimulationParts& like) {
-  std::istringstream in(unsealState(bytes), std::ios::binary);
-  SimulationParts loaded(like.scene);
-  try {
-    StateReader archive(in);
+namespace {
+
+/// Reads the contents of a saved state in the order in which saveParts writes them.
+class StateContents {
+ public:
+  /// \throws StateError unless `bytes` are a saved state of the scene of `like`.
+  StateContents(const std::string& bytes, const SimulationParts& like)
+      : in_(unsealState(bytes), std::ios::binary), archive_(in_) {
     Origin origin;
-    archive(origin);
-    if (!(origin == originOf(like))) {
-      throw StateError("the saved state is of another scene, or of this one with other overrides");
-    }
-    StateFormat::serialize(archive, loaded);
-    StateFormat::solverOf(loaded).load(archive, loaded.model);
+    archive_(origin);
+    const Origin own = originOf(like);
+    if (!origin.isOfSameScene(own)) refuse();
+    sameMethod_ = origin.method == own.method;
+  }
+
+  void readAllButMethod(SimulationParts& parts) { StateFormat::serialize(archive_, parts); }
+
+  void readMethod(SimulationParts& parts) {
+    if (!sameMethod_) refuse();
+    StateFormat::solverOf(parts).load(archive_, parts.model);
     std::uint64_t hash = 0;
-    archive(hash);
-    if (hash != stateHash(loaded.model, loaded.state)) {
+    archive_(hash);
+    if (hash != stateHash(parts.model, parts.state)) {
       throw StateError("the saved state does not have the hash that it was saved with");
     }
+  }
+
+ private:
+  [[noreturn]] static void refuse() {
+    throw StateError("the saved state is of another scene, or of this one with other overrides");
+  }
+
+  std::istringstream in_;
+  StateReader archive_;
+  bool sameMethod_ = false;
+};
+
+/// Reads a saved state with `read(contents, parts)`.
+template <typename Read>
+SimulationParts readParts(const std::string& bytes, const SimulationParts& like, const Read& read) {
+  SimulationParts loaded(like.scene);
+  try {
+    StateContents contents(bytes, like);
+    read(contents, loaded);
   } catch (const cereal::Exception&) {
     throw StateError("the saved state ends too early");
   }
   StateFormat::derive(loaded);
   return loaded;
+}
+
+}  // namespace
+
+SimulationParts loadParts(const std::string& bytes, const SimulationParts& like) {
+  return readParts(bytes, like, [](StateContents& contents, SimulationParts& loaded) {
+    contents.readAllButMethod(loaded);
+    contents.readMethod(loaded);
+  });
+}
+
+SimulationParts adoptParts(const std::string& bytes, const SimulationParts& like) {
+  return readParts(bytes, like, [](StateContents& contents, SimulationParts& loaded) {
+    contents.readAllButMethod(loaded);
+    loaded.solver = GuardedSolver(loaded.scene.solver, loaded.model, loaded.state);
+  });
 }
 
 }  // namespace cloth_sim

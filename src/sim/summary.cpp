@@ -186,6 +186,7 @@ std::string summaryJson(const Simulation& simulation, const RunRecord& record, d
   addScene(simulation.scene(), json);
   json["status"] = statusOf(simulation, interrupted);
   json["failure"] = simulation.failure();
+  json["warnings"] = simulation.warnings();
   addCloth(simulation, json);
   addRecord(record, json);
   json["phases"] = phasesJson(simulation.script());

@@ -81,6 +81,16 @@ class AddedInertia {
       }
     });
   }
+  /// Returns what is added to all particles, over their mass [-].
+  double addedFraction(const Particles& p) const {
+    double mass = 0.0;
+    double added = 0.0;
+    for (std::size_t k = 0; k < inertia_.size(); ++k) {
+      mass += p.mass[k];
+      added += std::max(0.0, inertia_[k] - p.mass[k]);
+    }
+    return mass > 0.0 ? added / mass : 0.0;
+  }
   /// The largest displacement in vain of a free particle over its shortest spring [-].
   double largestFraction(const ScalarArray& cancelled) const {
     double largest = 0.0;
@@ -180,6 +190,7 @@ void LineXpbd::begin(Substep& now) {
 
 void LineXpbd::finish(Substep& now) {
   findVelocities(now);
+  now.addedMass = inertia_.addedFraction(now.particles);
   control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
 }
 

@@ -24,7 +24,8 @@ struct Substep {
   bool isNewModel = false;   ///< the model is not that of the last step, if there was one
   bool isNewLayout = false;  ///< ... or other particles are kinematic
   int iterations = 0;        ///< of the method, over all substeps
-  double residual = 0.0;     ///< of the last substep, in the method's own measure
+  double residual = 0.0;     ///< of the last substep, as a mean acceleration [m/s^2]
+  double addedMass = 0.0;    ///< by which the method makes the cloth heavier, over its mass [-]
 
   /// Copies positions to `particles.start`.
   void markStart();

@@ -65,6 +65,7 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
   isNewModel_ = false;
   report_.iterations = now.iterations;
   report_.residual = now.residual;
+  report_.addedMass = now.addedMass;
   report_.status = particles_.areSlowerThan(kFastest) ? StepStatus::kOk : StepStatus::kDiverged;
   if (const ErrorEstimate* const error = method_->error()) report_.error = *error;
   if (report_.status == StepStatus::kDiverged) return report_;

@@ -264,6 +264,13 @@ void writeSummary(const std::string& file, const std::string& text) {
   }
 }
 
+/// Writes a line for each doubt about the result.
+void reportWarnings(const Options& options, const Simulation& simulation) {
+  for (const std::string& warning : simulation.warnings()) {
+    std::cerr << "cloth_run: " << options.scene << ": warning: " << warning << std::endl;
+  }
+}
+
 /// Writes one line if the run did not succeed. \return the exit code.
 int report(const Options& options, const Simulation& simulation) {
   if (simulation.failed()) {
@@ -411,6 +418,7 @@ class Run {
     progress.finish(*simulation_);
     reportShortfall(simulation_->lastReport().error);
     writeOutputs(wallTime);
+    reportWarnings(options_, *simulation_);
     return outcome ? report(options_, *recording_, *outcome) : report(options_, *simulation_);
   }
 

@@ -29,6 +29,9 @@ std::string saveParts(const SimulationParts& parts);
 /// \param like  a simulation of the same scene.
 /// \throws StateError if the bytes are damaged, of another version or of another scene.
 SimulationParts loadParts(const std::string& bytes, const SimulationParts& like);
+/// Returns the simulation that was saved, but with the method of `like`, which starts without a
+/// memory. \throws StateError as loadParts does; another method is no reason.
+SimulationParts adoptParts(const std::string& bytes, const SimulationParts& like);
 
 /// Puts a header before `payload`: magic word, version, length, and a hash of the payload.
 std::string sealState(const std::string& payload);

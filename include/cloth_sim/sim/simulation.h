@@ -50,6 +50,11 @@ class Simulation {
   bool failed() const { return parts_.failed(); }
   /// Why it failed, in one sentence; "" if it has not.
   const std::string& failure() const { return parts_.failure; }
+  /// What is doubtful about the result although the simulation goes on: sentences, none at best.
+  /// They stay until a reset.
+  std::vector<std::string> warnings() const { return parts_.watch.warnings(); }
+  /// The measures behind the warnings.
+  const ResultWatch& watch() const { return parts_.watch; }
   /// While the cloth sleeps, steps only let time go on; see docs/model.md.
   bool isAsleep() const { return parts_.sleep.isAsleep(); }
   /// Simulated time slept through since the start or the last reset [s].
@@ -74,6 +79,11 @@ class Simulation {
   /// \throws StateError if they are damaged, of another version or of another scene; nothing has
   ///         changed then.
   void load(const std::string& bytes) { parts_ = loadParts(bytes, parts_); }
+  /// Takes over all that was saved except for the method: this simulation's own method goes on from
+  /// there, without a memory. It compares methods from the same state.
+  /// \throws StateError if `bytes` are damaged, of another version or of another scene; nothing has
+  ///         changed then.
+  void adopt(const std::string& bytes) { parts_ = adoptParts(bytes, parts_); }
 
   /// The connected pieces of cloth, the largest first.
   std::vector<PieceSnapshot> describePieces() const;

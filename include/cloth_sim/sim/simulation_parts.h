@@ -2,6 +2,7 @@
 /// \file The components of a simulation, as commands and phases act on them.
 
 #include "cloth_sim/sim/measurements.h"
+#include "cloth_sim/sim/result_watch.h"
 #include "cloth_sim/sim/sleep.h"
 #include "cloth_sim/sim/surgery.h"
 
@@ -24,6 +25,7 @@ struct SimulationParts {
   PhaseScript script;
   Sleep sleep;
   Measurements measurements;
+  ResultWatch watch;
   std::uint64_t stepCount = 0;  ///< steps since the start or the last reset
   std::string failure;          ///< why the simulation stopped; "" while it goes on
   std::uint64_t startHash = 0;  ///< stateHash before the first step

@@ -101,8 +101,9 @@ struct Snapshot {
   std::optional<ErrorEstimate> error;  ///< after the last step; absent: the method estimates none
   GuardRecord guard;                   ///< interventions of the step guard
   bool failed = false;
-  std::string failure;             ///< why the simulation stopped; "" if it did not
-  std::optional<Figures> figures;  ///< with Detail::kFigures
+  std::string failure;                ///< why the simulation stopped; "" if it did not
+  std::vector<std::string> warnings;  ///< what is doubtful although it goes on
+  std::optional<Figures> figures;     ///< with Detail::kFigures
 };
 
 }  // namespace cloth_sim

@@ -98,7 +98,8 @@ struct StepReport {
   double substep = 0.0;      ///< length of a substep, h [s]
   int substeps = 0;          ///< number of substeps in a whole step
   int iterations = 0;        ///< of the method, over all substeps
-  double residual = 0.0;     ///< of the last substep, in the method's own measure (0: it has none)
+  double residual = 0.0;     ///< of the last substep, as a mean acceleration [m/s^2]; 0: none
+  double addedMass = 0.0;    ///< by which the method made the cloth heavier, over its mass [-]
   /// Reactions [N], in the order of Controls::kinematic: the mean force that springs, damping,
   /// weight, wind and inertia of the cloth put on the holder of each kinematic particle.
   std::vector<Vec3> reactions;

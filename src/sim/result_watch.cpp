@@ -1,0 +1,194 @@
+#include "cloth_sim/sim/result_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace cloth_sim {
+namespace {
+
+/// The springs whose strain is that of a fabric.
+bool counts(const Model& model, const Spring& spring) {
+  return spring.exists() && traitsOf(spring.kind).isMembrane &&
+         !model.springs.isRaw(model.mesh, spring.a);
+}
+
+/// Returns the force of everything but gravity and springs on the cloth, as the step reports it
+/// [N].
+double outerForce(const Model& model, const Controls& controls, const Contacts& contacts,
+                  const StepReport& report) {
+  double sum = 0.0;
+  for (const Vec3& reaction : report.reactions) sum += reaction.norm();
+  for (const PointForce& point : controls.forces) sum += point.force.norm();
+  const double step = report.substep * report.substeps;
+  for (const ContactCandidates& near : contacts.candidates) sum += near.impulse.norm() / step;
+  if (controls.wind) {
+    const Wind& wind = *controls.wind;
+    sum += 0.5 * wind.density * wind.dragCoefficient * wind.velocity.squaredNorm() *
+           model.mesh.totalRestArea();
+  }
+  return sum;
+}
+
+/// The words before and after the value of a measure above its bound.
+struct Meaning {
+  const char* before;
+  const char* after;
+};
+constexpr std::array<Meaning, ResultWatch::kMeasures> kMeanings{{
+    {"springs are stretched by ",
+     " more than the forces on them explain, so the cloth is softer than its fabric: take more "
+     "substeps or another method"},
+    {"the method makes the cloth heavier by ",
+     " times its mass, so it moves too slowly: take more substeps or another method"},
+    {"steps end unsolved, with a residual of ",
+     " m/s^2: take more iterations, more substeps or another method"},
+}};
+
+std::string describe(const Meaning& meaning, double time, double value) {
+  char text[60];
+  std::snprintf(text, sizeof text, "from t = %.2f s on, ", time);
+  std::string sentence = std::string(text) + meaning.before;
+  std::snprintf(text, sizeof text, "%.2g", value);
+  return sentence + text + meaning.after;
+}
+
+/// Moves an average towards a new value.
+void approach(double value, double weight, double& average) {
+  average += weight * (value - average);
+}
+
+}  // namespace
+
+void ResultWatch::observe(std::uint64_t step, const Model& model, const State& state,
+                          const Controls& controls, const Contacts& contacts,
+                          const StepReport& report) {
+  if (isFirst(state)) return begin(model, state);
+  if (step % kEvery != 0) return;
+  const double dt = state.t - time_;
+  const double weight = std::min(1.0, dt / kMemory);
+  approach(report.addedMass, weight, addedMass_);
+  approach(report.residual, weight, residual_);
+  note(Measure::kStrain, unexplainedStrain(model, state, controls, contacts, report, dt), state.t);
+  note(Measure::kAddedMass, addedMass_, state.t);
+  note(Measure::kResidual, residual_, state.t);
+  time_ = state.t;
+}
+
+void ResultWatch::note(Measure measure, double average, double time) {
+  const auto k = static_cast<std::size_t>(measure);
+  largest_[k] = std::max(largest_[k], average);
+  if (!since_[k] && average > kBounds[k]) since_[k] = time;
+}
+
+std::vector<std::string> ResultWatch::warnings() const {
+  std::vector<std::string> sentences;
+  for (std::size_t k = 0; k < kMeasures; ++k) {
+    if (since_[k]) sentences.push_back(describe(kMeanings[k], *since_[k], largest_[k]));
+  }
+  return sentences;
+}
+
+/// \param dt  since the last measurement [s].
+double ResultWatch::unexplainedStrain(const Model& model, const State& state,
+                                      const Controls& controls, const Contacts& contacts,
+                                      const StepReport& report, double dt) {
+  std::fill(force_.begin(), force_.end(), Vec3f::Zero());
+  std::fill(stiffness_.begin(), stiffness_.end(), 0.0f);
+  addSprings(model, state);
+  const double inertia = addInertia(model, state, controls.gravity, dt);
+  ignoreTouched(controls, contacts);
+  const double weight = std::min(1.0, dt / kMemory);
+  const double force = inertia + outerForce(model, controls, contacts, report);
+  approach(findExcess(model, state, force), weight, excess_);
+  return std::max(excess_, updateImbalance(weight));
+}
+
+/// Whether there is no measurement of this cloth yet.
+bool ResultWatch::isFirst(const State& state) const {
+  return velocity_.size() != state.v.size() || revision_ != state.v.revision() || state.t <= time_;
+}
+
+void ResultWatch::begin(const Model& model, const State& state) {
+  const auto count = static_cast<std::size_t>(model.particleCount());
+  velocity_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) velocity_[k] = state.v.values()[k].cast<float>();
+  force_.resize(count);
+  imbalance_.assign(count, Vec3f::Zero());
+  stiffness_.resize(count);
+  excess_ = addedMass_ = residual_ = 0.0;
+  revision_ = state.v.revision();
+  time_ = state.t;
+}
+
+void ResultWatch::addSprings(const Model& model, const State& state) {
+  for (const Spring& spring : model.springs.slots()) {
+    if (!spring.exists()) continue;
+    const Vec3 d = state.x[spring.b] - state.x[spring.a];
+    const double length = d.norm();
+    if (length == 0.0) continue;
+    const double rate = d.dot(state.v[spring.b] - state.v[spring.a]) / length;
+    const double tension = spring.stiffness * (length - spring.restLength) + spring.damping * rate;
+    const Vec3f f = (tension / length * d).cast<float>();
+    const bool isCounted = counts(model, spring);
+    const auto stiffness = static_cast<float>(spring.stiffness * spring.restLength);
+    for (const VertexId v : {spring.a, spring.b}) {
+      const auto k = static_cast<std::size_t>(v);
+      force_[k] += v == spring.a ? f : Vec3f(-f);
+      if (isCounted) stiffness_[k] = std::max(stiffness_[k], stiffness);
+    }
+  }
+}
+
+/// Adds m (g - a) to the forces, and remembers the velocities.
+/// \param dt  since the last measurement [s].
+/// \return the sum of its lengths [N].
+double ResultWatch::addInertia(const Model& model, const State& state, const Vec3& gravity,
+                               double dt) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < velocity_.size(); ++k) {
+    const Vec3f now = state.v.values()[k].cast<float>();
+    const Vec3 a = (now - velocity_[k]).cast<double>() / dt;
+    const Vec3 inertia = model.mass.values()[k] * (gravity - a);
+    sum += inertia.norm();
+    force_[k] += inertia.cast<float>();
+    velocity_[k] = now;
+  }
+  return sum;
+}
+
+/// Ignores the particles on which something else acts.
+void ResultWatch::ignoreTouched(const Controls& controls, const Contacts& contacts) {
+  const auto ignore = [&](VertexId v) { stiffness_[static_cast<std::size_t>(v)] = 0.0f; };
+  for (const KinematicTarget& target : controls.kinematic) ignore(target.vertex);
+  for (const PointForce& point : controls.forces) ignore(point.vertex);
+  for (const ContactCandidates& near : contacts.candidates) {
+    std::for_each(near.vertices.begin(), near.vertices.end(), ignore);
+  }
+}
+
+/// \param weight  of this measurement in the average [-].
+/// \return the largest imbalance.
+double ResultWatch::updateImbalance(double weight) {
+  float squared = 0.0f;
+  for (std::size_t k = 0; k < imbalance_.size(); ++k) {
+    const Vec3f now = stiffness_[k] > 0.0f ? Vec3f(force_[k] / stiffness_[k]) : Vec3f::Zero();
+    imbalance_[k] += static_cast<float>(weight) * (now - imbalance_[k]);
+    squared = std::max(squared, imbalance_[k].squaredNorm());
+  }
+  return std::sqrt(static_cast<double>(squared));
+}
+
+/// Returns the largest strain of a spring beyond the one at which it bears `force` [-].
+double ResultWatch::findExcess(const Model& model, const State& state, double force) const {
+  double excess = 0.0;
+  for (const Spring& spring : model.springs.slots()) {
+    if (!spring.exists() || spring.stiffness <= 0.0 || !counts(model, spring)) continue;
+    const double length = (state.x[spring.b] - state.x[spring.a]).norm();
+    const double extension = length - spring.restLength - force / spring.stiffness;
+    excess = std::max(excess, extension / spring.restLength);
+  }
+  return excess;
+}
+
+}  // namespace cloth_sim

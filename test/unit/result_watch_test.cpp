@@ -1,0 +1,109 @@
+/// \file What the watch over results says, and what it does not.
+
+#include <gtest/gtest.h>
+
+#include "cloth_sim/sim/saved_state.h"
+#include "cloth_sim/sim/simulation.h"
+#include "unit/core_support.h"
+
+namespace cloth_sim {
+namespace {
+
+using namespace testing_support;
+using Measure = ResultWatch::Measure;
+
+/// A square metre of cotton that hangs from two corners.
+Scene cornerHung(const std::string& method) {
+  Scene scene;
+  scene.cloths[0] = clothOf(33, 33, 1.0 / 32, fabricPreset("cotton"));
+  scene.cloths[0].pose.orientation = Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
+  scene.cloths[0].pins = {{0, 32}, {32, 32}};
+  scene.drag = 0.5;
+  scene.solver.method = method;
+  scene.solver.parameters = completeParameters(findSolver(method), {});
+  return scene;
+}
+
+void stepFor(Simulation& simulation, int steps) {
+  for (int k = 0; k < steps; ++k) simulation.step();
+}
+
+/// Feeds reports to a watch over a cloth that falls freely.
+std::vector<std::string> warningsAfter(const StepReport& report, int steps) {
+  const Model model = buildModel(clothOf(5, 5, 0.1));
+  State state = flatState(model);
+  const Controls controls;
+  const double dt = 1.0 / 60.0;
+  ResultWatch watch;
+  for (int k = 1; k <= steps; ++k) {
+    state.t += dt;
+    for (Vec3& v : state.v) v += dt * controls.gravity;
+    watch.observe(static_cast<std::uint64_t>(k), model, state, controls, {}, report);
+  }
+  EXPECT_LT(watch.largest(Measure::kStrain), 1e-3);
+  return watch.warnings();
+}
+
+TEST(ResultWatch, SaysThatAClothIsSofterThanItsFabric) {
+  Simulation simulation(cornerHung("xpbd"));
+  stepFor(simulation, 60);
+  ASSERT_EQ(simulation.warnings().size(), 1U);
+  EXPECT_NE(simulation.warnings()[0].find("softer than its fabric"), std::string::npos);
+}
+
+TEST(ResultWatch, SaysNothingOfAClothThatForcesExplain) {
+  Simulation simulation(cornerHung("line_xpbd"));
+  stepFor(simulation, 60);
+  EXPECT_TRUE(simulation.warnings().empty()) << simulation.warnings()[0];
+}
+
+TEST(ResultWatch, AveragesAddedMassAndResiduals) {
+  StepReport report;
+  report.addedMass = 0.5;
+  EXPECT_TRUE(warningsAfter(report, 10).empty()) << "after one measurement";
+  const std::vector<std::string> heavy = warningsAfter(report, 60);
+  ASSERT_EQ(heavy.size(), 1U);
+  EXPECT_NE(heavy[0].find("heavier by 0.5 times its mass"), std::string::npos) << heavy[0];
+
+  report = StepReport();
+  report.residual = 100.0;
+  const std::vector<std::string> unsolved = warningsAfter(report, 60);
+  ASSERT_EQ(unsolved.size(), 1U);
+  EXPECT_NE(unsolved[0].find("unsolved"), std::string::npos) << unsolved[0];
+}
+
+TEST(ResultWatch, BeginsAnewAfterAReset) {
+  Simulation simulation(cornerHung("xpbd"));
+  stepFor(simulation, 60);
+  ASSERT_FALSE(simulation.warnings().empty());
+  EXPECT_TRUE(simulation.apply(Reset{ResetScope::kState}).success);
+  EXPECT_TRUE(simulation.warnings().empty());
+}
+
+TEST(Adopt, GoesOnFromTheStateOfAnotherMethod) {
+  Simulation first(cornerHung("xpbd"));
+  stepFor(first, 10);
+  Simulation second(cornerHung("line_xpbd"));
+  EXPECT_THROW(second.load(first.save()), StateError);
+  second.adopt(first.save());
+  EXPECT_EQ(stateHash(second.model(), second.state()), stateHash(first.model(), first.state()));
+  second.step();
+  EXPECT_EQ(second.scene().solver.method, "line_xpbd");
+  EXPECT_EQ(second.stepCount(), 11U);
+}
+
+TEST(Adopt, GoesOnFromAClothThatWasCut) {
+  Simulation first(cornerHung("xpbd"));
+  stepFor(first, 2);
+  ASSERT_TRUE(first.apply(CutAlong{strokeAlong({{-0.2, 0, 0}, {0.2, 0, 0.1}}, Vec3::UnitY(), 0.5)})
+                  .success);
+  ASSERT_GT(first.broken().cut, 0);
+  Simulation second(cornerHung("line_xpbd"));
+  second.adopt(first.save());
+  EXPECT_EQ(second.model().particleCount(), first.model().particleCount());
+  stepFor(second, 5);
+  EXPECT_FALSE(second.failed()) << second.failure();
+}
+
+}  // namespace
+}  // namespace cloth_sim
