@@ -60,7 +60,7 @@ TEST(ResultWatch, SaysNothingOfAClothThatForcesExplain) {
 TEST(ResultWatch, AveragesAddedMassAndResiduals) {
   StepReport report;
   report.addedMass = 0.5;
-  EXPECT_TRUE(warningsAfter(report, 10).empty()) << "after one measurement";
+  EXPECT_TRUE(warningsAfter(report, 6).empty()) << "after one measurement";
   const std::vector<std::string> heavy = warningsAfter(report, 60);
   ASSERT_EQ(heavy.size(), 1U);
   EXPECT_NE(heavy[0].find("heavier by 0.5 times its mass"), std::string::npos) << heavy[0];

@@ -104,7 +104,7 @@ Disturbance disturb(const std::string& method, bool fromEdge, double settling) {
 /// itself has 2.7 times the strain (9.6e-4, with projective and implicit_euler), because faces
 /// after an odd number of bisections have one thread spring where others have two. And line_xpbd
 /// resolves edges of an eighth of a cell with 20 substeps up to a few hundredths of a strain only
-/// (0.08; 0.015 with 40 substeps, 0.0056 with 80).
+/// (0.04; less with more substeps).
 TEST(RefinementAtRest, MovesAClothThatHangsFromItsEdgeByLessThanAMillimetre) {
   const Disturbance edge = disturb("line_xpbd", true, 2.0);
   EXPECT_LT(edge.farthestWithout, 1e-4) << "it was not at rest";
