@@ -182,7 +182,9 @@ std::vector<Contender> settingsOfOurs() {
           own("projective", {"solver.substeps=4", "solver.iterations=1"}),
           own("xpbd", {"solver.substeps=20"}),
           own("xpbd", {"solver.substeps=32"}),
-          own("xpbd", {"solver.substeps=40"})};
+          own("xpbd", {"solver.substeps=40"}),
+          own("line_xpbd", {"solver.substeps=20"}),
+          own("line_xpbd", {"solver.error=0.01"})};
 }
 
 }  // namespace
