@@ -255,7 +255,7 @@ def resolution_chart(folder, rows):
 
 ERRORS = {'position_error': 'positions, over the side', 'strain_error': 'largest strain',
           'force_error': 'force at the pins, relative', 'energy_error': 'energy, of that released'}
-LEAST = 1e-5  # smaller errors are drawn here
+LEAST_ERROR = 1e-5  # smaller errors are drawn here
 
 
 def series(rows):
@@ -275,9 +275,9 @@ def at_size_chart(folder, scene, particles, rows):
     for axes, (column, title) in zip(panels.flat, ERRORS.items()):
         for k, (name, of) in enumerate(series(ok).items()):
             axes.plot([float(row['ms_per_frame']) for row in of],
-                      [max(LEAST, float(row[column])) for row in of],
+                      [max(LEAST_ERROR, float(row[column])) for row in of],
                       color=COLOURS[k], marker=MARKERS[k], label=name)
-        axes.axhspan(LEAST / 2, max(LEAST, float(reference[column])), color=GREY, alpha=0.2)
+        axes.axhspan(LEAST_ERROR / 2, max(LEAST_ERROR, float(reference[column])), color=GREY, alpha=0.2)
         axes.set_xscale('log')
         axes.set_yscale('log')
         axes.set_title('error of ' + title, fontsize=10)

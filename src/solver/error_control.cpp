@@ -14,6 +14,8 @@ constexpr std::int32_t kFirstLevel = 0;
 constexpr std::int32_t kFinestLevel = 24;    ///< substeps of half a microsecond
 constexpr std::int32_t kMostPatience = 160;  ///< calm steps before longer substeps are tried
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well
+/// Part of the goal from which on errors of positions count: they add up, and none is taken back.
+constexpr double kEarly = 0.5;
 constexpr double kMargin = 0.8;  ///< part of the goal below which longer substeps are tried
 
 // Measured at 128 x 128 on an edge-pinned swing and a corner hang with 10 to 40 substeps, against
@@ -78,14 +80,19 @@ void ErrorControl::end(const Particles& particles, double h, double duration, bo
   elapsed_ += duration;
   if (!isWhole) return;
   dt_ = std::exchange(elapsed_, 0.0);
-  if (goal_.error > 0.0) chooseLevel();
+  if (goal_.error > 0.0) {
+    if (estimate_.position > goal_.error) estimate_.sufficed = false;
+    chooseLevel();
+  }
   cancelled_ = 0.0;
 }
 
 void ErrorControl::chooseLevel() {
-  const double used = std::max(estimate_.position, estimate_.strain) / goal_.error;
-  if (used > 1.0) return refine(used > 2.0 ? 2 : 1);
-  const bool mayTry = used < kMargin && std::sqrt(2.0) * estimate_.position < goal_.error;
+  ++sinceRefined_;
+  if (estimate_.strain > goal_.error) return refine(estimate_.strain > 2.0 * goal_.error ? 2 : 1);
+  const double drifted = estimate_.position / (kEarly * goal_.error);
+  if (drifted > 1.0 && sinceRefined_ >= kPatience) return refine(1);
+  const bool mayTry = estimate_.strain < kMargin * goal_.error && std::sqrt(2.0) * drifted < 1.0;
   calm_ = mayTry ? calm_ + 1 : 0;
   ++sinceTrial_;
   if (sinceTrial_ == kTrial) patience_ = kPatience;  // the last trial has gone well
@@ -98,6 +105,7 @@ void ErrorControl::chooseLevel() {
 /// Makes substeps shorter. If they became longer a moment ago, they will next do so later.
 void ErrorControl::refine(std::int32_t levels) {
   calm_ = 0;
+  sinceRefined_ = 0;
   if (substepsFor(dt_, 0) >= goal_.budget) {
     estimate_.sufficed = false;
     return;
@@ -115,13 +123,13 @@ int ErrorControl::substepsFor(double dt, int configured) const {
 }
 
 void ErrorControl::save(StateWriter& archive) const {
-  archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, dt_, elapsed_,
+  archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_, elapsed_,
           estimate_.strain, estimate_.position, estimate_.largestStrain, estimate_.largestPosition,
           estimate_.sufficed);
 }
 
 void ErrorControl::load(StateReader& archive) {
-  archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, dt_, elapsed_,
+  archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_, elapsed_,
           estimate_.strain, estimate_.position, estimate_.largestStrain, estimate_.largestPosition,
           estimate_.sufficed);
 }

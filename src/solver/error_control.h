@@ -81,6 +81,7 @@ class ErrorControl {
   std::int32_t calm_ = 0;              ///< steps in a row well below the goal
   std::int32_t patience_ = kPatience;  ///< calm steps before longer substeps are tried
   std::int32_t sinceTrial_ = 1000;     ///< steps since they were
+  std::int32_t sinceRefined_ = 1000;   ///< steps since they became shorter
   double dt_ = 0.0;                    ///< length of the last step [s]
   double elapsed_ = 0.0;               ///< of the step under way [s]
   ErrorEstimate estimate_;
