@@ -36,7 +36,7 @@ Scene cottonSquare(int particles) {
   return scene;
 }
 
-Motion swing(int n) {
+Motion edgeSwing(int n) {
   Motion motion{"swing", cottonSquare(n), 0.8};
   ClothSpec& cloth = motion.scene.cloths[0];
   cloth.pose.orientation = Quat(Eigen::AngleAxisd(0.25 * M_PI, Vec3::UnitX()));
@@ -44,7 +44,7 @@ Motion swing(int n) {
   return motion;
 }
 
-Motion hang(int n) {
+Motion cornerHang(int n) {
   Motion motion{"hang", cottonSquare(n), 1.5};
   motion.scene.cloths[0].pins = {{0, n - 1}, {n - 1, n - 1}};
   return motion;
@@ -214,7 +214,7 @@ std::vector<AtSizeRow> measure(const Motion& motion) {
 
 std::vector<AtSizeRun> atSizeRuns(const std::vector<int>& particles) {
   std::vector<AtSizeRun> runs;
-  for (const auto& motion : {swing, hang}) {
+  for (const auto& motion : {edgeSwing, cornerHang}) {
     for (const int n : particles) {
       runs.push_back({motion(2).name, n, [motion, n] { return measure(motion(n)); }});
     }
