@@ -461,8 +461,17 @@ void LineProjection::loadStarts(const Particles& p) {
   });
 }
 
+/// Adds displacements to positions, which keep all their digits.
 void LineProjection::storeBodies(Particles& p) const {
-  forBodies(p, [&](std::size_t k, std::uint32_t place) { p.x.set(k, positionOf(bodies_[place])); });
+  forBodies(p, [&](std::size_t k, std::uint32_t place) {
+    const Body& body = bodies_[place];
+    Vec3 x = p.x.at(k);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto before = static_cast<float>(x[axis] - static_cast<double>(body.near[axis]));
+      x[axis] += static_cast<double>(body.offset[axis]) - static_cast<double>(before);
+    }
+    p.x.set(k, x);
+  });
 }
 
 /// Cancelled displacements, of particles that are not stored yet.

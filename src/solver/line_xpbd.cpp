@@ -31,6 +31,9 @@ class AddedInertia {
   static constexpr double kMost = 100.0;
   /// Most force of added inertia, over the force of a family of lines that others cancel [-].
   static constexpr double kDrag = 0.02;
+  /// Substeps that are longer do not tell motion from the oscillations that families of lines
+  /// excite in each other; that limit would keep those alive [s].
+  static constexpr double kCoarse = 1.0 / 900.0;
   /// Acceleration that counts as none [m/s^2].
   static constexpr double kStill = 1e-3;
   /// Time in which added inertia fades by a factor of e when it is no longer needed [s].
@@ -76,7 +79,9 @@ class AddedInertia {
         const double force = cancelled[k] / (h * h * inverse_[k]);
         const double needed =
             std::min(cancelled[k] / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
-        const double most = p.mass[k] + kDrag * force / std::max(acceleration, kStill);
+        const double most = h > kCoarse
+                                ? kMost * p.mass[k]
+                                : p.mass[k] + kDrag * force / std::max(acceleration, kStill);
         inertia_[k] = std::min(std::max(needed, fade * inertia_[k]), most);
       }
     });

@@ -118,7 +118,9 @@ TEST_P(Methods, FlightKeepsLinearMomentum) {
   advance(*makeSolver(info(), flight.model), flight.model, flight.state, flight.controls, 2e-4,
           1000);
   const Vec3 after = linearMomentum(flight.model, flight.state);
-  EXPECT_LT((after - before).norm(), 1e-10 * before.norm());
+  // line_xpbd solves in single precision: displacements have seven digits.
+  const double rounding = info().name == "line_xpbd" ? 1e-7 : 1e-10;
+  EXPECT_LT((after - before).norm(), rounding * before.norm());
 }
 
 /// Returns the relative loss of angular momentum in a flight of 0.2 s with substeps of `h`.
