@@ -72,14 +72,14 @@ void readParameter(const SceneNode& node, const SolverParameter& parameter,
 /// Reads the bound on the error, which substeps override.
 void readError(const SceneNode& node, SolverParameters& parameters) {
   const auto error = node.find("error");
-  if (!error) return;
+  if (!error || node.find("substeps")) return;
   const double bound = error->number(kError);
   if (bound < kLeastError) {
     error->refuse(
         "expected 0.002 or more, which takes some 200 substeps of a 60th of a second; "
         "for less, take method: verlet with as many substeps as it needs");
   }
-  if (!node.find("substeps")) parameters["error"] = bound;
+  parameters["error"] = bound;
 }
 
 void readParameters(const SceneNode& node, const SolverInfo& info, SolverParameters& parameters) {
