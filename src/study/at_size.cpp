@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/cloth/strain.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
 #include "reference.h"
@@ -32,7 +33,6 @@ Scene cottonSquare(int particles) {
   cloth.width = cloth.height = 1.0;
   cloth.fabric = fabricPreset("cotton");
   scene.drag = 0.5;
-  scene.solver.sleep.reset();
   return scene;
 }
 
@@ -58,15 +58,12 @@ struct Setting {
   double error = 0.0;
 };
 
-Scene withSetting(Scene scene, const Setting& setting) {
-  const SolverInfo& info = findSolver(setting.method);
-  SolverParameters given;
-  if (setting.substeps > 0) given["substeps"] = setting.substeps;
-  if (setting.iterations > 0) given["iterations"] = setting.iterations;
-  if (setting.error > 0.0) given["error"] = setting.error;
-  scene.solver.method = info.name;
-  scene.solver.parameters = completeParameters(info, given);
-  return scene;
+Scene withSetting(const Scene& scene, const Setting& setting) {
+  const SolverInfo& method = findSolver(setting.method);
+  Scene result = withConfiguration(
+      scene, configure(method, scene.solver.dt, std::max(1, setting.substeps), setting.iterations));
+  if (setting.error > 0.0) result.solver.parameters["error"] = setting.error;
+  return result;
 }
 
 std::vector<Setting> settings() {
@@ -80,35 +77,32 @@ std::vector<Setting> settings() {
   return all;
 }
 
-/// The cloth at one time.
+/// The cloth at one time, but for its positions.
 struct Sample {
-  std::vector<Vec3> positions;  ///< by particle [m]
   std::vector<double> strains;  ///< of structural and shear springs [-]
   Vec3 force = Vec3::Zero();    ///< on all pins [N]
   double energy = 0.0;          ///< kinetic, elastic and potential [J]
 };
 
 struct Record {
-  std::vector<Sample> samples;
-  double cost = 0.0;  ///< [s] per step
+  Trajectory trajectory;
+  std::vector<Sample> samples;  ///< at the times of the trajectory
+  double cost = 0.0;            ///< [s] per step
   std::string failure;
   std::optional<ErrorEstimate> estimate;
 };
 
 std::vector<double> strainsOf(const Simulation& simulation) {
   std::vector<double> strains;
-  const State& state = simulation.state();
   for (const Spring spring : simulation.model().springs.slots()) {
-    if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
-    const double length = (state.x[spring.b] - state.x[spring.a]).norm();
-    strains.push_back(std::max(0.0, length / spring.restLength - 1.0));
+    if (!spring.exists() || !traitsOf(spring.kind).isMembrane) continue;
+    strains.push_back(strainOfStretch(stretch(spring, simulation.state())));
   }
   return strains;
 }
 
 Sample sampleOf(const Simulation& simulation) {
   Sample sample;
-  sample.positions = simulation.state().x.values();
   sample.strains = strainsOf(simulation);
   for (const Vec3& reaction : simulation.lastReport().reactions) sample.force += reaction;
   const Energies energy =
@@ -125,7 +119,10 @@ Record record(const Motion& motion, const Setting& setting) {
     const double start = threadCpuTime();
     simulation.step();
     result.cost += (threadCpuTime() - start) / steps;
-    if (k % kStepsPerSample == 0 || k == steps) result.samples.push_back(sampleOf(simulation));
+    if (k % kStepsPerSample != 0 && k != steps) continue;
+    result.trajectory.times.push_back(simulation.time());
+    result.trajectory.positions.push_back(simulation.state().x.values());
+    result.samples.push_back(sampleOf(simulation));
   }
   result.failure = simulation.failure();
   result.estimate = simulation.lastReport().error;
@@ -145,12 +142,6 @@ double percentile999(const std::vector<double>& a, const std::vector<double>& b)
   return *at;
 }
 
-double meanSquare(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-  double sum = 0.0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += (a[k] - b[k]).squaredNorm();
-  return sum / static_cast<double>(a.size());
-}
-
 /// The energy that gravity releases when the cloth falls by half its side: the scale of errors [J].
 double energyScale(const Motion& motion) {
   const ClothSpec& cloth = motion.scene.cloths[0];
@@ -159,18 +150,18 @@ double energyScale(const Motion& motion) {
 
 /// Fills in the errors of a run.
 void compare(const Motion& motion, const Record& run, const Record& reference, AtSizeRow& row) {
-  double positions = 0.0, forces = 0.0, scale = 0.0;
+  double forces = 0.0, scale = 0.0;
   for (std::size_t k = 0; k < reference.samples.size(); ++k) {
     const Sample& a = run.samples[k];
     const Sample& b = reference.samples[k];
-    positions += meanSquare(a.positions, b.positions);
     row.strain = std::max(row.strain, std::abs(largest(a.strains) - largest(b.strains)));
     row.strain999 = std::max(row.strain999, percentile999(a.strains, b.strains));
     forces += (a.force - b.force).squaredNorm();
     scale += b.force.squaredNorm();
     row.energy = std::max(row.energy, std::abs(a.energy - b.energy) / energyScale(motion));
   }
-  row.position = std::sqrt(positions / static_cast<double>(reference.samples.size()));
+  row.position =
+      trajectoryError(run.trajectory, reference.trajectory, longestSide(motion.scene.cloths));
   row.force = std::sqrt(forces / scale);
 }
 

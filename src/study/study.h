@@ -18,7 +18,7 @@ struct StudyOptions {
   bool stability = true;
   bool resolution = true;
   bool atSize = false;  ///< takes ten minutes, two of them with `quick`
-  int jobs = 1;  ///< threads; each run is made and timed in one of them
+  int jobs = 1;         ///< threads; each run is made and timed in one of them
 };
 
 /// Receives the progress of a study.
