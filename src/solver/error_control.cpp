@@ -11,7 +11,7 @@ constexpr std::size_t kEvery = 4;           ///< vertices from one sample to the
 constexpr double kMemory = 1.0;             ///< of errors of positions [s]
 constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep [s]
 constexpr std::int32_t kFirstLevel = 0;
-constexpr std::int32_t kFinestLevel = 24;    ///< substeps of half a microsecond
+constexpr std::int32_t kFinestLevel = 24;    ///< substeps of 0.2 microseconds
 constexpr std::int32_t kMostPatience = 160;  ///< calm steps before longer substeps are tried
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well
 /// Part of the goal from which on errors of positions count: they add up, and none is taken back.
@@ -120,18 +120,6 @@ int ErrorControl::substepsFor(double dt, int configured) const {
   const double exact = dt / kCoarsest * std::exp2(0.5 * level_);
   return static_cast<int>(
       std::clamp(std::ceil(exact - 1e-6), 1.0, static_cast<double>(goal_.budget)));
-}
-
-void ErrorControl::save(StateWriter& archive) const {
-  archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_, elapsed_,
-          estimate_.strain, estimate_.position, estimate_.largestStrain, estimate_.largestPosition,
-          estimate_.sufficed);
-}
-
-void ErrorControl::load(StateReader& archive) {
-  archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_, elapsed_,
-          estimate_.strain, estimate_.position, estimate_.largestStrain, estimate_.largestPosition,
-          estimate_.sufficed);
 }
 
 }  // namespace cloth_sim

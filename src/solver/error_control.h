@@ -50,11 +50,16 @@ class ErrorControl {
   int substepsFor(double dt, int configured) const;
   const ErrorEstimate& estimate() const { return estimate_; }
 
-  void save(StateWriter& archive) const;
-  void load(StateReader& archive);
+  /// Saves what the next step depends on, and the estimates; the goal is the scene's.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_,
+            elapsed_, estimate_.strain, estimate_.position, estimate_.largestStrain,
+            estimate_.largestPosition, estimate_.sufficed);
+  }
 
  private:
-  /// What is known of a sampled particle.
+  /// Motion and error of a sampled particle.
   struct Sample {
     Vec3 velocity = Vec3::Zero();      ///< at the start of the part of the step [m/s]
     Vec3 acceleration = Vec3::Zero();  ///< in the last part [m/s^2]

@@ -109,8 +109,10 @@ class AddedInertia {
   /// Slots of the particles with added inertia.
   const std::vector<std::int32_t>& heavier() const { return heavier_; }
 
-  void save(StateWriter& archive) const { archive(inertia_, velocity_, acceleration_); }
-  void load(StateReader& archive) { archive(inertia_, velocity_, acceleration_); }
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(inertia_, velocity_, acceleration_);
+  }
 
  private:
   /// Averages the acceleration of a particle over about `kMemory`. \return its length [m/s^2].
@@ -138,24 +140,17 @@ class AddedInertia {
 /// `AddedInertia` bounds it.
 class LineXpbd final : public SubstepMethod {
  public:
+  explicit LineXpbd(const ErrorGoal& goal) : control_(goal) {}
+
   void begin(Substep& now) override;
   void advance(Substep& now) override;
-  explicit LineXpbd(const ErrorGoal& goal) : control_(goal) {}
   void finish(Substep& now) override;
   int substepsOfStep(double dt, int substeps) const override {
     return control_.substepsFor(dt, substeps);
   }
   const ErrorEstimate* error() const override { return &control_.estimate(); }
-  void save(StateWriter& archive) const override {
-    inertia_.save(archive);
-    control_.save(archive);
-    archive(sinceBending_);
-  }
-  void load(StateReader& archive) override {
-    inertia_.load(archive);
-    control_.load(archive);
-    archive(sinceBending_);
-  }
+  void save(StateWriter& archive) const override { archive(inertia_, control_, sinceBending_); }
+  void load(StateReader& archive) override { archive(inertia_, control_, sinceBending_); }
 
  private:
   /// Substeps from one measurement of the added inertia to the next, from the first one of a step.
