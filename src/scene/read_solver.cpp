@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <stdexcept>
 
 #include "readers.h"
@@ -9,8 +10,7 @@ namespace {
 constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
 constexpr Range kError{0.0, 1.0, true, false};
 const char* const kAuto = "auto";
-const char* const kErrorControlled = "line_xpbd";  ///< takes `error` where no method is named
-constexpr double kLeastError = 0.002;              ///< of `kErrorControlled`
+constexpr double kLeastError = 0.002;  ///< of the methods that choose their substeps
 
 const Section<SleepSettings> kSleepSection{
     "`solver.sleep`",
@@ -43,11 +43,19 @@ const Section<SolverSpec> kSolverSection{"`solver`",
                                           {"budget"},
                                           {"sleep", readSleep}}};
 
+/// The method that takes `error` where none is named: the first that has this parameter.
+const SolverInfo& errorControlled() {
+  const std::vector<SolverInfo>& all = solverRegistry();
+  return *std::find_if(all.begin(), all.end(), [](const SolverInfo& info) {
+    return findParameter(info, "error") != nullptr;
+  });
+}
+
 /// Reads the method; returns nullptr for `auto`.
 const SolverInfo* readMethod(const SceneNode& node, SolverSpec& solver) {
   const auto method = node.find("method");
   if (!method) {
-    if (node.find("error")) solver.method = kErrorControlled;
+    if (node.find("error")) solver.method = errorControlled().name;
     return &findSolver(solver.method);
   }
   std::vector<std::pair<std::string, const SolverInfo*>> known;
