@@ -1,4 +1,4 @@
-/// \file What the watch over results says, and what it does not.
+/// \file Warnings of the watch over results, and where it gives none.
 
 #include <gtest/gtest.h>
 

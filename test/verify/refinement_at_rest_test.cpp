@@ -56,7 +56,7 @@ RefineNear aroundTheStroke(const Simulation& simulation) {
   return request;
 }
 
-/// What refinement did to a cloth at rest.
+/// Effect of refinement on a cloth at rest.
 struct Disturbance {
   double farthest = 0.0;         ///< largest distance of an original particle from where it was [m]
   double farthestWithout = 0.0;  ///< the same if nothing is refined [m]

@@ -50,7 +50,7 @@ class Simulation {
   bool failed() const { return parts_.failed(); }
   /// Why it failed, in one sentence; "" if it has not.
   const std::string& failure() const { return parts_.failure; }
-  /// What is doubtful about the result although the simulation goes on: sentences, none at best.
+  /// Doubts about the result although the simulation goes on: sentences, none at best.
   /// They stay until a reset.
   std::vector<std::string> warnings() const { return parts_.watch.warnings(); }
   /// The measures behind the warnings.
