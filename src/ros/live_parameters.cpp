@@ -27,7 +27,7 @@ bool same(double a, double b) { return std::abs(a - b) <= kRounding * (std::abs(
 bool same(const ClothConfig& a, const ClothConfig& b) {
   return same(a.gravity, b.gravity) && windVelocity(a) == windVelocity(b) &&
          a.tearing == b.tearing && same(a.tear_strain, b.tear_strain) &&
-         same(a.stiffness, b.stiffness);
+         a.quasi_static == b.quasi_static && same(a.stiffness, b.stiffness);
 }
 
 /// Returns the wind of a velocity; none for velocity zero in a scene without wind, because still
@@ -58,6 +58,7 @@ ClothConfig toConfig(const Tuning& tuning) {
   config.tearing = tuning.tearing;
   config.tear_strain = weakest(tuning.ratio);
   config.stiffness = tuning.stiffness;
+  config.quasi_static = tuning.quasiStatic;
   config.__clamp__();
   return config;
 }
@@ -86,6 +87,9 @@ std::vector<Command> commandsBetween(const ClothConfig& before, const ClothConfi
     const bool moved = after.tear_strain != before.tear_strain;
     commands.push_back(
         SetTearing{after.tearing, moved ? scaledRatios(now.ratio, after.tear_strain) : now.ratio});
+  }
+  if (after.quasi_static != before.quasi_static) {
+    commands.push_back(SetQuasiStatic{static_cast<bool>(after.quasi_static)});
   }
   if (after.stiffness != before.stiffness) commands.push_back(SetStiffness{after.stiffness});
   return commands;

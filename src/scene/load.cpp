@@ -52,6 +52,7 @@ const Section<Scene> kSceneSection{
      {"gravity", &Scene::gravity},
      {"wind", [](const SceneNode& value, Scene& scene) { scene.wind = readWind(value); }},
      {"drag", &Scene::drag, kNotNegative},
+     {"quasi_static", &Scene::quasiStatic},
      {"obstacles",
       [](const SceneNode& value, Scene& scene) { readObstacles(value, scene.obstacles); }},
      {"clamps",

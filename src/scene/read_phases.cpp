@@ -191,6 +191,7 @@ const Section<PhaseSpec> kPhaseSection{
      {"wind", [](const SceneNode& value, PhaseSpec& phase) { phase.wind = readWind(value); }},
      {"tearing",
       [](const SceneNode& value, PhaseSpec& phase) { kPhaseTearingSection.read(value, phase); }},
+     {"quasi_static", &PhaseSpec::quasiStatic},
      {"notch"},
      {"cut", [](const SceneNode& value, PhaseSpec& phase) { readStrokes(value, phase.strokes); }},
      {"refine",

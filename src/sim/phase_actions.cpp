@@ -85,6 +85,7 @@ void beginPhase(const PhaseSpec& phase, SimulationParts& parts) {
   if (phase.wind) parts.controls.wind = phase.wind;
   if (phase.tearing) parts.surgery.tearing().setEnabled(*phase.tearing);
   if (phase.ratio) parts.surgery.tearing().setRatio(*phase.ratio);
+  if (phase.quasiStatic) parts.controls.quasiStatic = *phase.quasiStatic;
   editMesh(phase, parts);
 }
 

@@ -17,6 +17,7 @@ SimulationParts::SimulationParts(Scene loaded)
       startHash(stateHash(model, state)) {
   controls.gravity = scene.gravity;
   controls.drag = scene.drag;
+  controls.quasiStatic = scene.quasiStatic;
   controls.wind = scene.wind;
 }
 
@@ -26,6 +27,7 @@ Tuning SimulationParts::tuning() const {
   now.wind = controls.wind;
   now.tearing = surgery.tearing().settings().enabled;
   now.ratio = surgery.tearing().settings().ratio;
+  now.quasiStatic = controls.quasiStatic;
   now.stiffness = model.springs.scale();
   return now;
 }

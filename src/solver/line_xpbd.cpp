@@ -38,6 +38,11 @@ class AddedInertia {
   static constexpr double kStill = 1e-3;
   /// Time in which added inertia fades by a factor of e when it is no longer needed [s].
   static constexpr double kMemory = 0.0275;
+  /// As `kTolerance` and `kMost`, while motion is declared to be quasi-static.
+  static constexpr double kQuasiStaticTolerance = 0.002;
+  static constexpr double kQuasiStaticMost = 1e4;
+  /// Time over which inertia is averaged then [s].
+  static constexpr double kQuasiStaticMemory = 0.02;
 
   /// Follows the model: which particles there are, and their shortest springs.
   void layOut(const Substep& now) {
@@ -65,7 +70,7 @@ class AddedInertia {
       heavier_.push_back(static_cast<std::int32_t>(k));
     }
   }
-  /// Updates the inertia that is needed.
+  /// Updates the inertia that is needed, as far as it does not resist motion.
   /// \param h          length of the substep [s].
   /// \param duration   since the last update [s].
   /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
@@ -78,11 +83,24 @@ class AddedInertia {
         if (inverse_[k] == 0.0) continue;
         const double force = cancelled[k] / (h * h * inverse_[k]);
         const double needed =
-            std::min(cancelled[k] / (kTolerance * shortest_[k] * inverse_[k]), kMost * p.mass[k]);
+            std::min(neededAt(k, cancelled[k], kTolerance), kMost * p.mass[k]);
         const double most = h > kCoarse
                                 ? kMost * p.mass[k]
                                 : p.mass[k] + kDrag * force / std::max(acceleration, kStill);
         inertia_[k] = std::min(std::max(needed, fade * inertia_[k]), most);
+      }
+    });
+  }
+  /// The same, while motion is quasi-static: inertia hardly resists it.
+  void updateQuasiStatic(double duration, const Particles& p, const ScalarArray& cancelled) {
+    const double rate = 1.0 - std::exp(-duration / kQuasiStaticMemory);
+    forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
+      for (std::size_t k = first; k < first + count; ++k) {
+        if (inverse_[k] == 0.0) continue;
+        const double needed = std::min(neededAt(k, cancelled[k], kQuasiStaticTolerance),
+                                       kQuasiStaticMost * p.mass[k]);
+        const double before = std::max(inertia_[k], p.mass[k]);
+        inertia_[k] = before + rate * (needed - before);
       }
     });
   }
@@ -115,6 +133,11 @@ class AddedInertia {
   }
 
  private:
+  /// Inertia with which the displacement in vain would be a fraction `tolerance` of the shortest
+  /// spring [kg].
+  double neededAt(std::size_t k, double cancelled, double tolerance) const {
+    return cancelled / (tolerance * shortest_[k] * inverse_[k]);
+  }
   /// Averages the acceleration of a particle over about `kMemory`. \return its length [m/s^2].
   double followMotion(std::size_t k, const Vec3& velocity, double duration, double fade) {
     const Vec3 now = (velocity - velocity_[k]) / duration;
@@ -153,12 +176,14 @@ class LineXpbd final : public SubstepMethod {
   void load(StateReader& archive) override { archive(inertia_, control_, sinceBending_); }
 
  private:
-  /// Substeps from one measurement of the added inertia to the next, from the first one of a step.
+  /// Substeps from one measurement of the added inertia to the next, from the first one of a step;
+  /// while motion is quasi-static it is measured in every substep.
   static constexpr int kMeasureEvery = 4;
 
   void layOut(Substep& now);
   void keepFall(Substep& now) const;
   void projectLines(Substep& now);
+  void updateInertia(const Substep& now);
   void passOnPull(Substep& now);
 
   SpringLines lines_;
@@ -209,7 +234,9 @@ void LineXpbd::layOut(Substep& now) {
 }
 
 void LineXpbd::advance(Substep& now) {
-  if (substep_ == 0 || substep_ % kMeasureEvery == 1) inertia_.findInverse(now.particles);
+  if (now.controls.quasiStatic || substep_ == 0 || substep_ % kMeasureEvery == 1) {
+    inertia_.findInverse(now.particles);
+  }
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
   now.placeKinematic();
@@ -234,12 +261,22 @@ void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
   const bool bends = ++sinceBending_ >= projection_.bendInterval();
   if (bends) sinceBending_ = 0;
-  if (substep_++ % kMeasureEvery != 0) {
+  const bool measures = now.controls.quasiStatic || substep_ % kMeasureEvery == 0;
+  ++substep_;
+  if (!measures) {
     return projection_.project(lines_, inertia_.inverse(), bends, p, pull_);
   }
   projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
-  inertia_.update(now.h, kMeasureEvery * now.h, p, cancelled_);
+  updateInertia(now);
+}
+
+void LineXpbd::updateInertia(const Substep& now) {
+  if (now.controls.quasiStatic) {
+    inertia_.updateQuasiStatic(now.h, now.particles, cancelled_);
+  } else {
+    inertia_.update(now.h, kMeasureEvery * now.h, now.particles, cancelled_);
+  }
 }
 
 /// Tells holders what the lines have done to their particles.

@@ -17,7 +17,7 @@ from polling import Listener, connected, wait_until  # noqa: E402
 from services import call, state  # noqa: E402
 
 SCENE = {'gravity': 9.81, 'wind_x': 0.0, 'wind_y': 0.0, 'wind_z': 0.0, 'tearing': True,
-         'tear_strain': 2.0, 'stiffness': 1.0}  # of bench.yaml
+         'tear_strain': 2.0, 'stiffness': 1.0, 'quasi_static': False}  # of bench.yaml
 
 ROUND_OFF = 1e-20  # of a kinetic energy: (1e-9 m/s)^2 times the 17 g of the cloth, and less [J]
 

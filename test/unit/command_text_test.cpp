@@ -40,6 +40,7 @@ std::vector<Command> someCommands() {
           SetTearing{true, {1.1, never, 1.0 + third}},
           SetWind{Wind{Vec3(0.0, third, 1.0), 1.2, third}},
           SetStiffness{1.0 + third},
+          SetQuasiStatic{true},
           PullParticle{true, {Vec3(third, 0.0, 1.0), -Vec3::UnitZ()}},
           CutAlong{stroke},
           RefineMesh{{{Vec3(third, 0.0, 0.0)}, {third, 4, 1e-3}}},

@@ -131,6 +131,7 @@ struct PhaseSpec {
   std::optional<Wind> wind;           ///< absent: as before
   std::optional<bool> tearing;        ///< switches tearing on or off; absent: as before
   std::optional<TearRatios> ratio;    ///< limits of stretch; absent: as before
+  std::optional<bool> quasiStatic;    ///< whether accelerations are negligible; absent: as before
   std::vector<MaterialPath> notches;  ///< cuts along paths in material coordinates
   std::vector<Stroke> strokes;        ///< cuts by blades in the world
   std::vector<RefineNear> refinements;
@@ -148,6 +149,7 @@ struct Scene {
   SolverSpec solver;
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);
   double drag = 0.0;  ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
+  bool quasiStatic = false;  ///< accelerations are negligible: methods may add inertia
   std::optional<Wind> wind;
   std::vector<Obstacle> obstacles;
   std::vector<ClampSpec> clamps;

@@ -16,6 +16,7 @@
 #include "cloth_sim/sim/commands/reset.h"
 #include "cloth_sim/sim/commands/set_gravity.h"
 #include "cloth_sim/sim/commands/set_phase.h"
+#include "cloth_sim/sim/commands/set_quasi_static.h"
 #include "cloth_sim/sim/commands/set_stiffness.h"
 #include "cloth_sim/sim/commands/set_tearing.h"
 #include "cloth_sim/sim/commands/set_wind.h"
@@ -26,7 +27,7 @@ namespace cloth_sim {
 using Command =
     std::variant<SetClampTarget, GuideClamp, SetGripForce, SetGapWidth, CreateClamp, DeleteClamp,
                  SetGrasp, SetPhase, SetGravity, MoveObstacle, GuideObstacle, SetTearing, SetWind,
-                 SetStiffness, PullParticle, CutAlong, RefineMesh, Reset, Restore>;
+                 SetStiffness, SetQuasiStatic, PullParticle, CutAlong, RefineMesh, Reset, Restore>;
 
 /// Returns why a command cannot be carried out in any simulation; empty if it can in some.
 inline std::string validationError(const Command& command) {

@@ -64,6 +64,7 @@ struct Tuning {
   std::optional<Wind> wind;     ///< absent: none
   bool tearing = false;         ///< whether springs may fail
   TearRatios ratio{};           ///< length over rest length at failure, by kind of spring [-]
+  bool quasiStatic = false;     ///< whether motion is declared to be quasi-static
   double stiffness = 1.0;       ///< times the scene's stiffness [-]
 };
 

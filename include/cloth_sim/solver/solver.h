@@ -61,6 +61,7 @@ struct PointForce {
 struct Controls {
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);    ///< [m/s^2]
   double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
+  bool quasiStatic = false;                ///< accelerations are negligible: methods may add inertia
   std::optional<Wind> wind;                ///< if absent, no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
   std::vector<PointForce> forces;          ///< in any order
@@ -71,7 +72,7 @@ struct Controls {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(gravity, drag, wind, kinematic, forces);
+    archive(gravity, drag, quasiStatic, wind, kinematic, forces);
   }
 };
 

@@ -94,5 +94,15 @@ TEST(LiveParameters, TearingIsSwitchedWithoutChangingItsLimits) {
   EXPECT_EQ(only<SetTearing>(commands)->ratio, usual().ratio);
 }
 
+TEST(LiveParameters, QuasiStaticMotionIsDeclaredAlone) {
+  const ClothConfig before = toConfig(usual());
+  ClothConfig after = before;
+  after.quasi_static = true;
+  const auto commands = commandsBetween(before, after, usual(), SceneTuning());
+  ASSERT_EQ(commands.size(), 1U);
+  ASSERT_NE(only<SetQuasiStatic>(commands), nullptr);
+  EXPECT_TRUE(only<SetQuasiStatic>(commands)->enabled);
+}
+
 }  // namespace
 }  // namespace cloth_sim
