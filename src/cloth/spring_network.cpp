@@ -22,11 +22,47 @@ constexpr double kStraight = 0.9;
 /// Springs per vertex in the interior of a grid.
 constexpr std::size_t kUsualSprings = 6;
 
+ThreadDirection directionOf(const TriangleMesh& mesh, VertexId a, VertexId b) {
+  return threadDirection(mesh.material(b) - mesh.material(a));
+}
+
+/// By corner k of a face, whether the edge to the next corner lies in a bias direction.
+std::array<bool, 3> biasEdges(const TriangleMesh& mesh, const Face& face) {
+  std::array<bool, 3> bias{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    bias[k] = directionOf(mesh, face[k], face[(k + 1) % 3]) == ThreadDirection::kBias;
+  }
+  return bias;
+}
+
+/// Returns how often the area of a face counts in a spring [-]. A face of a grid has two edges along
+/// threads and one bias edge. Where a face has two or three bias edges, they share the area, and the
+/// edge along a thread counts for both threads; docs/model.md has the derivation.
+double shareOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
+  const Face& face = mesh.face(f);
+  const std::array<bool, 3> bias = biasEdges(mesh, face);
+  const auto number = std::count(bias.begin(), bias.end(), true);
+  if (number < 2) return 1.0;
+  if (spring.kind == SpringKind::kShear) return 1.0 / static_cast<double>(number);
+  if (number == 3) return 1.0;
+  if (spring.kind == SpringKind::kStructural) return 2.0;
+  // No thread of this face passes the corner between its bias edges.
+  const auto along = static_cast<std::size_t>(std::find(bias.begin(), bias.end(), false) -
+                                              bias.begin());
+  return face[(along + 2) % 3] == spring.support[0] ? 0.0 : 1.5;
+}
+
+/// Returns the rest area that a spring represents [m^2].
+/// \param faces  those on its edge, or those around the vertex that it bridges.
 template <typename Faces>
-double areaOf(const TriangleMesh& mesh, const Faces& faces) {
+double representedArea(const TriangleMesh& mesh, const Faces& faces, const Spring& spring) {
   double area = 0.0;
-  for (FaceId f : faces) area += mesh.restArea(f);
-  return area;
+  double whole = 0.0;
+  for (FaceId f : faces) {
+    area += shareOf(mesh, f, spring) * mesh.restArea(f);
+    whole += mesh.restArea(f);
+  }
+  return area > 0.0 ? area : whole;
 }
 
 /// Identifies a spring by its support and its ends, each pair of vertices in one word and in
@@ -234,7 +270,7 @@ void SpringNetwork::deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId 
   edge.a = a;
   edge.b = b;
   edge.support = {a, b};
-  edge.direction = threadDirection(mesh.material(b) - mesh.material(a));
+  edge.direction = directionOf(mesh, a, b);
   const bool bias = edge.direction == ThreadDirection::kBias;
   edge.kind = bias ? SpringKind::kShear : SpringKind::kStructural;
   if (bias && !clothAt(mesh, a).selection.shear) return;
@@ -249,7 +285,7 @@ void SpringNetwork::deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId 
   const VertexId q = mesh.oppositeVertex(faces[1], a, b);
   across.a = std::min(p, q);
   across.b = std::max(p, q);
-  if (threadDirection(mesh.material(q) - mesh.material(p)) != ThreadDirection::kBias) return;
+  if (directionOf(mesh, p, q) != ThreadDirection::kBias) return;
   setConstants(mesh, on, across);
   sink(across);
 }
@@ -343,7 +379,7 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
     spring.stiffness = scale_ * constant * raw.fraction * perLength / spring.restLength;
     spring.damping = cloth.raw->dashpot * raw.fraction * raw.restLength / spring.restLength;
   } else {
-    spring.stiffness = scale_ * cloth.calibration.stiffness(spring, d, areaOf(mesh, on));
+    spring.stiffness = scale_ * cloth.calibration.stiffness(spring, d, representedArea(mesh, on, spring));
     spring.damping = cloth.calibration.damping() * spring.stiffness;
   }
 }
