@@ -26,30 +26,41 @@ ThreadDirection directionOf(const TriangleMesh& mesh, VertexId a, VertexId b) {
   return threadDirection(mesh.material(b) - mesh.material(a));
 }
 
-/// By corner k of a face, whether the edge to the next corner lies in a bias direction.
-std::array<bool, 3> biasEdges(const TriangleMesh& mesh, const Face& face) {
-  std::array<bool, 3> bias{};
+/// The corner between the equally long bias edges of a face that an odd number of bisections made of
+/// one of a grid; kNone if it is another face.
+VertexId biasCorner(const TriangleMesh& mesh, FaceId f) {
+  constexpr double kEqualLengths = 1e-9;
+  if (mesh.generation(f) == 0) return kNone;
+  const Face& face = mesh.face(f);
   for (std::size_t k = 0; k < 3; ++k) {
-    bias[k] = directionOf(mesh, face[k], face[(k + 1) % 3]) == ThreadDirection::kBias;
+    const Vec2& corner = mesh.material(face[k]);
+    const Vec2 ahead = mesh.material(face[(k + 1) % 3]) - corner;
+    const Vec2 behind = mesh.material(face[(k + 2) % 3]) - corner;
+    const bool isCorner = std::abs(ahead.norm() - behind.norm()) <= kEqualLengths * ahead.norm() &&
+                          threadDirection(ahead) == ThreadDirection::kBias &&
+                          threadDirection(behind) == ThreadDirection::kBias &&
+                          threadDirection(ahead - behind) != ThreadDirection::kBias;
+    if (isCorner) return face[k];
   }
-  return bias;
+  return kNone;
 }
 
 /// Returns how often the area of a face counts in a spring [-]. A face of a grid has two edges along
-/// threads and one bias edge. Where a face has two or three bias edges, they share the area, and the
-/// edge along a thread counts for both threads; docs/model.md has the derivation.
+/// threads and one bias edge. A face with two bias edges divides itself between these, counts for
+/// both threads on its third edge, and has no thread at the corner between them; docs/model.md has
+/// the derivation.
 double shareOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
-  const Face& face = mesh.face(f);
-  const std::array<bool, 3> bias = biasEdges(mesh, face);
-  const auto number = std::count(bias.begin(), bias.end(), true);
-  if (number < 2) return 1.0;
-  if (spring.kind == SpringKind::kShear) return 1.0 / static_cast<double>(number);
-  if (number == 3) return 1.0;
-  if (spring.kind == SpringKind::kStructural) return 2.0;
-  // No thread of this face passes the corner between its bias edges.
-  const auto along = static_cast<std::size_t>(std::find(bias.begin(), bias.end(), false) -
-                                              bias.begin());
-  return face[(along + 2) % 3] == spring.support[0] ? 0.0 : 1.5;
+  const VertexId corner = biasCorner(mesh, f);
+  if (corner == kNone) return 1.0;
+  switch (spring.kind) {
+    case SpringKind::kStructural:
+      return 2.0;
+    case SpringKind::kShear:
+      return 0.5;
+    case SpringKind::kBend:
+      return corner == spring.support[0] ? 0.0 : 1.5;
+  }
+  return 1.0;
 }
 
 /// Returns the rest area that a spring represents [m^2].

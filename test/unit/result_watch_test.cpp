@@ -29,12 +29,12 @@ void stepFor(Simulation& simulation, int steps) {
 }
 
 /// Feeds reports to a watch over a cloth that falls freely.
-std::vector<std::string> warningsAfter(const StepReport& report, int steps) {
+std::vector<ResultWarning> warningsAfter(const StepReport& report, int steps) {
   const Model model = buildModel(clothOf(5, 5, 0.1));
   State state = flatState(model);
   const Controls controls;
   const double dt = 1.0 / 60.0;
-  ResultWatch watch;
+  ResultWatch watch(findSolver("line_xpbd"));
   for (int k = 1; k <= steps; ++k) {
     state.t += dt;
     for (Vec3& v : state.v) v += dt * controls.gravity;
@@ -48,28 +48,28 @@ TEST(ResultWatch, SaysThatAClothIsSofterThanItsFabric) {
   Simulation simulation(cornerHung("xpbd"));
   stepFor(simulation, 60);
   ASSERT_EQ(simulation.warnings().size(), 1U);
-  EXPECT_NE(simulation.warnings()[0].find("softer than its fabric"), std::string::npos);
+  EXPECT_NE(simulation.warnings()[0].text.find("softer than its fabric"), std::string::npos);
 }
 
 TEST(ResultWatch, SaysNothingOfAClothThatForcesExplain) {
   Simulation simulation(cornerHung("line_xpbd"));
   stepFor(simulation, 60);
-  EXPECT_TRUE(simulation.warnings().empty()) << simulation.warnings()[0];
+  EXPECT_TRUE(simulation.warnings().empty()) << simulation.warnings()[0].text;
 }
 
 TEST(ResultWatch, AveragesAddedMassAndResiduals) {
   StepReport report;
   report.addedMass = 0.5;
   EXPECT_TRUE(warningsAfter(report, 6).empty()) << "after one measurement";
-  const std::vector<std::string> heavy = warningsAfter(report, 60);
+  const std::vector<ResultWarning> heavy = warningsAfter(report, 60);
   ASSERT_EQ(heavy.size(), 1U);
-  EXPECT_NE(heavy[0].find("heavier by 0.5 times its mass"), std::string::npos) << heavy[0];
+  EXPECT_NE(heavy[0].text.find("heavier by 0.5 times its mass"), std::string::npos) << heavy[0].text;
 
   report = StepReport();
   report.residual = 100.0;
-  const std::vector<std::string> unsolved = warningsAfter(report, 60);
+  const std::vector<ResultWarning> unsolved = warningsAfter(report, 60);
   ASSERT_EQ(unsolved.size(), 1U);
-  EXPECT_NE(unsolved[0].find("unsolved"), std::string::npos) << unsolved[0];
+  EXPECT_NE(unsolved[0].text.find("unsolved"), std::string::npos) << unsolved[0].text;
 }
 
 TEST(ResultWatch, BeginsAnewAfterAReset) {

@@ -232,7 +232,7 @@ TEST(SpringStiffness, OfAMembraneIsKeptByBisections) {
     const Model parts = bisectedPatch(false, generations);
     for (const Eigen::Matrix2d& f : patchStrains()) {
       const double ratio = energyDensity(parts, f) / energyDensity(whole, f);
-      EXPECT_NEAR(ratio, 1.0, 0.01) << generations << " bisections, strain\n" << f;
+      EXPECT_NEAR(ratio, 1.0, 1e-6) << generations << " bisections, strain\n" << f;
     }
   }
 }
@@ -245,7 +245,7 @@ TEST(SpringStiffness, WithBendSpringsIsKeptByBisections) {
     const Model parts = bisectedPatch(true, generations);
     for (const Eigen::Matrix2d& f : patchStrains()) {
       const double ratio = energyDensity(parts, f) / energyDensity(whole, f);
-      EXPECT_NEAR(ratio, 1.0, 0.03) << generations << " bisections, strain\n" << f;
+      EXPECT_NEAR(ratio, 1.0, 0.01) << generations << " bisections, strain\n" << f;
     }
   }
 }
