@@ -54,9 +54,9 @@ constexpr std::array<Meaning, ResultWatch::kMeasures> kMeanings{{
     {"springs are stretched by ",
      " more than the forces on them explain, so the cloth is softer than its fabric: take more "
      "substeps or another method"},
-    {"forces of springs do not balance, by ",
-     " of what doubles the length of the stiffest: the method does not follow the constants of "
-     "these springs"},
+    {"forces on particles are out of balance by ",
+     " of the force that doubles the length of a spring, so the method does not follow the "
+     "springs: take more substeps or another method"},
     {"the method makes the cloth heavier by ",
      " times its mass, so it moves too slowly: take more substeps or another method"},
     {"steps end unsolved, with a residual of ",
@@ -89,8 +89,8 @@ void ResultWatch::observe(std::uint64_t step, const Model& model, const State& s
   approach(report.addedMass, weight, addedMass_);
   approach(report.residual, weight, residual_);
   measureStrains(model, state, {controls, contacts, report, dt});
-  note(Measure::kStrain, std::max({excess_, softness_, imbalanceOfFabric_}), state.t);
-  note(Measure::kRawImbalance, imbalanceOfRaw_, state.t);
+  note(Measure::kStrain, std::max(excess_, softness_), state.t);
+  note(Measure::kImbalance, largestImbalance_, state.t);
   note(Measure::kAddedMass, addedMass_, state.t);
   note(Measure::kResidual, residual_, state.t);
   time_ = state.t;
@@ -104,8 +104,10 @@ void ResultWatch::note(Measure measure, double average, double time) {
 
 std::vector<ResultWarning> ResultWatch::warnings() const {
   std::vector<ResultWarning> all;
+  const bool isStrained = since_[static_cast<std::size_t>(Measure::kStrain)].has_value();
   for (std::size_t k = 0; k < kMeasures; ++k) {
-    if (since_[k]) all.push_back({k, describe(kMeanings[k], *since_[k], largest_[k])});
+    const bool isSaid = isStrained && k == static_cast<std::size_t>(Measure::kImbalance);
+    if (since_[k] && !isSaid) all.push_back({k, describe(kMeanings[k], *since_[k], largest_[k])});
   }
   if (shortfall_) all.push_back({kMeasures, shortfallText(*shortfall_)});
   return all;
@@ -122,12 +124,9 @@ void ResultWatch::measureStrains(const Model& model, const State& state,
   const double weight = std::min(1.0, around.dt / kMemory);
   const double force =
       inertia + outerForce(model, around.controls, around.contacts, around.report);
-  updateImbalance(model, weight);
+  updateImbalance(weight);
   approach(findExcess(model, state, force), weight, excess_);
   if (isSoft_) approach(findSoftness(model, state, around.report.substep), weight, softness_);
-  if (getenv("WDUMP")) {
-    std::fprintf(stderr, "W dt %.4f res %.3g/%.3g exc %.3g/%.3g soft %.3g raw %.3g imb %.3g added %.3g force %.3g\n", around.dt, around.report.residual, residual_, findExcess(model, state, force), excess_, softness_, imbalanceOfRaw_, imbalanceOfFabric_, addedMass_, force);
-  }
 }
 
 /// Whether there is no measurement of this cloth yet.
@@ -191,14 +190,17 @@ void ResultWatch::ignoreHeld(const Controls& controls) {
   for (const PointForce& point : controls.forces) ignore(point.vertex);
 }
 
-/// Takes from the forces on the particles beside obstacles what these can bear.
+/// Takes from the forces on the particles beside obstacles what these can bear. Small forces, as
+/// nearly all are, stay as they are: to find normals costs time.
 void ResultWatch::takeContacts(const State& state, const Contacts& contacts) {
+  constexpr float kSmall = 0.01f;  // imbalance [-]
   for (const ContactCandidates& near : contacts.candidates) {
     const Collider& collider = *near.collider;
     const double friction =
         collider.obstacle().friction.value_or(collider.properties()[near.cloth].friction);
     for (const VertexId v : near.vertices) {
       Vec3f& force = force_[static_cast<std::size_t>(v)];
+      if (force.norm() <= kSmall * stiffness_[static_cast<std::size_t>(v)]) continue;
       Vec3 left = force.cast<double>();
       takeContact(collider.normal(state.x[v], state.t), friction, left);
       force = left.cast<float>();
@@ -206,19 +208,16 @@ void ResultWatch::takeContacts(const State& state, const Contacts& contacts) {
   }
 }
 
-/// Averages the imbalance of every particle, and finds the largest ones.
+/// Averages the imbalance of every particle, and finds the largest one.
 /// \param weight  of this measurement in the average [-].
-void ResultWatch::updateImbalance(const Model& model, double weight) {
-  std::array<float, 2> squared{};  // of fabrics and of raw springs
+void ResultWatch::updateImbalance(double weight) {
+  float squared = 0.0f;
   for (std::size_t k = 0; k < imbalance_.size(); ++k) {
     const Vec3f now = stiffness_[k] > 0.0f ? Vec3f(force_[k] / stiffness_[k]) : Vec3f::Zero();
     imbalance_[k] += static_cast<float>(weight) * (now - imbalance_[k]);
-    const bool isRaw = model.springs.isRaw(model.mesh, static_cast<VertexId>(k));
-    float& largest = squared[isRaw ? 1 : 0];
-    largest = std::max(largest, imbalance_[k].squaredNorm());
+    squared = std::max(squared, imbalance_[k].squaredNorm());
   }
-  imbalanceOfFabric_ = std::sqrt(static_cast<double>(squared[0]));
-  imbalanceOfRaw_ = std::sqrt(static_cast<double>(squared[1]));
+  largestImbalance_ = std::sqrt(static_cast<double>(squared));
 }
 
 /// Returns the largest strain of a spring beyond the one at which it bears `force` [-].
@@ -238,7 +237,7 @@ double ResultWatch::findExcess(const Model& model, const State& state, double fo
 double ResultWatch::findSoftness(const Model& model, const State& state, double h) const {
   double softness = 0.0;
   for (const Spring& spring : model.springs.slots()) {
-    if (!counts(model, spring)) continue;
+    if (!isOfMembrane(spring)) continue;
     const double strain = (state.x[spring.b] - state.x[spring.a]).norm() / spring.restLength - 1.0;
     if (strain <= softness) continue;
     const double compliance = h * h * (1.0 / model.mass[spring.a] + 1.0 / model.mass[spring.b]);

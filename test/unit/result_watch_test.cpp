@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cloth_sim/contact/collider.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
 #include "unit/core_support.h"
@@ -70,6 +71,55 @@ TEST(ResultWatch, AveragesAddedMassAndResiduals) {
   const std::vector<ResultWarning> unsolved = warningsAfter(report, 60);
   ASSERT_EQ(unsolved.size(), 1U);
   EXPECT_NE(unsolved[0].text.find("unsolved"), std::string::npos) << unsolved[0].text;
+}
+
+TEST(ResultWatch, SaysThatABudgetFellShort) {
+  StepReport report;
+  report.error = ErrorEstimate();
+  EXPECT_TRUE(warningsAfter(report, 2).empty());
+  report.error->sufficed = false;
+  report.error->budget = 7;
+  const std::vector<ResultWarning> warnings = warningsAfter(report, 2);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].about, ResultWatch::kMeasures);
+  EXPECT_EQ(warnings[0].text, shortfallText(*report.error));
+}
+
+/// Warnings about a flat strip of two faces whose ends are drawn together, over a table, and stay
+/// there. \param friction  of the table [-].
+std::vector<ResultWarning> warningsOnTable(double friction) {
+  const Model model = buildModel(clothOf(2, 2, 0.1));
+  State state = flatState(model);
+  for (Vec3& x : state.x) x.x() *= 0.5;
+  Obstacle table;
+  table.shape = PlaneShape();
+  table.friction = friction;
+  const Collider collider(table, 0.0);
+  Contacts contacts;
+  contacts.add(&collider).vertices = {0, 1, 2, 3};
+  ResultWatch watch(findSolver("line_xpbd"));
+  for (std::uint64_t k = 1; k <= 30; ++k) {
+    state.t += 1.0 / 60.0;
+    watch.observe(k, model, state, {}, contacts, {});
+  }
+  return watch.warnings();
+}
+
+TEST(ResultWatch, KnowsWhatAContactCanBear) {
+  const std::vector<ResultWarning> slippery = warningsOnTable(0.3);
+  ASSERT_EQ(slippery.size(), 1U);
+  EXPECT_NE(slippery[0].text.find("out of balance"), std::string::npos) << slippery[0].text;
+  // Any weight bears any force of springs at this friction.
+  EXPECT_TRUE(warningsOnTable(1e6).empty());
+}
+
+TEST(ResultWatch, SaysThatRawSpringsAreNotFollowed) {
+  Scene scene = cornerHung("pbd");
+  scene.cloths[0].raw = RawSprings{{1.0, 1.0, 0.0}, false, 0.0};
+  Simulation simulation(scene);
+  stepFor(simulation, 60);
+  ASSERT_EQ(simulation.warnings().size(), 1U);
+  EXPECT_NE(simulation.warnings()[0].text.find("out of balance"), std::string::npos);
 }
 
 TEST(ResultWatch, BeginsAnewAfterAReset) {

@@ -16,28 +16,27 @@ namespace cloth_sim {
 /// Measures from outside whether a method does what it should, whatever the method. Each measure is
 /// an average over `kMemory`, so that a shock of one step does not count.
 ///
-/// Unexplained strain [-] is the largest one of three quantities:
-///   - imbalance: f + m (g - a), with f the springs and dashpots of a particle and a its mean
-///     acceleration, less what a contact can bear where an obstacle is near (a push along the normal
-///     and Coulomb's friction), over the stiffness times length of its stiffest spring. The average
-///     is one of vectors, so that vibrations cancel. Of free particles;
-///   - excess: the strain of a spring less the strain at which it alone would bear everything that
-///     acts on the cloth (weight, inertia, wind, holders and obstacles);
-///   - softness: the part s / (1 + s), s = k h^2 (w_a + w_b), of the strain of a spring, if the
-///     method projects each spring by itself (docs/model.md).
-/// Springs with raw constants have an imbalance of their own [-]: their strains are nobody's fabric,
-/// and large. Added mass [-] and residual [m/s^2] are those of the step report, and so is a budget
-/// that does not keep the error asked for.
+/// - Unexplained strain [-] is the larger one of two quantities. Excess is the strain of a spring
+///   less the strain at which it alone would bear everything that acts on the cloth (weight, inertia,
+///   wind, holders and obstacles); springs with raw constants do not count, for they may be as soft
+///   as they like. Softness is the part s / (1 + s), s = k h^2 (w_a + w_b), of the strain of a
+///   spring, if the method projects each spring by itself (docs/model.md).
+/// - Imbalance [-] is f + m (g - a), with f the springs and dashpots of a free particle and a its
+///   mean acceleration, less what a contact can bear where an obstacle is near (a push along the
+///   normal, and Coulomb's friction), over the stiffness times length of its stiffest spring. The
+///   average is one of vectors, so that vibrations cancel.
+/// - Added mass [-] and residual [m/s^2] are those of the step report. So is a budget that does not
+///   keep the error that the scene asks for.
 ///
 /// It measures every step at first, then every few steps; it reads only, and keeps nothing in saved
 /// states: after one is loaded, the averages begin anew.
 class ResultWatch {
  public:
   /// A quantity that is watched.
-  enum class Measure { kStrain, kRawImbalance, kAddedMass, kResidual };
+  enum class Measure { kStrain, kImbalance, kAddedMass, kResidual };
   static constexpr std::size_t kMeasures = 4;
   /// Averages above which there is a warning, by measure: [-], [-], [-], [m/s^2].
-  static constexpr std::array<double, kMeasures> kBounds{0.04, 0.08, 0.25, 50.0};
+  static constexpr std::array<double, kMeasures> kBounds{0.04, 0.085, 0.25, 50.0};
 
   explicit ResultWatch(const SolverInfo& method) : isSoft_(method.projectsSpringsAlone) {}
 
@@ -49,7 +48,8 @@ class ResultWatch {
 
   /// The largest average of a measure so far.
   double largest(Measure measure) const { return largest_[static_cast<std::size_t>(measure)]; }
-  /// One sentence for each measure that has passed its bound, and for a budget that fell short.
+  /// One sentence for each measure that has passed its bound, and for a budget that fell short. Where
+  /// strains are unexplained, forces are out of balance too: that needs no second sentence.
   std::vector<ResultWarning> warnings() const;
 
  private:
@@ -74,7 +74,7 @@ class ResultWatch {
   double addInertia(const Model& model, const State& state, const Vec3& gravity, double dt);
   void ignoreHeld(const Controls& controls);
   void takeContacts(const State& state, const Contacts& contacts);
-  void updateImbalance(const Model& model, double weight);
+  void updateImbalance(double weight);
   double findExcess(const Model& model, const State& state, double force) const;
   double findSoftness(const Model& model, const State& state, double h) const;
   void note(Measure measure, double average, double time);
@@ -85,8 +85,7 @@ class ResultWatch {
   std::optional<ErrorEstimate> shortfall_;  ///< of a budget that does not keep the error asked for
   double excess_ = 0.0;                     ///< averaged [-]
   double softness_ = 0.0;                   ///< averaged [-]
-  double imbalanceOfFabric_ = 0.0;          ///< largest average of a particle [-]
-  double imbalanceOfRaw_ = 0.0;             ///< the same, of cloths with raw springs [-]
+  double largestImbalance_ = 0.0;           ///< of the averages, by particle [-]
   double addedMass_ = 0.0;                  ///< averaged [-]
   double residual_ = 0.0;                   ///< averaged [m/s^2]
   double time_ = 0.0;                       ///< of the last measurement [s]
