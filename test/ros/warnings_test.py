@@ -1,0 +1,38 @@
+#!/usr/bin/python3
+"""What a run has to say about its results: each warning once in the log, and in the diagnostics."""
+import os
+import sys
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rosgraph_msgs.msg import Log
+from std_srvs.srv import SetBool
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from polling import Listener, wait_until  # noqa: E402
+
+SHORTFALL = 'does not keep solver.error'
+
+
+class WarningsTest(unittest.TestCase):
+    def test_each_is_logged_once_and_diagnosed(self):
+        with Listener('/rosout', Log) as log, Listener('/diagnostics', DiagnosticArray) as diagnoses:
+            wait_until(lambda: log.subscriber.get_num_connections() > 1, 'the log of the node')
+            rospy.wait_for_service('/cloth/pause', 30.0)
+            self.assertTrue(rospy.ServiceProxy('/cloth/pause', SetBool)(False).success)
+
+            def diagnosed(message):
+                return any(status.level == DiagnosticStatus.WARN and SHORTFALL in status.message
+                           for status in message.status)
+            for _ in range(3):
+                diagnoses.messages.clear()
+                diagnoses.wait(diagnosed)
+            told = [m for m in log.messages if SHORTFALL in m.msg and m.name == '/cloth']
+            self.assertEqual([m.level for m in told], [Log.WARN])
+
+
+if __name__ == '__main__':
+    rospy.init_node('warnings_test')
+    rostest.rosrun('cloth_sim', 'warnings', WarningsTest)
