@@ -8,7 +8,8 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Log
-from std_srvs.srv import SetBool
+
+from cloth_sim import srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, wait_until  # noqa: E402
@@ -21,7 +22,7 @@ class WarningsTest(unittest.TestCase):
         with Listener('/rosout', Log) as log, Listener('/diagnostics', DiagnosticArray) as diagnoses:
             wait_until(lambda: log.subscriber.get_num_connections() > 1, 'the log of the node')
             rospy.wait_for_service('/cloth/pause', 30.0)
-            self.assertTrue(rospy.ServiceProxy('/cloth/pause', SetBool)(False).success)
+            self.assertTrue(rospy.ServiceProxy('/cloth/pause', srv.Pause)(False).success)
 
             def diagnosed(message):
                 return any(status.level == DiagnosticStatus.WARN and SHORTFALL in status.message

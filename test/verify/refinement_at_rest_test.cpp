@@ -17,14 +17,14 @@ constexpr int kClothSide = 65;       ///< particles of a side
 constexpr double kAfterwards = 0.5;  ///< [s]
 
 /// How a cloth is computed, and how finely it is refined.
-struct Run {
+struct HangingRun {
   std::string method = "line_xpbd";
   SolverParameters parameters{{"substeps", 20.0}};
   int generations = 6;  ///< bisections of a face
 };
 
 /// A square metre of cotton that hangs in the plane y = 0, its upper edge at z = 0.
-Scene hangingScene(const Run& run, bool fromEdge) {
+Scene hangingScene(const HangingRun& run, bool fromEdge) {
   Scene scene;
   ClothSpec& cloth = scene.cloths[0];
   cloth = clothOf(kClothSide, kClothSide, 1.0 / (kClothSide - 1), fabricPreset("cotton"));
@@ -81,7 +81,7 @@ double farthestMove(const std::vector<Vec3>& from, const State& to) {
 
 /// Refines a cloth that hangs at rest, and waits.
 /// \param settling  how long it hangs before [s].
-Disturbance disturb(const Run& run, bool fromEdge, double settling) {
+Disturbance disturb(const HangingRun& run, bool fromEdge, double settling) {
   Simulation simulation(hangingScene(run, fromEdge));
   hangOn(simulation, settling);
   Disturbance result;
@@ -137,7 +137,7 @@ TEST(RefinementAtRest, MovesAClothWithAnErrorOnItsLabelByLessThanAMillimetre) {
 /// what is refined represent an eighth of their width there.
 TEST(RefinementAtRest, StrainsAClothAsItsThreadsEnd) {
   EXPECT_LT(disturb({"line_xpbd", {{"substeps", 20.0}}, 1}, true, 2.0).strainAfter, 1.2e-3);
-  const Run equilibrium{"projective", {{"substeps", 4.0}, {"iterations", 40.0}}};
+  const HangingRun equilibrium{"projective", {{"substeps", 4.0}, {"iterations", 40.0}}};
   const Disturbance atRest = disturb(equilibrium, true, 2.0);
   expectToStay(atRest);
   EXPECT_LT(atRest.strainAfter, 4.4 * atRest.strainBefore);
