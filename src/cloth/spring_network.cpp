@@ -26,8 +26,8 @@ ThreadDirection directionOf(const TriangleMesh& mesh, VertexId a, VertexId b) {
   return threadDirection(mesh.material(b) - mesh.material(a));
 }
 
-/// The corner between the equally long bias edges of a face that an odd number of bisections made of
-/// one of a grid; kNone if it is another face.
+/// The corner between the equally long bias edges of a face that an odd number of bisections made
+/// of one of a grid; kNone if it is another face.
 VertexId biasCorner(const TriangleMesh& mesh, FaceId f) {
   constexpr double kEqualLengths = 1e-9;
   if (mesh.generation(f) == 0) return kNone;
@@ -45,10 +45,10 @@ VertexId biasCorner(const TriangleMesh& mesh, FaceId f) {
   return kNone;
 }
 
-/// Returns how often the area of a face counts in a spring [-]. A face of a grid has two edges along
-/// threads and one bias edge. A face with two bias edges divides itself between these, counts for
-/// both threads on its third edge, and has no thread at the corner between them; docs/model.md has
-/// the derivation.
+/// Returns how often the area of a face counts in a spring [-]. A face of a grid has two edges
+/// along threads and one bias edge. A face with two bias edges divides itself between these, counts
+/// for both threads on its third edge, and has no thread at the corner between them; docs/model.md
+/// has the derivation.
 double shareOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
   const VertexId corner = biasCorner(mesh, f);
   if (corner == kNone) return 1.0;
@@ -390,7 +390,8 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
     spring.stiffness = scale_ * constant * raw.fraction * perLength / spring.restLength;
     spring.damping = cloth.raw->dashpot * raw.fraction * raw.restLength / spring.restLength;
   } else {
-    spring.stiffness = scale_ * cloth.calibration.stiffness(spring, d, representedArea(mesh, on, spring));
+    spring.stiffness =
+        scale_ * cloth.calibration.stiffness(spring, d, representedArea(mesh, on, spring));
     spring.damping = cloth.calibration.damping() * spring.stiffness;
   }
 }

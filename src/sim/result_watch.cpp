@@ -122,8 +122,7 @@ void ResultWatch::measureStrains(const Model& model, const State& state,
   ignoreHeld(around.controls);
   takeContacts(state, around.contacts);
   const double weight = std::min(1.0, around.dt / kMemory);
-  const double force =
-      inertia + outerForce(model, around.controls, around.contacts, around.report);
+  const double force = inertia + outerForce(model, around.controls, around.contacts, around.report);
   updateImbalance(weight);
   approach(findExcess(model, state, force), weight, excess_);
   if (isSoft_) approach(findSoftness(model, state, around.report.substep), weight, softness_);
@@ -157,7 +156,8 @@ void ResultWatch::addSprings(const Model& model, const State& state) {
     const double tension = spring.stiffness * (length - spring.restLength) + spring.damping * rate;
     const Vec3f f = (tension / length * d).cast<float>();
     const bool isCounted = isOfMembrane(spring);
-    const auto stiffness = static_cast<float>(spring.stiffness * std::max(length, spring.restLength));
+    const auto stiffness =
+        static_cast<float>(spring.stiffness * std::max(length, spring.restLength));
     for (const VertexId v : {spring.a, spring.b}) {
       const auto k = static_cast<std::size_t>(v);
       force_[k] += v == spring.a ? f : Vec3f(-f);

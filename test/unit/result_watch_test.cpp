@@ -64,7 +64,8 @@ TEST(ResultWatch, AveragesAddedMassAndResiduals) {
   EXPECT_TRUE(warningsAfter(report, 6).empty()) << "after one measurement";
   const std::vector<ResultWarning> heavy = warningsAfter(report, 60);
   ASSERT_EQ(heavy.size(), 1U);
-  EXPECT_NE(heavy[0].text.find("heavier by 0.5 times its mass"), std::string::npos) << heavy[0].text;
+  EXPECT_NE(heavy[0].text.find("heavier by 0.5 times its mass"), std::string::npos)
+      << heavy[0].text;
 
   report = StepReport();
   report.residual = 100.0;

@@ -17,10 +17,10 @@ namespace cloth_sim {
 /// an average over `kMemory`, so that a shock of one step does not count.
 ///
 /// - Unexplained strain [-] is the larger one of two quantities. Excess is the strain of a spring
-///   less the strain at which it alone would bear everything that acts on the cloth (weight, inertia,
-///   wind, holders and obstacles); springs with raw constants do not count, for they may be as soft
-///   as they like. Softness is the part s / (1 + s), s = k h^2 (w_a + w_b), of the strain of a
-///   spring, if the method projects each spring by itself (docs/model.md).
+///   less the strain at which it alone would bear everything that acts on the cloth (weight,
+///   inertia, wind, holders and obstacles); springs with raw constants do not count, for they may
+///   be as soft as they like. Softness is the part s / (1 + s), s = k h^2 (w_a + w_b), of the
+///   strain of a spring, if the method projects each spring by itself (docs/model.md).
 /// - Imbalance [-] is f + m (g - a), with f the springs and dashpots of a free particle and a its
 ///   mean acceleration, less what a contact can bear where an obstacle is near (a push along the
 ///   normal, and Coulomb's friction), over the stiffness times length of its stiffest spring. The
@@ -48,8 +48,8 @@ class ResultWatch {
 
   /// The largest average of a measure so far.
   double largest(Measure measure) const { return largest_[static_cast<std::size_t>(measure)]; }
-  /// One sentence for each measure that has passed its bound, and for a budget that fell short. Where
-  /// strains are unexplained, forces are out of balance too: that needs no second sentence.
+  /// One sentence for each measure that has passed its bound, and for a budget that fell short.
+  /// Where strains are unexplained, forces are out of balance too: that needs no second sentence.
   std::vector<ResultWarning> warnings() const;
 
  private:
