@@ -22,11 +22,58 @@ constexpr double kStraight = 0.9;
 /// Springs per vertex in the interior of a grid.
 constexpr std::size_t kUsualSprings = 6;
 
+ThreadDirection directionOf(const TriangleMesh& mesh, VertexId a, VertexId b) {
+  return threadDirection(mesh.material(b) - mesh.material(a));
+}
+
+/// The corner between the equally long bias edges of a face that an odd number of bisections made
+/// of one of a grid; kNone if it is another face.
+VertexId biasCorner(const TriangleMesh& mesh, FaceId f) {
+  constexpr double kEqualLengths = 1e-9;
+  if (mesh.generation(f) == 0) return kNone;
+  const Face& face = mesh.face(f);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec2& corner = mesh.material(face[k]);
+    const Vec2 ahead = mesh.material(face[(k + 1) % 3]) - corner;
+    const Vec2 behind = mesh.material(face[(k + 2) % 3]) - corner;
+    const bool isCorner = std::abs(ahead.norm() - behind.norm()) <= kEqualLengths * ahead.norm() &&
+                          threadDirection(ahead) == ThreadDirection::kBias &&
+                          threadDirection(behind) == ThreadDirection::kBias &&
+                          threadDirection(ahead - behind) != ThreadDirection::kBias;
+    if (isCorner) return face[k];
+  }
+  return kNone;
+}
+
+/// Returns how often the area of a face counts in a spring [-]. A face of a grid has two edges
+/// along threads and one bias edge. A face with two bias edges divides itself between these, counts
+/// for both threads on its third edge, and has no thread at the corner between them; docs/model.md
+/// has the derivation.
+double shareOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
+  const VertexId corner = biasCorner(mesh, f);
+  if (corner == kNone) return 1.0;
+  switch (spring.kind) {
+    case SpringKind::kStructural:
+      return 2.0;
+    case SpringKind::kShear:
+      return 0.5;
+    case SpringKind::kBend:
+      return corner == spring.support[0] ? 0.0 : 1.5;
+  }
+  return 1.0;
+}
+
+/// Returns the rest area that a spring represents [m^2].
+/// \param faces  those on its edge, or those around the vertex that it bridges.
 template <typename Faces>
-double areaOf(const TriangleMesh& mesh, const Faces& faces) {
+double representedArea(const TriangleMesh& mesh, const Faces& faces, const Spring& spring) {
   double area = 0.0;
-  for (FaceId f : faces) area += mesh.restArea(f);
-  return area;
+  double whole = 0.0;
+  for (FaceId f : faces) {
+    area += shareOf(mesh, f, spring) * mesh.restArea(f);
+    whole += mesh.restArea(f);
+  }
+  return area > 0.0 ? area : whole;
 }
 
 /// Identifies a spring by its support and its ends, each pair of vertices in one word and in
@@ -234,7 +281,7 @@ void SpringNetwork::deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId 
   edge.a = a;
   edge.b = b;
   edge.support = {a, b};
-  edge.direction = threadDirection(mesh.material(b) - mesh.material(a));
+  edge.direction = directionOf(mesh, a, b);
   const bool bias = edge.direction == ThreadDirection::kBias;
   edge.kind = bias ? SpringKind::kShear : SpringKind::kStructural;
   if (bias && !clothAt(mesh, a).selection.shear) return;
@@ -249,7 +296,7 @@ void SpringNetwork::deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId 
   const VertexId q = mesh.oppositeVertex(faces[1], a, b);
   across.a = std::min(p, q);
   across.b = std::max(p, q);
-  if (threadDirection(mesh.material(q) - mesh.material(p)) != ThreadDirection::kBias) return;
+  if (directionOf(mesh, p, q) != ThreadDirection::kBias) return;
   setConstants(mesh, on, across);
   sink(across);
 }
@@ -343,7 +390,8 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
     spring.stiffness = scale_ * constant * raw.fraction * perLength / spring.restLength;
     spring.damping = cloth.raw->dashpot * raw.fraction * raw.restLength / spring.restLength;
   } else {
-    spring.stiffness = scale_ * cloth.calibration.stiffness(spring, d, areaOf(mesh, on));
+    spring.stiffness =
+        scale_ * cloth.calibration.stiffness(spring, d, representedArea(mesh, on, spring));
     spring.damping = cloth.calibration.damping() * spring.stiffness;
   }
 }

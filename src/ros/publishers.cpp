@@ -33,6 +33,13 @@ MarkerStyle markerStyle(const NodeParameters& parameters) {
   return style;
 }
 
+/// All warnings, as one text.
+std::string joinTexts(const std::vector<ResultWarning>& warnings) {
+  std::string all;
+  for (const ResultWarning& warning : warnings) all += (all.empty() ? "" : "; ") + warning.text;
+  return all;
+}
+
 }  // namespace
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
@@ -153,16 +160,16 @@ void Publishers::tick() {
     sendSceneMarkers(observation);
   }
   sendSurfaces(observation, now);
-  warnOfShortfall(observation.snapshot->error);
+  logWarnings(observation.snapshot->warnings);
   diagnosed_ = observation;
   updater_.update();
 }
 
-/// Warns once from start or reset on if the error that the scene asks for is not kept.
-void Publishers::warnOfShortfall(const std::optional<ErrorEstimate>& error) {
-  const bool isShort = error && !error->sufficed;
-  if (isShort && !hasWarned_) ROS_WARN_STREAM(shortfallText(*error));
-  hasWarned_ = isShort;
+/// Writes each warning about the result to the log once, from start or reset on.
+void Publishers::logWarnings(const std::vector<ResultWarning>& warnings) {
+  for (const ResultWarning& warning : warningLog_.takeNew(warnings)) {
+    ROS_WARN_STREAM(warning.text);
+  }
 }
 
 /// Returns the stamp of a snapshot: its simulated time if this node publishes /clock, else now.
@@ -307,11 +314,8 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
   } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
     status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
-  } else if (snapshot.error && snapshot.error->asked > 0.0 &&
-             std::max(snapshot.error->strain, snapshot.error->position) > snapshot.error->asked) {
-    status.summary(DiagnosticStatus::WARN, "the estimated error exceeds solver.error");
   } else if (!snapshot.warnings.empty()) {
-    status.summary(DiagnosticStatus::WARN, snapshot.warnings.front());
+    status.summary(DiagnosticStatus::WARN, joinTexts(snapshot.warnings));
   } else {
     status.summary(DiagnosticStatus::OK, "running");
   }

@@ -18,6 +18,7 @@
 #include "obstacle_trackers.h"
 #include "parameters.h"
 #include "simulation_thread.h"
+#include "warning_log.h"
 
 namespace cloth_sim {
 
@@ -70,7 +71,7 @@ class Publishers {
   void sendMarkers(const Observation& observation);
   void sendSceneMarkers(const Observation& observation);
   void diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void warnOfShortfall(const std::optional<ErrorEstimate>& error);
+  void logWarnings(const std::vector<ResultWarning>& warnings);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
   double wantedFigures() const;
@@ -115,8 +116,8 @@ class Publishers {
   ros::Time sentTransforms_;
   int sentBroken_ = -1;  ///< number of broken springs sent last; -1: none yet
   std::uint64_t resetsSeen_ = 0;
-  Observation diagnosed_;   ///< the last observation
-  bool hasWarned_ = false;  ///< of an error that exceeds what the scene asks for
+  Observation diagnosed_;  ///< the last observation
+  WarningLog warningLog_;
 
   std::atomic<bool> stopping_{false};
   std::thread thread_;  // last: it uses everything above

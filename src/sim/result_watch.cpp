@@ -4,13 +4,28 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cloth_sim/contact/collider.h"
+
 namespace cloth_sim {
 namespace {
 
+bool isOfMembrane(const Spring& spring) {
+  return spring.exists() && traitsOf(spring.kind).isMembrane;
+}
+
 /// The springs whose strain is that of a fabric.
 bool counts(const Model& model, const Spring& spring) {
-  return spring.exists() && traitsOf(spring.kind).isMembrane &&
-         !model.springs.isRaw(model.mesh, spring.a);
+  return isOfMembrane(spring) && !model.springs.isRaw(model.mesh, spring.a);
+}
+
+/// Takes from a force on a particle what a contact can bear: its push along the normal, and of the
+/// rest what friction stops.
+void takeContact(const Vec3& normal, double friction, Vec3& force) {
+  const double push = -normal.dot(force);
+  if (push <= 0.0) return;
+  const Vec3 slip = force + push * normal;
+  const double size = slip.norm();
+  force = size <= friction * push ? Vec3::Zero() : Vec3((1.0 - friction * push / size) * slip);
 }
 
 /// Returns the force of everything but gravity and springs on the cloth, as the step reports it
@@ -39,6 +54,9 @@ constexpr std::array<Meaning, ResultWatch::kMeasures> kMeanings{{
     {"springs are stretched by ",
      " more than the forces on them explain, so the cloth is softer than its fabric: take more "
      "substeps or another method"},
+    {"forces on particles are out of balance by ",
+     " of the force that doubles the length of a spring, so the method does not follow the "
+     "springs: take more substeps or another method"},
     {"the method makes the cloth heavier by ",
      " times its mass, so it moves too slowly: take more substeps or another method"},
     {"steps end unsolved, with a residual of ",
@@ -63,13 +81,16 @@ void approach(double value, double weight, double& average) {
 void ResultWatch::observe(std::uint64_t step, const Model& model, const State& state,
                           const Controls& controls, const Contacts& contacts,
                           const StepReport& report) {
-  if (isFirst(state)) return begin(model, state);
-  if (step % kEvery != 0) return;
+  if (report.error && !report.error->sufficed) shortfall_ = report.error;
+  if (isFirst(state)) return begin(step, model, state);
+  if (step % kEvery != 0 && step > began_ + kAtFirst) return;
   const double dt = state.t - time_;
   const double weight = std::min(1.0, dt / kMemory);
   approach(report.addedMass, weight, addedMass_);
   approach(report.residual, weight, residual_);
-  note(Measure::kStrain, unexplainedStrain(model, state, controls, contacts, report, dt), state.t);
+  measureStrains(model, state, {controls, contacts, report, dt});
+  note(Measure::kStrain, std::max(excess_, softness_), state.t);
+  note(Measure::kImbalance, largestImbalance_, state.t);
   note(Measure::kAddedMass, addedMass_, state.t);
   note(Measure::kResidual, residual_, state.t);
   time_ = state.t;
@@ -81,27 +102,30 @@ void ResultWatch::note(Measure measure, double average, double time) {
   if (!since_[k] && average > kBounds[k]) since_[k] = time;
 }
 
-std::vector<std::string> ResultWatch::warnings() const {
-  std::vector<std::string> sentences;
+std::vector<ResultWarning> ResultWatch::warnings() const {
+  std::vector<ResultWarning> all;
+  const bool isStrained = since_[static_cast<std::size_t>(Measure::kStrain)].has_value();
   for (std::size_t k = 0; k < kMeasures; ++k) {
-    if (since_[k]) sentences.push_back(describe(kMeanings[k], *since_[k], largest_[k]));
+    const bool isSaid = isStrained && k == static_cast<std::size_t>(Measure::kImbalance);
+    if (since_[k] && !isSaid) all.push_back({k, describe(kMeanings[k], *since_[k], largest_[k])});
   }
-  return sentences;
+  if (shortfall_) all.push_back({kMeasures, shortfallText(*shortfall_)});
+  return all;
 }
 
-/// \param dt  since the last measurement [s].
-double ResultWatch::unexplainedStrain(const Model& model, const State& state,
-                                      const Controls& controls, const Contacts& contacts,
-                                      const StepReport& report, double dt) {
+void ResultWatch::measureStrains(const Model& model, const State& state,
+                                 const Surroundings& around) {
   std::fill(force_.begin(), force_.end(), Vec3f::Zero());
   std::fill(stiffness_.begin(), stiffness_.end(), 0.0f);
   addSprings(model, state);
-  const double inertia = addInertia(model, state, controls.gravity, dt);
-  ignoreTouched(controls, contacts);
-  const double weight = std::min(1.0, dt / kMemory);
-  const double force = inertia + outerForce(model, controls, contacts, report);
+  const double inertia = addInertia(model, state, around.controls.gravity, around.dt);
+  ignoreHeld(around.controls);
+  takeContacts(state, around.contacts);
+  const double weight = std::min(1.0, around.dt / kMemory);
+  const double force = inertia + outerForce(model, around.controls, around.contacts, around.report);
+  updateImbalance(weight);
   approach(findExcess(model, state, force), weight, excess_);
-  return std::max(excess_, updateImbalance(weight));
+  if (isSoft_) approach(findSoftness(model, state, around.report.substep), weight, softness_);
 }
 
 /// Whether there is no measurement of this cloth yet.
@@ -109,14 +133,15 @@ bool ResultWatch::isFirst(const State& state) const {
   return velocity_.size() != state.v.size() || revision_ != state.v.revision() || state.t <= time_;
 }
 
-void ResultWatch::begin(const Model& model, const State& state) {
+void ResultWatch::begin(std::uint64_t step, const Model& model, const State& state) {
   const auto count = static_cast<std::size_t>(model.particleCount());
   velocity_.resize(count);
   for (std::size_t k = 0; k < count; ++k) velocity_[k] = state.v.values()[k].cast<float>();
   force_.resize(count);
   imbalance_.assign(count, Vec3f::Zero());
   stiffness_.resize(count);
-  excess_ = addedMass_ = residual_ = 0.0;
+  excess_ = softness_ = addedMass_ = residual_ = 0.0;
+  began_ = step;
   revision_ = state.v.revision();
   time_ = state.t;
 }
@@ -130,8 +155,9 @@ void ResultWatch::addSprings(const Model& model, const State& state) {
     const double rate = d.dot(state.v[spring.b] - state.v[spring.a]) / length;
     const double tension = spring.stiffness * (length - spring.restLength) + spring.damping * rate;
     const Vec3f f = (tension / length * d).cast<float>();
-    const bool isCounted = counts(model, spring);
-    const auto stiffness = static_cast<float>(spring.stiffness * spring.restLength);
+    const bool isCounted = isOfMembrane(spring);
+    const auto stiffness =
+        static_cast<float>(spring.stiffness * std::max(length, spring.restLength));
     for (const VertexId v : {spring.a, spring.b}) {
       const auto k = static_cast<std::size_t>(v);
       force_[k] += v == spring.a ? f : Vec3f(-f);
@@ -157,26 +183,41 @@ double ResultWatch::addInertia(const Model& model, const State& state, const Vec
   return sum;
 }
 
-/// Ignores the particles on which something else acts.
-void ResultWatch::ignoreTouched(const Controls& controls, const Contacts& contacts) {
+/// Ignores the particles that somebody holds or pulls.
+void ResultWatch::ignoreHeld(const Controls& controls) {
   const auto ignore = [&](VertexId v) { stiffness_[static_cast<std::size_t>(v)] = 0.0f; };
   for (const KinematicTarget& target : controls.kinematic) ignore(target.vertex);
   for (const PointForce& point : controls.forces) ignore(point.vertex);
+}
+
+/// Takes from the forces on the particles beside obstacles what these can bear. Small forces, as
+/// nearly all are, stay as they are: to find normals costs time.
+void ResultWatch::takeContacts(const State& state, const Contacts& contacts) {
+  constexpr float kSmall = 0.01f;  // imbalance [-]
   for (const ContactCandidates& near : contacts.candidates) {
-    std::for_each(near.vertices.begin(), near.vertices.end(), ignore);
+    const Collider& collider = *near.collider;
+    const double friction =
+        collider.obstacle().friction.value_or(collider.properties()[near.cloth].friction);
+    for (const VertexId v : near.vertices) {
+      Vec3f& force = force_[static_cast<std::size_t>(v)];
+      if (force.norm() <= kSmall * stiffness_[static_cast<std::size_t>(v)]) continue;
+      Vec3 left = force.cast<double>();
+      takeContact(collider.normal(state.x[v], state.t), friction, left);
+      force = left.cast<float>();
+    }
   }
 }
 
+/// Averages the imbalance of every particle, and finds the largest one.
 /// \param weight  of this measurement in the average [-].
-/// \return the largest imbalance.
-double ResultWatch::updateImbalance(double weight) {
+void ResultWatch::updateImbalance(double weight) {
   float squared = 0.0f;
   for (std::size_t k = 0; k < imbalance_.size(); ++k) {
     const Vec3f now = stiffness_[k] > 0.0f ? Vec3f(force_[k] / stiffness_[k]) : Vec3f::Zero();
     imbalance_[k] += static_cast<float>(weight) * (now - imbalance_[k]);
     squared = std::max(squared, imbalance_[k].squaredNorm());
   }
-  return std::sqrt(static_cast<double>(squared));
+  largestImbalance_ = std::sqrt(static_cast<double>(squared));
 }
 
 /// Returns the largest strain of a spring beyond the one at which it bears `force` [-].
@@ -189,6 +230,21 @@ double ResultWatch::findExcess(const Model& model, const State& state, double fo
     excess = std::max(excess, extension / spring.restLength);
   }
   return excess;
+}
+
+/// Returns the largest strain of a spring by the softness of a method that projects it alone [-].
+/// \param h  length of a substep [s].
+double ResultWatch::findSoftness(const Model& model, const State& state, double h) const {
+  double softness = 0.0;
+  for (const Spring& spring : model.springs.slots()) {
+    if (!isOfMembrane(spring)) continue;
+    const double strain = (state.x[spring.b] - state.x[spring.a]).norm() / spring.restLength - 1.0;
+    if (strain <= softness) continue;
+    const double compliance = h * h * (1.0 / model.mass[spring.a] + 1.0 / model.mass[spring.b]);
+    const double s = spring.stiffness * compliance;
+    softness = std::max(softness, strain * s / (1.0 + s));
+  }
+  return softness;
 }
 
 }  // namespace cloth_sim

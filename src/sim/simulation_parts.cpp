@@ -14,6 +14,7 @@ SimulationParts::SimulationParts(Scene loaded)
       surgery(scene.surgery, scene.tearing, model),
       script(scene.phases),
       sleep(scene.solver.sleep),
+      watch(findSolver(scene.solver.method)),
       startHash(stateHash(model, state)) {
   controls.gravity = scene.gravity;
   controls.drag = scene.drag;

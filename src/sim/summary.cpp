@@ -161,6 +161,12 @@ void addCloth(const Simulation& simulation, Json& json) {
   json["rest_area_m2"] = number(model.mesh.totalRestArea());
 }
 
+Json warningsJson(const Simulation& simulation) {
+  Json list = Json::array();
+  for (const ResultWarning& warning : simulation.warnings()) list.push_back(warning.text);
+  return list;
+}
+
 void addRecord(const RunRecord& record, Json& json) {
   json["initial_mass_kg"] = number(record.initialMass);
   json["initial_rest_area_m2"] = number(record.initialRestArea);
@@ -186,7 +192,7 @@ std::string summaryJson(const Simulation& simulation, const RunRecord& record, d
   addScene(simulation.scene(), json);
   json["status"] = statusOf(simulation, interrupted);
   json["failure"] = simulation.failure();
-  json["warnings"] = simulation.warnings();
+  json["warnings"] = warningsJson(simulation);
   addCloth(simulation, json);
   addRecord(record, json);
   json["phases"] = phasesJson(simulation.script());

@@ -266,8 +266,8 @@ void writeSummary(const std::string& file, const std::string& text) {
 
 /// Writes a line for each doubt about the result.
 void reportWarnings(const Options& options, const Simulation& simulation) {
-  for (const std::string& warning : simulation.warnings()) {
-    std::cerr << "cloth_run: " << options.scene << ": warning: " << warning << std::endl;
+  for (const ResultWarning& warning : simulation.warnings()) {
+    std::cerr << "cloth_run: " << options.scene << ": warning: " << warning.text << std::endl;
   }
 }
 
@@ -289,11 +289,6 @@ int report(const Options& options, const Simulation& simulation) {
     return kSignalBase + caughtSignal;
   }
   return kDone;
-}
-
-/// Says on one line if the error that the scene asks for was not kept.
-void reportShortfall(const std::optional<ErrorEstimate>& error) {
-  if (error && !error->sufficed) std::cerr << "cloth_run: " << shortfallText(*error) << std::endl;
 }
 
 /// Writes the choice of `method: auto` on one line.
@@ -416,7 +411,6 @@ class Run {
     }
     const double wallTime = progress.wallTime();
     progress.finish(*simulation_);
-    reportShortfall(simulation_->lastReport().error);
     writeOutputs(wallTime);
     reportWarnings(options_, *simulation_);
     return outcome ? report(options_, *recording_, *outcome) : report(options_, *simulation_);

@@ -154,6 +154,16 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertNotEqual(summary['failure'], '')
         self.assertIn('failed', result.stderr.splitlines()[-1])
 
+    def test_warnings_are_on_one_line_each_and_in_the_summary(self):
+        scene = os.path.join(os.path.dirname(BENCH), 'doubtful.yaml')
+        result = self.run_cloth(scene, '--summary', '-', '--duration', '0.5')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        warnings = json.loads(result.stdout)['warnings']
+        self.assertEqual(len([w for w in warnings if 'does not keep solver.error' in w]), 1)
+        told = [line for line in result.stderr.splitlines() if ': warning: ' in line]
+        self.assertEqual([line.split(': warning: ')[1] for line in told], warnings)
+        self.assertEqual(result.stderr.count('solver.error'), 1)
+
     def test_bag(self):
         bag = self.path('run.bag')
         result = self.run_cloth(self.scene, '--bag', bag)

@@ -138,6 +138,8 @@ TEST(ErrorControl, SaysWhenTheBudgetDoesNotSuffice) {
   EXPECT_FALSE(error.sufficed);
   EXPECT_THAT(shortfallText(error),
               AllOf(HasSubstr("solver.budget (4 substeps)"), HasSubstr("0.002")));
+  ASSERT_EQ(simulation.warnings().size(), 1U);
+  EXPECT_EQ(simulation.warnings()[0].text, shortfallText(error));
   const auto summary = nlohmann::json::parse(summaryJson(simulation, RunRecord(), 1.0));
   EXPECT_EQ(summary.at("error_estimate").at("budget_sufficed"), false);
   EXPECT_EQ(summary.at("error_estimate").at("asked"), 0.002);

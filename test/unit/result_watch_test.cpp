@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cloth_sim/contact/collider.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
 #include "unit/core_support.h"
@@ -29,12 +30,12 @@ void stepFor(Simulation& simulation, int steps) {
 }
 
 /// Feeds reports to a watch over a cloth that falls freely.
-std::vector<std::string> warningsAfter(const StepReport& report, int steps) {
+std::vector<ResultWarning> warningsAfter(const StepReport& report, int steps) {
   const Model model = buildModel(clothOf(5, 5, 0.1));
   State state = flatState(model);
   const Controls controls;
   const double dt = 1.0 / 60.0;
-  ResultWatch watch;
+  ResultWatch watch(findSolver("line_xpbd"));
   for (int k = 1; k <= steps; ++k) {
     state.t += dt;
     for (Vec3& v : state.v) v += dt * controls.gravity;
@@ -48,28 +49,78 @@ TEST(ResultWatch, SaysThatAClothIsSofterThanItsFabric) {
   Simulation simulation(cornerHung("xpbd"));
   stepFor(simulation, 60);
   ASSERT_EQ(simulation.warnings().size(), 1U);
-  EXPECT_NE(simulation.warnings()[0].find("softer than its fabric"), std::string::npos);
+  EXPECT_NE(simulation.warnings()[0].text.find("softer than its fabric"), std::string::npos);
 }
 
 TEST(ResultWatch, SaysNothingOfAClothThatForcesExplain) {
   Simulation simulation(cornerHung("line_xpbd"));
   stepFor(simulation, 60);
-  EXPECT_TRUE(simulation.warnings().empty()) << simulation.warnings()[0];
+  EXPECT_TRUE(simulation.warnings().empty()) << simulation.warnings()[0].text;
 }
 
 TEST(ResultWatch, AveragesAddedMassAndResiduals) {
   StepReport report;
   report.addedMass = 0.5;
   EXPECT_TRUE(warningsAfter(report, 6).empty()) << "after one measurement";
-  const std::vector<std::string> heavy = warningsAfter(report, 60);
+  const std::vector<ResultWarning> heavy = warningsAfter(report, 60);
   ASSERT_EQ(heavy.size(), 1U);
-  EXPECT_NE(heavy[0].find("heavier by 0.5 times its mass"), std::string::npos) << heavy[0];
+  EXPECT_NE(heavy[0].text.find("heavier by 0.5 times its mass"), std::string::npos)
+      << heavy[0].text;
 
   report = StepReport();
   report.residual = 100.0;
-  const std::vector<std::string> unsolved = warningsAfter(report, 60);
+  const std::vector<ResultWarning> unsolved = warningsAfter(report, 60);
   ASSERT_EQ(unsolved.size(), 1U);
-  EXPECT_NE(unsolved[0].find("unsolved"), std::string::npos) << unsolved[0];
+  EXPECT_NE(unsolved[0].text.find("unsolved"), std::string::npos) << unsolved[0].text;
+}
+
+TEST(ResultWatch, SaysThatABudgetFellShort) {
+  StepReport report;
+  report.error = ErrorEstimate();
+  EXPECT_TRUE(warningsAfter(report, 2).empty());
+  report.error->sufficed = false;
+  report.error->budget = 7;
+  const std::vector<ResultWarning> warnings = warningsAfter(report, 2);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].about, ResultWatch::kMeasures);
+  EXPECT_EQ(warnings[0].text, shortfallText(*report.error));
+}
+
+/// Warnings about a flat strip of two faces whose ends are drawn together, over a table, and stay
+/// there. \param friction  of the table [-].
+std::vector<ResultWarning> warningsOnTable(double friction) {
+  const Model model = buildModel(clothOf(2, 2, 0.1));
+  State state = flatState(model);
+  for (Vec3& x : state.x) x.x() *= 0.5;
+  Obstacle table;
+  table.shape = PlaneShape();
+  table.friction = friction;
+  const Collider collider(table, 0.0);
+  Contacts contacts;
+  contacts.add(&collider).vertices = {0, 1, 2, 3};
+  ResultWatch watch(findSolver("line_xpbd"));
+  for (std::uint64_t k = 1; k <= 30; ++k) {
+    state.t += 1.0 / 60.0;
+    watch.observe(k, model, state, {}, contacts, {});
+  }
+  return watch.warnings();
+}
+
+TEST(ResultWatch, KnowsWhatAContactCanBear) {
+  const std::vector<ResultWarning> slippery = warningsOnTable(0.3);
+  ASSERT_EQ(slippery.size(), 1U);
+  EXPECT_NE(slippery[0].text.find("out of balance"), std::string::npos) << slippery[0].text;
+  // Any weight bears any force of springs at this friction.
+  EXPECT_TRUE(warningsOnTable(1e6).empty());
+}
+
+TEST(ResultWatch, SaysThatRawSpringsAreNotFollowed) {
+  Scene scene = cornerHung("pbd");
+  scene.cloths[0].raw = RawSprings{{1.0, 1.0, 0.0}, false, 0.0};
+  Simulation simulation(scene);
+  stepFor(simulation, 60);
+  ASSERT_EQ(simulation.warnings().size(), 1U);
+  EXPECT_NE(simulation.warnings()[0].text.find("out of balance"), std::string::npos);
 }
 
 TEST(ResultWatch, BeginsAnewAfterAReset) {

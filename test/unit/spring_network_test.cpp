@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "cloth_sim/cloth/state.h"
+#include "cloth_sim/sim/simulation.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {
@@ -195,6 +196,57 @@ TEST(SpringStiffness, DoesNotDependOnTheMeshWidth) {
     spec.springs.bend = false;
     EXPECT_NEAR(uniaxialStiffness(buildModel(spec), 0) / fabric.tensileWarp, 1.0,
                 kStiffnessTolerance);
+  }
+}
+
+// ---- after bisections ---------------------------------------------------------------------------
+
+/// A cloth of square cells, all of whose faces were bisected several times.
+Model bisectedPatch(bool bend, int generations) {
+  Scene scene;
+  scene.cloths[0] = clothOf(9, 9, 0.02, fabricPreset("cotton"));
+  scene.cloths[0].springs.bend = bend;
+  Simulation simulation(scene);
+  RefineMesh everywhere;
+  everywhere.request.path = {Vec3::Zero()};
+  everywhere.request.refinement = {1.0, generations, 0.0};
+  EXPECT_TRUE(simulation.apply(everywhere).success);
+  EXPECT_GE(simulation.model().mesh.faceCount(), (2 * 8 * 8) << generations);
+  return simulation.model();
+}
+
+/// Strains of a patch along warp, along weft, in both, and in shear.
+std::vector<Eigen::Matrix2d> patchStrains() {
+  const double e = 1e-4;
+  std::vector<Eigen::Matrix2d> all(4, Eigen::Matrix2d::Identity());
+  all[0](0, 0) += e;
+  all[1](1, 1) += e;
+  all[2] *= 1.0 + e;
+  all[3](0, 1) = all[3](1, 0) = 0.5 * e;
+  return all;
+}
+
+TEST(SpringStiffness, OfAMembraneIsKeptByBisections) {
+  const Model whole = bisectedPatch(false, 0);
+  for (int generations = 1; generations <= 6; ++generations) {
+    const Model parts = bisectedPatch(false, generations);
+    for (const Eigen::Matrix2d& f : patchStrains()) {
+      const double ratio = energyDensity(parts, f) / energyDensity(whole, f);
+      EXPECT_NEAR(ratio, 1.0, 1e-6) << generations << " bisections, strain\n" << f;
+    }
+  }
+}
+
+/// Bend springs of a border are missing, and so is what they would add in tension; the finer the
+/// springs, the more this is.
+TEST(SpringStiffness, WithBendSpringsIsKeptByBisections) {
+  const Model whole = bisectedPatch(true, 0);
+  for (int generations = 1; generations <= 6; ++generations) {
+    const Model parts = bisectedPatch(true, generations);
+    for (const Eigen::Matrix2d& f : patchStrains()) {
+      const double ratio = energyDensity(parts, f) / energyDensity(whole, f);
+      EXPECT_NEAR(ratio, 1.0, 0.01) << generations << " bisections, strain\n" << f;
+    }
   }
 }
 

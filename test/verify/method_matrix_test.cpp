@@ -3,8 +3,8 @@
 /// Each scene runs with its own method to a moment at which something happens. From that state,
 /// every method goes on for a third of a second at most, with its default settings, or with those
 /// of the scene if it is the scene's own; methods with a stability limit also with as many substeps
-/// as that asks for (`step_guard: subdivide`). Methods that cost much take fewer steps, three at
-/// least; warnings come after six to ten. The reference is line_xpbd with 200 substeps from
+/// as that asks for (`step_guard: subdivide`). Methods that cost much take fewer steps, six at
+/// least. The reference is line_xpbd with 200 substeps from
 /// the same state, which differs from Verlet at the stable step by less than a third of the bounds
 /// where nothing flutters.
 ///
@@ -45,7 +45,7 @@ constexpr double kSideBound = 0.03;
 constexpr double kWayBound = 0.2;
 
 constexpr int kMostSteps = 20;
-constexpr int kFewestSteps = 3;
+constexpr int kFewestSteps = 6;
 constexpr double kLongestRun = 0.5;  ///< of a pair of scene and method when recording [s]
 constexpr int kReferenceSubsteps = 200;
 

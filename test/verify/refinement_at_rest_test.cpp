@@ -16,8 +16,15 @@ using namespace verify_support;
 constexpr int kClothSide = 65;       ///< particles of a side
 constexpr double kAfterwards = 0.5;  ///< [s]
 
+/// How a cloth is computed, and how finely it is refined.
+struct HangingRun {
+  std::string method = "line_xpbd";
+  SolverParameters parameters{{"substeps", 20.0}};
+  int generations = 6;  ///< bisections of a face
+};
+
 /// A square metre of cotton that hangs in the plane y = 0, its upper edge at z = 0.
-Scene hangingScene(const std::string& method, bool fromEdge) {
+Scene hangingScene(const HangingRun& run, bool fromEdge) {
   Scene scene;
   ClothSpec& cloth = scene.cloths[0];
   cloth = clothOf(kClothSide, kClothSide, 1.0 / (kClothSide - 1), fabricPreset("cotton"));
@@ -27,9 +34,9 @@ Scene hangingScene(const std::string& method, bool fromEdge) {
     cloth.pins.push_back({column, kClothSide - 1});
   }
   scene.drag = 3.0;
-  scene.solver.method = method;
+  scene.solver.method = run.method;
   scene.solver.sleep.reset();
-  scene.solver.parameters = completeParameters(findSolver(method), {{"substeps", 20.0}});
+  scene.solver.parameters = completeParameters(findSolver(run.method), run.parameters);
   return scene;
 }
 
@@ -45,14 +52,14 @@ double largestStrainOf(const Simulation& simulation) {
   return maxStretch(simulation.model(), simulation.state()) - 1.0;
 }
 
-/// Six bisections of the faces within 2 cm of a stroke across the middle of the cloth.
-RefineNear aroundTheStroke(const Simulation& simulation) {
+/// Bisections of the faces within 2 cm of a stroke across the middle of the cloth.
+RefineNear aroundTheStroke(const Simulation& simulation, int generations) {
   const Grid& grid = *simulation.model().cloths[0].grid;
   RefineNear request;
   for (int column = 16; column <= 48; ++column) {
     request.path.push_back(simulation.state().x[grid.vertex(column, 32)]);
   }
-  request.refinement = {0.02, 6, 0.0};
+  request.refinement = {0.02, generations, 0.0};
   return request;
 }
 
@@ -74,8 +81,8 @@ double farthestMove(const std::vector<Vec3>& from, const State& to) {
 
 /// Refines a cloth that hangs at rest, and waits.
 /// \param settling  how long it hangs before [s].
-Disturbance disturb(const std::string& method, bool fromEdge, double settling) {
-  Simulation simulation(hangingScene(method, fromEdge));
+Disturbance disturb(const HangingRun& run, bool fromEdge, double settling) {
+  Simulation simulation(hangingScene(run, fromEdge));
   hangOn(simulation, settling);
   Disturbance result;
   const std::vector<Vec3> before = simulation.state().x.values();
@@ -84,8 +91,8 @@ Disturbance disturb(const std::string& method, bool fromEdge, double settling) {
   hangOn(simulation, kAfterwards);
   result.farthestWithout = farthestMove(before, simulation.state());
   simulation.load(saved);
-  EXPECT_TRUE(simulation.apply(RefineMesh{aroundTheStroke(simulation)}).success);
-  EXPECT_GT(simulation.model().particleCount(), 2 * kClothSide * kClothSide);
+  EXPECT_TRUE(simulation.apply(RefineMesh{aroundTheStroke(simulation, run.generations)}).success);
+  EXPECT_GT(simulation.model().particleCount(), kClothSide * kClothSide);
   while (simulation.time() < settling + kAfterwards - 1e-9) {
     simulation.step();
     result.farthest = std::max(result.farthest, farthestMove(before, simulation.state()));
@@ -99,23 +106,47 @@ Disturbance disturb(const std::string& method, bool fromEdge, double settling) {
   return result;
 }
 
-/// The bound that is asked for is a millimetre, and a strain that is raised by no more than a
-/// tenth. The first holds. The second cannot: between bisected and whole faces, the equilibrium
-/// itself has 2.7 times the strain (9.6e-4, with projective and implicit_euler), because faces
-/// after an odd number of bisections have one thread spring where others have two. And line_xpbd
-/// resolves edges of an eighth of a cell with 20 substeps up to a few hundredths of a strain only
-/// (0.04; less with more substeps).
-TEST(RefinementAtRest, MovesAClothThatHangsFromItsEdgeByLessThanAMillimetre) {
-  const Disturbance edge = disturb("line_xpbd", true, 2.0);
+/// Holds for all runs from the upper edge, whatever the substeps.
+void expectToStay(const Disturbance& edge) {
   EXPECT_LT(edge.farthestWithout, 1e-4) << "it was not at rest";
   EXPECT_LT(edge.farthest, 1e-3);
-  EXPECT_LT(edge.strainAfter, 0.1);
+}
+
+/// The bounds that are asked for are a millimetre, and a strain that is raised by no more than a
+/// tenth. The first holds; the second does not (docs/decisions/050-areas-of-bisected-faces.md):
+/// threads that end inside the cloth, at the border of what is refined, pull at particles which
+/// shear springs alone hold back, and there line_xpbd resolves edges of an eighth of a cell up to a
+/// few hundredths of a strain only.
+TEST(RefinementAtRest, MovesAClothThatHangsFromItsEdgeByLessThanAMillimetre) {
+  const Disturbance few = disturb({}, true, 2.0);
+  expectToStay(few);
+  EXPECT_LT(few.strainAfter, 0.06);
+  const Disturbance more = disturb({"line_xpbd", {{"substeps", 40.0}}}, true, 2.0);
+  expectToStay(more);
+  EXPECT_LT(more.strainAfter, 0.03);
+}
+
+TEST(RefinementAtRest, MovesAClothWithAnErrorOnItsLabelByLessThanAMillimetre) {
+  const Disturbance controlled = disturb({"line_xpbd", {{"error", 0.01}}}, true, 2.0);
+  expectToStay(controlled);
+  EXPECT_LT(controlled.strainAfter, 0.06);
+}
+
+/// A single bisection, and the equilibrium after six. There the strain at the stroke, half of that
+/// at the upper edge, can grow by a factor of 8 at most: the threads of whole cells that go on into
+/// what is refined represent an eighth of their width there.
+TEST(RefinementAtRest, StrainsAClothAsItsThreadsEnd) {
+  EXPECT_LT(disturb({"line_xpbd", {{"substeps", 20.0}}, 1}, true, 2.0).strainAfter, 1.2e-3);
+  const HangingRun equilibrium{"projective", {{"substeps", 4.0}, {"iterations", 40.0}}};
+  const Disturbance atRest = disturb(equilibrium, true, 2.0);
+  expectToStay(atRest);
+  EXPECT_LT(atRest.strainAfter, 4.4 * atRest.strainBefore);
 }
 
 /// From two corners the cloth is slack between its folds, and still creeps by about a millimetre in
 /// half a second when it is refined; the bound that is asked for is a millimetre.
 TEST(RefinementAtRest, MovesAClothThatHangsFromTwoCornersByAFewMillimetres) {
-  const Disturbance corners = disturb("line_xpbd", false, 3.0);
+  const Disturbance corners = disturb({}, false, 3.0);
   EXPECT_LT(corners.farthest, 4e-3);
   EXPECT_LT(corners.strainAfter, 1.1 * corners.strainBefore);
 }

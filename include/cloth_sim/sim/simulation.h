@@ -50,9 +50,9 @@ class Simulation {
   bool failed() const { return parts_.failed(); }
   /// Why it failed, in one sentence; "" if it has not.
   const std::string& failure() const { return parts_.failure; }
-  /// Doubts about the result although the simulation goes on: sentences, none at best.
-  /// They stay until a reset.
-  std::vector<std::string> warnings() const { return parts_.watch.warnings(); }
+  /// Doubts about the result although the simulation goes on; none at best. They stay until a
+  /// reset.
+  std::vector<ResultWarning> warnings() const { return parts_.watch.warnings(); }
   /// The measures behind the warnings.
   const ResultWatch& watch() const { return parts_.watch; }
   /// While the cloth sleeps, steps only let time go on; see docs/model.md.

@@ -10,6 +10,7 @@
 #include "cloth_sim/cloth/strain.h"
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/counts.h"
+#include "cloth_sim/sim/result_warning.h"
 #include "cloth_sim/solver/error_estimate.h"
 #include "cloth_sim/solver/step_guard.h"
 #include "cloth_sim/surgery/tearing.h"
@@ -102,9 +103,9 @@ struct Snapshot {
   std::optional<ErrorEstimate> error;  ///< after the last step; absent: the method estimates none
   GuardRecord guard;                   ///< interventions of the step guard
   bool failed = false;
-  std::string failure;                ///< why the simulation stopped; "" if it did not
-  std::vector<std::string> warnings;  ///< what is doubtful although it goes on
-  std::optional<Figures> figures;     ///< with Detail::kFigures
+  std::string failure;                  ///< why the simulation stopped; "" if it did not
+  std::vector<ResultWarning> warnings;  ///< what is doubtful although it goes on
+  std::optional<Figures> figures;       ///< with Detail::kFigures
 };
 
 }  // namespace cloth_sim

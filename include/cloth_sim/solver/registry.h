@@ -34,6 +34,9 @@ struct SolverInfo {
   /// Whether the cloth is as stiff as the fabric. If not, stiffness follows from the method's own
   /// parameters and the step, and a bending energy is refused.
   bool followsFabric = true;
+  /// Whether each spring is projected by itself, once in a substep of length h. A spring of tension
+  /// T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
+  bool projectsSpringsAlone = false;
   /// Stability limit: the largest omega h at which an undamped oscillator of angular frequency
   /// omega stays bounded in substeps of length h. Infinity: unconditionally stable; 0: never
   /// stable.

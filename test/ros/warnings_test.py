@@ -1,0 +1,42 @@
+#!/usr/bin/python3
+"""What a run has to say about its results: each warning once in the log, and in the diagnostics."""
+import os
+import sys
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rosgraph_msgs.msg import Log
+
+from cloth_sim import srv
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from polling import Listener, wait_until  # noqa: E402
+
+# Of the error control, and of the watch over results.
+WORDS = ['does not keep solver.error', 'softer than its fabric']
+
+
+class WarningsTest(unittest.TestCase):
+    def test_each_is_logged_once_and_diagnosed(self):
+        with Listener('/rosout', Log) as log, Listener('/diagnostics', DiagnosticArray) as diagnoses:
+            wait_until(lambda: log.subscriber.get_num_connections() > 1, 'the log of the node')
+            rospy.wait_for_service('/cloth/pause', 30.0)
+            self.assertTrue(rospy.ServiceProxy('/cloth/pause', srv.Pause)(False).success)
+
+            def diagnosed(message):
+                return any(status.level == DiagnosticStatus.WARN and
+                           all(words in status.message for words in WORDS)
+                           for status in message.status)
+            for _ in range(3):
+                diagnoses.messages.clear()
+                diagnoses.wait(diagnosed)
+            for words in WORDS:
+                told = [m for m in log.messages if words in m.msg and m.name == '/cloth']
+                self.assertEqual([m.level for m in told], [Log.WARN], words)
+
+
+if __name__ == '__main__':
+    rospy.init_node('warnings_test')
+    rostest.rosrun('cloth_sim', 'warnings', WarningsTest)
