@@ -215,7 +215,7 @@ void LineXpbd::begin(Substep& now) {
 
 void LineXpbd::finish(Substep& now) {
   findVelocities(now);
-  now.addedMass = inertia_.addedFraction(now.particles);
+  if (!now.controls.quasiStatic) now.addedMass = inertia_.addedFraction(now.particles);
   control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
 }
 

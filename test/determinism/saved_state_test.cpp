@@ -48,6 +48,7 @@ void disturb(Simulation& simulation) {
   const MovingPose hand{Pose{Vec3(0.0, 0.3, 0.1)}, Vec3(0.0, 0.4, 0.0), Vec3::Zero(), 0.2};
   EXPECT_TRUE(simulation.apply(GuideObstacle{"table", hand}).success);
   EXPECT_TRUE(simulation.apply(SetStiffness{1.1}).success);
+  EXPECT_TRUE(simulation.apply(SetQuasiStatic{true}).success);
   EXPECT_TRUE(simulation.apply(SetWind{Wind{Vec3(0.0, 1.0, 0.5), 1.2, 1.0}}).success);
   ClampSpec more;
   more.name = "more";

@@ -365,6 +365,7 @@ INSTANTIATE_TEST_SUITE_P(
               [](const Simulation&) {
                 return SetWind{Wind{Vec3(0.0, 0.1, 0.0), 1.2, 1.0}};
               }},
+        Touch{"quasi_static", [](const Simulation&) { return SetQuasiStatic{true}; }},
         Touch{"stiffness", [](const Simulation&) { return SetStiffness{1.1}; }},
         Touch{"tearing",
               [](const Simulation&) {

@@ -134,6 +134,17 @@ TEST(Tuning, AResetBringsBackTheScene) {
   EXPECT_EQ(simulation.model().springs[0].stiffness, before.stiffness);
 }
 
+TEST(Tuning, QuasiStaticMotionIsDeclaredBySceneAndCommandAndReset) {
+  Scene scene = hanging(1.0);
+  scene.quasiStatic = true;
+  Simulation simulation(scene);
+  EXPECT_TRUE(simulation.tuning().quasiStatic);
+  ASSERT_TRUE(simulation.apply(SetQuasiStatic{false}).success);
+  EXPECT_FALSE(simulation.tuning().quasiStatic);
+  ASSERT_TRUE(simulation.apply(Reset{}).success);
+  EXPECT_TRUE(simulation.tuning().quasiStatic);
+}
+
 TEST(Tuning, BadValuesAreRefusedAndChangeNothing) {
   Simulation simulation(hanging(1.0));
   for (const double scale : {0.0, -1.0, 1e9, static_cast<double>(NAN)}) {
