@@ -13,7 +13,7 @@ namespace {
 const AtSizeRow& rowOf(const std::vector<AtSizeRow>& rows, const std::string& method,
                        int substeps) {
   return *std::find_if(rows.begin(), rows.end(), [&](const AtSizeRow& row) {
-    return row.method == method && row.substeps == substeps;
+    return row.setting.method == method && row.setting.substeps == substeps;
   });
 }
 
@@ -22,20 +22,20 @@ TEST(AtSize, ErrorsFallWithSubstepsAndLinesAreStifferThanSingleSprings) {
   ASSERT_EQ(runs.size(), 2U);
   ASSERT_EQ(runs[0].scene, "swing");
   const std::vector<AtSizeRow> rows = runs[0].make();
-  EXPECT_LT(rows[0].position, 1e-4);
-  EXPECT_LT(rows[0].strain, 1e-4);
+  EXPECT_LT(rows[0].errors.position, 1e-4);
+  EXPECT_LT(rows[0].errors.strain, 1e-4);
   for (const AtSizeRow& row : rows) {
-    EXPECT_GT(row.cost, 0.0) << row.method;
+    EXPECT_GT(row.cost, 0.0) << row.setting.method;
     const bool isReference = &row == rows.data();
-    EXPECT_EQ(row.status, isReference ? "reference" : "ok") << row.method;
+    EXPECT_EQ(row.status, isReference ? "reference" : "ok") << row.setting.method;
   }
   const AtSizeRow& few = rowOf(rows, "line_xpbd", 10);
   const AtSizeRow& many = rowOf(rows, "line_xpbd", 40);
-  EXPECT_LT(many.position, 0.5 * few.position);
-  EXPECT_LT(many.energy, 0.5 * few.energy);
-  EXPECT_LT(few.strain, 0.1 * rowOf(rows, "xpbd", 10).strain);
-  EXPECT_GT(rowOf(rows, "projective", 1).position, 0.1) << "is right at rest only";
-  EXPECT_GT(few.estimatedPosition, 0.5 * few.position);
+  EXPECT_LT(many.errors.position, 0.5 * few.errors.position);
+  EXPECT_LT(many.errors.energy, 0.5 * few.errors.energy);
+  EXPECT_LT(few.errors.strain, 0.1 * rowOf(rows, "xpbd", 10).errors.strain);
+  EXPECT_GT(rowOf(rows, "projective", 1).errors.position, 0.1) << "is right at rest only";
+  EXPECT_GT(few.estimatedPosition, 0.5 * few.errors.position);
 }
 
 TEST(AtSize, TheTableHasAColumnForEachError) {
