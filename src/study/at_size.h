@@ -35,8 +35,14 @@ struct AtSizeRun {
   std::function<std::vector<AtSizeRow>()> make;
 };
 
-/// Returns the runs of every motion (motion.h) for each number of particles per side.
-std::vector<AtSizeRun> atSizeRuns(const std::vector<int>& particles);
+/// Names the motions that are measured at size.
+std::vector<std::string> atSizeScenes();
+
+/// Returns the runs of every motion (motion.h) for each number of particles per side. Above 128,
+/// only the swing runs, with few settings.
+/// \param only  names of motions; empty: all.
+std::vector<AtSizeRun> atSizeRuns(const std::vector<int>& particles,
+                                  const std::vector<std::string>& only = {});
 
 /// Writes rows as CSV.
 void writeAtSize(std::ostream& out, const std::vector<AtSizeRow>& rows);

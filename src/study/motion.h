@@ -12,7 +12,8 @@ namespace cloth_sim {
 struct Motion {
   std::string name;
   Scene scene;
-  double duration = 0.0;  ///< [s]
+  double duration = 0.0;     ///< [s]
+  bool endsAtRest = false;  ///< whether the shape at the end is that of a cloth at rest
 };
 
 /// Makes a motion with a number of particles per side.
@@ -22,6 +23,15 @@ using MotionMaker = Motion (*)(int particles);
 Motion edgeSwing(int particles);
 /// A cloth pinned at two corners, released horizontally, for 1.5 s.
 Motion cornerHang(int particles);
+/// A cloth that drops by 5 cm on a ball and drapes over it, in thick air, for 2 s.
+Motion ballDrop(int particles);
+/// A cloth that lies on a table with 40 % of its side beyond the edge, for 1 s.
+Motion tableEdge(int particles);
+/// A cloth that two clamps grasp by its corners, lift off the ground and shake, for 2 s.
+Motion shakenTowel(int particles);
+
+/// All of them.
+const std::vector<MotionMaker>& motionMakers();
 
 /// The energy that gravity releases when the cloth falls by half its side: the scale of errors [J].
 double energyScale(const Motion& motion);

@@ -8,6 +8,7 @@
 #include "cloth_sim/cloth/strain.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
+#include "drape_radius.h"
 #include "reference.h"
 #include "support/cpu_clock.h"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kReferenceMargin = 0.35;  ///< part of the longest stable step
 constexpr int kStepsPerSample = 3;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr MotionErrors kNoErrors{kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
 
 Scene withSetting(const Scene& scene, const MotionSetting& setting) {
   const SolverInfo& method = findSolver(setting.method);
@@ -71,6 +73,33 @@ double total(const Energies& energies) {
   return energies.kinetic + energies.elastic + energies.gravity;
 }
 
+/// Adds the differences at the times of the samples.
+void compareSamples(const Motion& motion, const MotionRecord& run, const MotionRecord& reference,
+                    MotionErrors& errors) {
+  double forces = 0.0, scale = 0.0;
+  for (std::size_t k = 0; k < reference.samples.size(); ++k) {
+    const MotionSample& a = run.samples[k];
+    const MotionSample& b = reference.samples[k];
+    errors.strain = std::max(errors.strain, std::abs(largest(a.strains) - largest(b.strains)));
+    errors.strain999 = std::max(errors.strain999, percentile999(a.strains, b.strains));
+    forces += (a.force - b.force).squaredNorm();
+    scale += b.force.squaredNorm();
+    errors.energy = std::max(errors.energy,
+                             std::abs(total(a.energies) - total(b.energies)) / energyScale(motion));
+  }
+  errors.force = scale > 0.0 ? std::sqrt(forces / scale) : kNan;
+}
+
+/// Adds the differences of the shapes at rest.
+void compareAtRest(const MotionRecord& run, const MotionRecord& reference, MotionErrors& errors) {
+  const MotionSample& a = run.samples.back();
+  const MotionSample& b = reference.samples.back();
+  errors.restStrain = std::abs(largest(a.strains) - largest(b.strains));
+  errors.restElastic = std::abs(a.energies.elastic / b.energies.elastic - 1.0);
+  errors.restRadius = std::abs(borderRadius(run.grid, run.trajectory.positions.back()) -
+                               borderRadius(reference.grid, reference.trajectory.positions.back()));
+}
+
 }  // namespace
 
 std::unique_ptr<MovingCloth> movingCloth(const Motion& motion, const MotionSetting& setting) {
@@ -81,7 +110,9 @@ MotionRun::MotionRun(const Motion& motion, std::unique_ptr<MovingCloth> cloth)
     : cloth_(std::move(cloth)),
       gravity_(motion.scene.gravity),
       dt_(motion.scene.solver.dt),
-      steps_(static_cast<int>(std::lround(motion.duration / dt_))) {}
+      steps_(static_cast<int>(std::lround(motion.duration / dt_))) {
+  record_.grid = *cloth_->model().cloths[0].grid;
+}
 
 bool MotionRun::advance() {
   const int next = std::min(steps_, done_ + kStepsPerSample);
@@ -116,22 +147,13 @@ MotionRecord recordMotion(const Motion& motion, const MotionSetting& setting) {
 
 MotionErrors compareMotions(const Motion& motion, const MotionRecord& run,
                             const MotionRecord& reference) {
-  if (!run.failure.empty()) return {kNan, kNan, kNan, kNan, kNan};
-  MotionErrors errors;
-  double forces = 0.0, scale = 0.0;
-  for (std::size_t k = 0; k < reference.samples.size(); ++k) {
-    const MotionSample& a = run.samples[k];
-    const MotionSample& b = reference.samples[k];
-    errors.strain = std::max(errors.strain, std::abs(largest(a.strains) - largest(b.strains)));
-    errors.strain999 = std::max(errors.strain999, percentile999(a.strains, b.strains));
-    forces += (a.force - b.force).squaredNorm();
-    scale += b.force.squaredNorm();
-    errors.energy = std::max(errors.energy,
-                             std::abs(total(a.energies) - total(b.energies)) / energyScale(motion));
-  }
+  MotionErrors errors = kNoErrors;
+  if (!run.failure.empty()) return errors;
   errors.position =
       trajectoryError(run.trajectory, reference.trajectory, longestSide(motion.scene.cloths));
-  errors.force = std::sqrt(forces / scale);
+  errors.strain = errors.strain999 = errors.energy = 0.0;
+  compareSamples(motion, run, reference, errors);
+  if (motion.endsAtRest) compareAtRest(run, reference, errors);
   return errors;
 }
 

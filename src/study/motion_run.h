@@ -45,6 +45,7 @@ struct MotionSample {
 
 /// What was recorded of a run.
 struct MotionRecord {
+  Grid grid;  ///< of the cloth
   Trajectory trajectory;
   std::vector<MotionSample> samples;  ///< at the times of the trajectory
   double cost = 0.0;                  ///< CPU time of the calling thread per step [s]
@@ -83,6 +84,10 @@ struct MotionErrors {
   double strain999 = 0.0;  ///< largest 99.9th percentile of the differences of springs [-]
   double force = 0.0;      ///< root mean square error of the holding force, over that force [-]
   double energy = 0.0;     ///< largest error of the mechanical energy, over the energy released [-]
+  // Of a cloth that comes to rest, at the end; NaN for others.
+  double restStrain = 0.0;   ///< difference of the largest strain [-]
+  double restElastic = 0.0;  ///< relative difference of the elastic energy [-]
+  double restRadius = 0.0;   ///< difference of the mean distance of the border from the z axis [m]
 };
 
 /// Compares a run with a reference. All errors of a run that failed are NaN.
