@@ -6,7 +6,7 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kThickAir = 4.0;  ///< drag that brings a drape to rest [1/s]
+constexpr double kThickAir = 4.0;  ///< drag that soon brings a cloth to rest [1/s]
 
 Scene cottonSquare(int particles) {
   Scene scene;
@@ -93,17 +93,18 @@ Motion tableEdge(int n) {
 }
 
 Motion shakenTowel(int n) {
-  Motion motion{"towel", cottonSquare(n), 2.0};
+  Motion motion{"towel", cottonSquare(n), 1.5};
   Scene& scene = motion.scene;
+  scene.drag = kThickAir;
   scene.cloths[0].pose.position.z() = 1e-3;
   scene.obstacles = {obstacle("ground", PlaneShape(), Vec3::Zero())};
   scene.clamps = {cornerClamp("left", scene.cloths[0], false),
                   cornerClamp("right", scene.cloths[0], true)};
   scene.phases = {moveBoth("grasp", Vec3::Zero(), 0.1),
-                  moveBoth("lift", Vec3(0.0, 0.0, 1.2), 0.9),
-                  moveBoth("back", Vec3(0.0, 0.2, 0.1), 0.25),
-                  moveBoth("forth", Vec3(0.0, -0.4, -0.2), 0.35),
-                  moveBoth("hold", Vec3(0.0, 0.2, 0.1), 0.4)};
+                  moveBoth("lift", Vec3(0.0, 0.0, 1.2), 0.8),
+                  moveBoth("back", Vec3(0.0, 0.1, 0.0), 0.2),
+                  moveBoth("forth", Vec3(0.0, -0.2, 0.0), 0.2),
+                  moveBoth("hold", Vec3(0.0, 0.1, 0.0), 0.2)};
   return motion;
 }
 

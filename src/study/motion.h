@@ -23,11 +23,13 @@ using MotionMaker = Motion (*)(int particles);
 Motion edgeSwing(int particles);
 /// A cloth pinned at two corners, released horizontally, for 1.5 s.
 Motion cornerHang(int particles);
-/// A cloth that drops by 5 cm on a ball and drapes over it, in thick air, for 2 s.
+/// A cloth that drops by 5 cm on a ball of radius 0.25 m and drapes over it, for 2 s, with a drag of
+/// 4 /s, which brings it to rest.
 Motion ballDrop(int particles);
 /// A cloth that lies on a table with 40 % of its side beyond the edge, for 1 s.
 Motion tableEdge(int particles);
-/// A cloth that two clamps grasp by its corners, lift off the ground and shake, for 2 s.
+/// A cloth that two clamps grasp by its corners, lift off the ground by 1.2 m and shake by 10 cm to
+/// both sides, for 1.5 s, with a drag of 4 /s. (With less, it folds in ways that nothing predicts.)
 Motion shakenTowel(int particles);
 
 /// All of them.

@@ -206,7 +206,7 @@ class Study {
   void planSizes() {
     std::vector<int> sizes = options_.sizes;
     if (sizes.empty()) sizes = {16, 32};
-    if (options_.sizes.empty() && !options_.quick) sizes.insert(sizes.end(), {64, 128});
+    if (options_.sizes.empty() && !options_.quick) sizes.insert(sizes.end(), {64, 128, 256});
     std::vector<AtSizeRun> runs = atSizeRuns(sizes, options_.only);
     std::stable_sort(runs.begin(), runs.end(), [](const AtSizeRun& a, const AtSizeRun& b) {
       return a.particles > b.particles;

@@ -78,7 +78,7 @@ void addStudyOptions(CLI::App& app, Options& options) {
       ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution, kAtSize}));
   app.add_option("--sizes", options.sizes,
                  "only these numbers of particles per side in at_size, a,b,... (default: 16, 32,\n"
-                 "64, 128; above 128 only the swing runs)")
+                 "64, 128, 256; above 128 only the swing runs)")
       ->delimiter(',')
       ->check(CLI::Range(8, 512));
   app.add_flag("!--no-charts", options.charts, "only the tables");
