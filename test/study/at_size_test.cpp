@@ -82,7 +82,7 @@ TEST(AtSize, ClampsLiftTheTowelOffTheGroundAndShakeIt) {
   const ClothSpec& cloth = motion.scene.cloths[0];
   const double weight = cloth.fabric.arealDensity * motion.scene.gravity.norm();
   EXPECT_GT(record.samples.back().force.norm(), 0.2 * weight);
-  EXPECT_LT(errorsOf(motion, {"line_xpbd", 40, 0, 0.0}, reference).position, 0.1);
+  EXPECT_LT(errorsOf(motion, {"line_xpbd", 40, 0, 0.0}, reference).position, 0.02);
 }
 
 TEST(AtSize, TheTableHasAColumnForEachError) {
