@@ -287,9 +287,10 @@ of three frames (`peer_bullet --motion FILE`; `bench/peer/motions.cpp`).
 %(motion)s
 ### At rest
 
-These tables compare cloth that has come to rest, and say nothing about motion: one substep of
-`projective` per frame damps so much that a cloth in motion is off by half its side
-([at_size.md](at_size.md), [limits.md](limits.md)).
+These tables compare cloth at the end of 5 s, when it hangs or lies, and say nothing about motion:
+one substep of `projective` per frame damps so much that a cloth in motion is off by half its side
+([at_size.md](at_size.md), [limits.md](limits.md)). `xpbd` and `line_xpbd` damp no more than the
+air does, so their cloth still sways (*m/s*).
 
 A cloth of 1 m and 0.2 kg, frames of 1/60 s for 5 s, one thread. *Column* says how much longer
 than at rest the worst column is at the end, *edge* is the longest edge over its rest length, and
