@@ -188,9 +188,8 @@ class BulletMotion final : public MovingCloth {
     const Grid& grid = *model_.cloths[0].grid;
     const auto at = [&](int i, int j) { return state_.x[grid.vertex(i, j)]; };
     const int last = grid.columns - 1;
-    btSoftBody& cloth =
-        world_.addPatch({at(0, 0), at(last, 0), at(0, last), at(last, last)}, grid.columns, 0,
-                        setting.bends);
+    btSoftBody& cloth = world_.addPatch({at(0, 0), at(last, 0), at(0, last), at(last, last)},
+                                        grid.columns, 0, setting.bends);
     for (VertexId v = 0; v < model_.particleCount(); ++v) {
       cloth.setMass(v, static_cast<btScalar>(model_.mass[v]));
     }

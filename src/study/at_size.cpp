@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kNoEstimate = std::numeric_limits<double>::quiet_NaN();
 
-constexpr int kMostForAll = 128;     ///< particles per side; above, only few runs are made
+constexpr int kMostForAll = 128;      ///< particles per side; above, only few runs are made
 constexpr int kMostForTouching = 64;  ///< above, no tr_bdf2 in contact, where it breaks
 
 std::vector<MotionSetting> fewSettings() {

@@ -76,8 +76,7 @@ Motion ballDrop(int n) {
   Motion motion{"drop", cottonSquare(n), 2.0, true};
   constexpr double kRadius = 0.25;
   motion.scene.cloths[0].pose.position.z() = 0.05;
-  motion.scene.obstacles = {
-      obstacle("ball", SphereShape{kRadius}, Vec3(0.0, 0.0, -kRadius))};
+  motion.scene.obstacles = {obstacle("ball", SphereShape{kRadius}, Vec3(0.0, 0.0, -kRadius))};
   motion.scene.drag = kThickAir;
   return motion;
 }
@@ -100,8 +99,7 @@ Motion shakenTowel(int n) {
   scene.obstacles = {obstacle("ground", PlaneShape(), Vec3::Zero())};
   scene.clamps = {cornerClamp("left", scene.cloths[0], false),
                   cornerClamp("right", scene.cloths[0], true)};
-  scene.phases = {moveBoth("grasp", Vec3::Zero(), 0.1),
-                  moveBoth("lift", Vec3(0.0, 0.0, 1.2), 0.8),
+  scene.phases = {moveBoth("grasp", Vec3::Zero(), 0.1), moveBoth("lift", Vec3(0.0, 0.0, 1.2), 0.8),
                   moveBoth("back", Vec3(0.0, 0.1, 0.0), 0.2),
                   moveBoth("forth", Vec3(0.0, -0.2, 0.0), 0.2),
                   moveBoth("hold", Vec3(0.0, 0.1, 0.0), 0.2)};

@@ -12,7 +12,7 @@ namespace cloth_sim {
 struct Motion {
   std::string name;
   Scene scene;
-  double duration = 0.0;     ///< [s]
+  double duration = 0.0;    ///< [s]
   bool endsAtRest = false;  ///< whether the shape at the end is that of a cloth at rest
 };
 
@@ -23,8 +23,8 @@ using MotionMaker = Motion (*)(int particles);
 Motion edgeSwing(int particles);
 /// A cloth pinned at two corners, released horizontally, for 1.5 s.
 Motion cornerHang(int particles);
-/// A cloth that drops by 5 cm on a ball of radius 0.25 m and drapes over it, for 2 s, with a drag of
-/// 4 /s, which brings it to rest.
+/// A cloth that drops by 5 cm on a ball of radius 0.25 m and drapes over it, for 2 s, with a drag
+/// of 4 /s, which brings it to rest.
 Motion ballDrop(int particles);
 /// A cloth that lies on a table with 40 % of its side beyond the edge, for 1 s.
 Motion tableEdge(int particles);

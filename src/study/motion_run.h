@@ -13,10 +13,10 @@ namespace cloth_sim {
 
 /// A method with its settings.
 struct MotionSetting {
-  std::string method;   ///< of the registry
-  int substeps = 0;     ///< per step; 0: chosen by `error`
-  int iterations = 0;   ///< 0: the method has no such parameter
-  double error = 0.0;   ///< solver.error; 0: fixed substeps
+  std::string method;  ///< of the registry
+  int substeps = 0;    ///< per step; 0: chosen by `error`
+  int iterations = 0;  ///< 0: the method has no such parameter
+  double error = 0.0;  ///< solver.error; 0: fixed substeps
 };
 
 /// A cloth that moves in steps of the scene.
@@ -38,8 +38,8 @@ std::unique_ptr<MovingCloth> movingCloth(const Motion& motion, const MotionSetti
 
 /// The cloth at one time, but for its positions.
 struct MotionSample {
-  std::vector<double> strains;    ///< of structural and shear springs [-]
-  Vec3 force = Vec3::Zero();      ///< on all holders [N]
+  std::vector<double> strains;  ///< of structural and shear springs [-]
+  Vec3 force = Vec3::Zero();    ///< on all holders [N]
   Energies energies;
 };
 

@@ -227,9 +227,8 @@ class Study {
     const auto place = [&scenes](const AtSizeRow& row) {
       return std::make_pair(std::find(scenes.begin(), scenes.end(), row.scene), row.particles);
     };
-    std::stable_sort(rows.begin(), rows.end(), [&](const AtSizeRow& a, const AtSizeRow& b) {
-      return place(a) < place(b);
-    });
+    std::stable_sort(rows.begin(), rows.end(),
+                     [&](const AtSizeRow& a, const AtSizeRow& b) { return place(a) < place(b); });
     writeTable(file("at_size.csv"), [&](auto& out) { writeAtSize(out, rows); });
   }
 
