@@ -6,7 +6,8 @@
 # BUILD is a build folder of the package (scripts/bench.sh makes one: .ws/build). The tables go to OUT
 # (default: docs/data/performance), the page to docs/performance.md. Without PARTs all are measured;
 # parts that are not measured stay as they are in OUT:
-#   hang, sphere  cloth_sim beside Bullet (ten minutes each)
+#   motion        errors and cost in motion, beside Bullet (eight minutes; to docs/data/study)
+#   hang, sphere  cloth_sim beside Bullet, at rest at the end (ten minutes each)
 #   parts         kernels, parts of a step, surgery and messages (eight minutes)
 #   turns         floors and whole scenes, in turns with what they are compared with (three minutes)
 #   steps         steps of every method (ten minutes; without the sizes that take minutes per step,
@@ -18,13 +19,13 @@
 set -euo pipefail
 
 case ${1:-} in
-  -h | --help | '') sed -n '2,17p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
+  -h | --help | '') sed -n '2,18p' "$0" | sed 's/^# \{0,1\}//' && exit $(($# == 0 ? 2 : 0)) ;;
 esac
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$1
 out=${2:-$root/docs/data/performance}
 parts=("${@:3}")
-[[ ${#parts[@]} -gt 0 ]] || parts=(hang sphere parts turns steps threads scale node)
+[[ ${#parts[@]} -gt 0 ]] || parts=(motion hang sphere parts turns steps threads scale node)
 mkdir -p "$out"
 [[ -s $out/machine.txt ]] ||
   { echo "error: $out/machine.txt: missing, expected a line on the machine" >&2; exit 2; }
@@ -48,6 +49,7 @@ run_bench() {
 
 for part in "${parts[@]}"; do
   case $part in
+    motion) taskset -c 0 "$peer" --motion "$root/docs/data/study/peer_motion.csv" > /dev/null ;;
     hang | sphere) taskset -c 0 "$peer" --scenes "$part" --json "$out/$part.json" ;;
     parts) run_bench "$out/parts.json" 0 '^(kernel|part|surgery|message|sleep)/' ;;
     turns) run_bench "$out/turns.json" 0 '^(floor|whole)/' ;;
@@ -56,7 +58,7 @@ for part in "${parts[@]}"; do
     threads) run_bench "$out/threads.json" all '^threads/' ;;
     scale) run_bench "$out/scale.json" 0 '^scale/.*/xpbd/' ;;
     node) "$root/bench/node_overhead" "$out/node.json" > /dev/null ;;
-    *) echo "error: unknown part '$part' (hang, sphere, parts, turns, steps, threads, scale, node)" >&2 && exit 2 ;;
+    *) echo "error: unknown part '$part' (motion, hang, sphere, parts, turns, steps, threads, scale, node)" >&2 && exit 2 ;;
   esac
 done
 /usr/bin/python3 "$root/bench/report.py" "$out" > "$out/page.part"

@@ -8,6 +8,15 @@ import textwrap
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 FIELD = os.path.join(HERE, 'field.json')
+STUDY = os.path.join(HERE, '..', 'docs', 'data', 'study')  # of peer_motion.csv
+sys.path.insert(0, os.path.join(HERE, '..', 'study'))
+
+from tables import errors_table, is_peer, percent, setting_of, significant  # noqa: E402
+from tables import markdown_table as table  # noqa: E402
+from tables import read as read_table  # noqa: E402
+
+MOTIONS = {'swing': 'A cloth swings from its edge, 0.8 s',
+           'hang': 'A cloth falls into two pinned corners, 1.5 s'}
 
 
 def read(folder, name):
@@ -16,11 +25,6 @@ def read(folder, name):
         return None
     with open(os.path.join(folder, name), encoding='utf-8') as file:
         return file.read().strip() if name.endswith('.txt') else json.load(file)
-
-
-def table(header, rows):
-    lines = ['| ' + ' | '.join(header) + ' |', '|' + '---|' * len(header)]
-    return '\n'.join(lines + ['| ' + ' | '.join(row) + ' |' for row in rows])
 
 
 def paragraph(text):
@@ -32,6 +36,46 @@ def described(measured, describe):
     return describe(measured) if measured else 'Not measured yet.'
 
 
+def is_no_worse(row, other):
+    return all(float(row[column]) <= float(other[column])
+               for column in ('position_error', 'strain_error'))
+
+
+def errors_of(row):
+    return '%s of the side, strain %s' % (percent(float(row['position_error'])),
+                                          significant(float(row['strain_error'])))
+
+
+def advantage(rows):
+    """The cost of the peer's settings whose errors are no smaller than the default's, in words."""
+    [default] = [row for row in rows if float(row['error']) > 0.0]
+    peer = [row for row in rows if is_peer(row)]
+    better = sum(is_no_worse(row, default) for row in peer)
+    worse = [row for row in peer if is_no_worse(default, row)]
+    text = ('%s of the %d settings of Bullet has errors of positions and strain as small as the '
+            'default of cloth_sim, %s (%s).' % (better or 'None', len(peer), setting_of(default),
+                                                errors_of(default)))
+    if not worse:
+        return text
+    best = min(worse, key=lambda row: float(row['position_error']))
+    least = min(worse, key=lambda row: float(row['ms_per_frame']))
+    times = [significant(float(row['ms_per_frame']) / float(default['ms_per_frame']))
+             for row in (best, least)]
+    return text + (' Of the %d that are worse in both, the most accurate, %s `%s` (%s), costs '
+                   '**%s times** as much, and the cheapest, %s `%s` (%s), %s times.' %
+                   (len(worse), best['method'], setting_of(best), errors_of(best), times[0],
+                    least['method'], setting_of(least), errors_of(least), times[1]))
+
+
+def motion(rows):
+    parts = []
+    for scene, title in MOTIONS.items():
+        of = [row for row in rows if row['scene'] == scene]
+        parts += ['#### %s, %s x %s\n' % (title, of[0]['particles'], of[0]['particles']),
+                  errors_table(of) + '\n', paragraph(advantage(of)) + '\n']
+    return '\n'.join(parts)
+
+
 def peers(comparisons):
     parts = []
     for one in comparisons:
@@ -39,12 +83,13 @@ def peers(comparisons):
                  '%.2f [%.2f, %.2f]' % (row['ms_per_frame'], row['ms_least'], row['ms_most']),
                  '%.2f %%' % (100.0 * row['column_stretch']), '%.3f' % row['worst_edge'],
                  '%.4f' % row['speed'], '%d' % row['fallen_through']] for row in one['rows']]
-        parts.append('### `%s`, %d x %d\n' % (one['scene'], one['particles'], one['particles']))
+        parts.append('#### `%s`, %d x %d\n' %
+                     (one['scene'], one['particles'], one['particles']))
         parts.append(table(['engine', 'setting', 'ms per frame [least, most]', 'column', 'edge',
                             'm/s', 'fallen through'], rows) + '\n')
         if 'ratio' in one:
-            parts.append(paragraph('Bullet with `%s` costs **%.1f times** as much as `%s`, which '
-                                   'stretches the cloth no more.' %
+            parts.append(paragraph('At rest, Bullet with `%s` costs %.1f times as much as `%s`, '
+                                   'which stretches the cloth no more.' %
                                    (one['peer'], one['ratio'], one['own'])) + '\n')
         else:
             parts.append(paragraph('No setting of one engine stretches the cloth as little as the '
@@ -227,12 +272,32 @@ are in [decisions](decisions/README.md), the experiments that lost in
 
 ## Beside a peer
 
+### In motion
+
+Both engines move the cloths of [at_size.md](at_size.md): cotton of 1 m and 0.1 kg, 128 x 128
+particles, the same masses, pins, gravity and drag, frames of 1/60 s, one thread. One run of
+Verlet, which follows the fabric with 0.35 of its longest stable step, is the reference of both;
+its row has the differences of a run with half as many substeps. Bullet is the soft body of Bullet
+3.24 at full stiffness, `substeps x iterations`, as its demos have it and without bending links;
+cotton strains by a thousandth here, so that the stiffest links are the nearest. Bullet has no
+force at fixed nodes; its force is what the momentum of its cloth lacks. All contenders take turns
+of three frames (`peer_bullet --motion FILE`; `bench/peer/motions.cpp`).
+[cloth_study.md](cloth_study.md) defines the errors.
+
+%(motion)s
+### At rest
+
+These tables compare cloth at the end of 5 s, when it hangs or lies, and say nothing about motion:
+one substep of `projective` per frame damps so much that a cloth in motion is off by half its side
+([at_size.md](at_size.md), [limits.md](limits.md)). `xpbd` and `line_xpbd` damp no more than the
+air does, so their cloth still sways (*m/s*).
+
 A cloth of 1 m and 0.2 kg, frames of 1/60 s for 5 s, one thread. *Column* says how much longer
 than at rest the worst column is at the end, *edge* is the longest edge over its rest length, and
 *m/s* is the speed of the fastest particle at the end. Bullet is the soft body of Bullet 3.24 with
 bending links and full stiffness; its setting is `substeps x iterations`. Tearing is enabled in
-cloth_sim. The run is divided into five parts, and in each part all contenders take turns
-(`bench/peer/peer_bullet.cpp`).
+cloth_sim, at a ratio that no spring reaches. The run is divided into five parts, and in each part
+all contenders take turns (`bench/peer/peer_bullet.cpp`).
 
 %(peers)s
 ## Other engines
@@ -299,6 +364,7 @@ Memory before the first step, in bytes per particle. *Model* has a mesh and spri
 
 %(scale)s''' % {'measured': paragraph('Measured by `bench/measure.sh BUILD` on %s.' %
                                       read(folder, 'machine.txt')),
+                'motion': described(read_table(STUDY, 'peer_motion.csv'), motion),
                 'peers': described((read(folder, 'hang.json') or []) +
                                    (read(folder, 'sphere.json') or []), peers),
                 'field': described(read(folder, 'hang.json'), field),

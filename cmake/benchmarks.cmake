@@ -32,7 +32,7 @@ if(BULLET_FOUND)
   add_executable(peer_bullet EXCLUDE_FROM_ALL ${peer_sources})
   cloth_sim_compile_options(peer_bullet)
   target_include_directories(peer_bullet SYSTEM PRIVATE ${BULLET_ROOT_DIR}/${BULLET_INCLUDE_DIR})
-  target_link_libraries(peer_bullet cloth_core BulletSoftBody BulletDynamics BulletCollision
+  target_link_libraries(peer_bullet cloth_study_core BulletSoftBody BulletDynamics BulletCollision
     LinearMath)
 else()
   cloth_sim_leave_out(bullet "Bullet was not found (Debian: libbullet-dev): peer_bullet is not built")

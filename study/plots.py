@@ -6,13 +6,14 @@ usage: plots.py DIR
 For every scene in DIR/work_precision.csv: DIR/work_precision_<scene>.svg and .png, error against CPU
 time per simulated second. Runs that failed stand in the strip above the chart, at what they cost.
 From DIR/stability_limits.csv: DIR/stability.svg and .png, from DIR/resolution.csv: DIR/resolution.svg
-and .png. Tables that are not there are left out.
+and .png. From DIR/at_size.csv and, if it is there, DIR/peer_motion.csv: DIR/at_size_<scene>_<size>.svg
+and .png and DIR/at_size_growth.svg and .png. Tables that are not there are left out.
 """
 import math
 import os
 import sys
 
-from tables import read
+from tables import ERRORS, is_peer, judged_by, read
 
 try:
     import matplotlib
@@ -253,80 +254,116 @@ def resolution_chart(folder, rows):
 
 # ---- errors and cost at the size that people run --------------------------------------------------
 
-ERRORS = {'position_error': 'positions, over the side', 'strain_error': 'largest strain',
-          'force_error': 'force at the pins, relative', 'energy_error': 'energy, of that released'}
+SCENES_AT_SIZE = {'swing': 'A cloth swings from its edge',
+                  'hang': 'A cloth falls into two pinned corners',
+                  'drop': 'A cloth drapes over a ball',
+                  'table': 'A cloth falls over the edge of a table',
+                  'towel': 'Two clamps lift a towel and shake it'}
 LEAST_ERROR = 1e-5  # smaller errors are drawn here
+GOALS = {'position_error': 'positions within 1 % of the side',
+         'strain_error': 'largest strain within 0.01'}
+GOAL = 0.01
+
+
+def line_of(row):
+    """The name of the line that a row belongs to: method, and how its substeps are chosen."""
+    return row['method'] + (' with solver.error' if float(row['error']) > 0.0 else '')
 
 
 def series(rows):
-    """The rows by what is drawn as one line: method, and how its substeps are chosen."""
+    """The rows by what is drawn as one line."""
     lines = {}
     for row in rows:
-        chosen = float(row['error']) > 0.0
-        lines.setdefault(row['method'] + (' with solver.error' if chosen else ''), []).append(row)
+        lines.setdefault(line_of(row), []).append(row)
     return lines
 
 
-def at_size_chart(folder, scene, particles, rows):
-    """Four errors against the cost of a frame."""
-    figure, panels = plt.subplots(2, 2, figsize=(9.6, 7.2), sharex=True)
+def draw_errors(axes, rows, column, styles):
+    """Draws an error against cost; methods that iterate have points without a line."""
+    for name, of in series(rows).items():
+        drawn = [row for row in of if math.isfinite(float(row[column]))]
+        is_line = len(unique(row['iterations'] for row in drawn)) == 1
+        axes.plot([float(row['ms_per_frame']) for row in drawn],
+                  [max(LEAST_ERROR, float(row[column])) for row in drawn], label=name,
+                  linestyle='-' if is_line else '', markersize=5, **styles(name))
+
+
+def at_size_chart(folder, scene, rows, styles):
+    """Up to four errors against the cost of a frame."""
     ok = [row for row in rows if row['status'] == 'ok']
     [reference] = [row for row in rows if row['status'] == 'reference']
-    for axes, (column, title) in zip(panels.flat, ERRORS.items()):
-        for k, (name, of) in enumerate(series(ok).items()):
-            axes.plot([float(row['ms_per_frame']) for row in of],
-                      [max(LEAST_ERROR, float(row[column])) for row in of],
-                      color=COLOURS[k], marker=MARKERS[k], label=name)
-        axes.axhspan(LEAST_ERROR / 2, max(LEAST_ERROR, float(reference[column])), color=GREY, alpha=0.2)
+    columns = judged_by(rows)
+    figure, panels = plt.subplots(2, 2, figsize=(10.4, 7.2), sharex=True)
+    for axes, column in zip(panels.flat, columns):
+        draw_errors(axes, ok, column, styles)
+        own = max(LEAST_ERROR, float(reference[column]))
+        axes.axhspan(LEAST_ERROR / 2, own, color='#999999', alpha=0.15, linewidth=0, zorder=0)
         axes.set_xscale('log')
         axes.set_yscale('log')
-        axes.set_title('error of ' + title, fontsize=10)
-    for axes in panels[1]:
+        axes.set_title('error of ' + ERRORS[column][0], fontsize=10, fontweight='normal')
+        axes.tick_params(labelbottom=True)
+    for axes in panels.flat[len(columns):]:
+        axes.set_visible(False)
+    for axes in panels.flat[max(0, len(columns) - 2):len(columns)]:
         axes.set_xlabel('CPU time of a frame of 1/60 s [ms]')
-    panels[0][0].legend(fontsize=8)
-    figure.suptitle(f'{scene}, {particles} × {particles}, cotton'
-                    ' (grey: the reference against one twice as coarse)')
+    figure.legend(*panels[0][0].get_legend_handles_labels(), loc='center left',
+                  bbox_to_anchor=(0.91, 0.5), fontsize=9)
+    particles = rows[0]['particles']
+    figure.suptitle(f'{SCENES_AT_SIZE.get(scene, scene)}, {particles} × {particles}, cotton'
+                    '  (grey: uncertainty of the reference)', x=0.125, ha='left',
+                    fontweight='bold', fontsize=12, y=0.95)
     save(figure, folder, f'at_size_{scene}_{particles}')
 
 
-def cost_at(rows, column, goal):
-    """The least cost of a method whose error meets the goal; None if no run does."""
-    costs = [float(row['ms_per_frame']) for row in rows if float(row[column]) <= goal]
-    return min(costs) if costs else None
+def cheapest(rows, column):
+    """The least cost at each size with which the error meets the goal, as (particles, cost)."""
+    points = []
+    for size in sorted({int(row['particles']) for row in rows}):
+        costs = [float(row['ms_per_frame']) for row in rows
+                 if int(row['particles']) == size and float(row[column]) <= GOAL]
+        points += [(size, min(costs))] if costs else []
+    return points
 
 
-def growth_chart(folder, rows):
-    """Cost to reach 1 % of the side and a strain error of 0.01, against particles."""
-    figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True)
-    ok = [row for row in rows if row['status'] == 'ok']
-    scenes = unique(row['scene'] for row in ok)
-    for axes, scene in zip(panels, scenes):
-        for k, name in enumerate(unique(row['method'] for row in ok)):
-            points = []
-            for size in unique(int(row['particles']) for row in ok):
-                of = [row for row in ok if row['scene'] == scene and row['method'] == name and
-                      int(row['particles']) == size and float(row['position_error']) <= 0.01]
-                cost = cost_at(of, 'strain_error', 0.01)
-                if cost is not None:
-                    points.append((size, cost))
-            if points:
-                axes.plot(*zip(*points), color=COLOURS[k], marker=MARKERS[k], label=name)
-        axes.set_xscale('log', base=2)
-        axes.set_yscale('log')
+def growth_chart(folder, rows, styles):
+    """Cost to reach 1 % of the side, or a strain error of 0.01, against particles."""
+    ok = [row for row in rows if row['status'] in ('ok', 'reference')]
+    scenes = [scene for scene in unique(row['scene'] for row in ok) if scene != 'drop']
+    figure, panels = plt.subplots(2, len(scenes), figsize=(2.9 * len(scenes), 6.4), sharex=True,
+                                  sharey=True, squeeze=False)
+    for line, (column, goal) in zip(panels, GOALS.items()):
+        for axes, scene in zip(line, scenes):
+            for name, of in series([row for row in ok if row['scene'] == scene]).items():
+                points = cheapest(of, column)
+                if points:
+                    axes.plot(*zip(*points), label=name, markersize=5, **styles(name))
+            axes.set_xscale('log', base=2)
+            axes.set_yscale('log')
+            axes.set_title(f'{scene}: {goal}', fontsize=8, fontweight='normal')
+    sizes = sorted({int(row['particles']) for row in ok})
+    for axes in panels[-1]:
+        axes.set_xticks(sizes)
+        axes.set_xticklabels(sizes)
         axes.set_xlabel('particles a side')
-        axes.set_title(scene)
-    panels[0].set_ylabel('CPU time of a frame [ms]')
-    panels[0].legend(fontsize=8)
-    figure.suptitle('Cost of 1 % of the side and a strain error of 0.01')
+    for line in panels:
+        line[0].set_ylabel('CPU time of a frame [ms]')
+    handles = {name: handle for axes in panels.flat
+               for handle, name in zip(*axes.get_legend_handles_labels())}
+    figure.legend(handles.values(), handles.keys(), loc='center left', bbox_to_anchor=(0.91, 0.5),
+                  fontsize=9)
+    figure.suptitle('Cost of an error of at most 0.01', x=0.125, ha='left', fontweight='bold',
+                    fontsize=12, y=0.96)
     save(figure, folder, 'at_size_growth')
 
 
-def at_size_charts(folder, rows):
+def at_size_charts(folder, rows, peers):
+    styles = Styles(unique(line_of(row) for row in rows + peers))
     for scene in unique(row['scene'] for row in rows):
-        largest = max(int(row['particles']) for row in rows)
-        at_size_chart(folder, scene, largest, [row for row in rows if row['scene'] == scene and
-                                               int(row['particles']) == largest])
-    growth_chart(folder, rows)
+        sizes = [int(row['particles']) for row in rows if row['scene'] == scene]
+        largest = max((size for size in sizes if size <= 128), default=max(sizes))
+        at_size_chart(folder, scene, [row for row in rows + peers if row['scene'] == scene and
+                                      int(row['particles']) == largest], styles)
+    growth_chart(folder, rows + peers, styles)
 
 
 def main(folder):
@@ -346,7 +383,8 @@ def main(folder):
         resolution_chart(folder, resolution)
     at_size = read(folder, 'at_size.csv')
     if at_size:
-        at_size_charts(folder, at_size)
+        peers = [row for row in read(folder, 'peer_motion.csv') if is_peer(row)]
+        at_size_charts(folder, at_size, peers)
 
 
 if __name__ == '__main__':

@@ -12,25 +12,12 @@ import os
 import re
 import sys
 
-from tables import read
+from tables import errors_table, is_peer, percent, read, significant
 
 
 def text_of(folder, name):
     with open(os.path.join(folder, name)) as file:
         return file.read().strip()
-
-
-def percent(value, digits=2):
-    """Formats a fraction with some significant digits: 0.00123 -> '0.12 %'."""
-    return f'{significant(100.0 * value, digits)} %'
-
-
-def significant(value, digits=2):
-    """Formats a number with some significant digits, without an exponent."""
-    if value == 0.0:
-        return '0'
-    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
-    return f'{value:.{decimals}f}'
 
 
 class Run(dict):
@@ -66,6 +53,8 @@ class Tables:
         self.front_rows = [Run(row, status='ok') for row in read(folder, 'pareto.csv')]
         self.limits = read(folder, 'stability_limits.csv')
         self.resolution = read(folder, 'resolution.csv')
+        self.at_size = read(folder, 'at_size.csv')
+        self.peers = [row for row in read(folder, 'peer_motion.csv') if is_peer(row)]
         self.scenes = list(dict.fromkeys(run['scene'] for run in self.runs))
 
     def of(self, scene, solver=None):
@@ -173,6 +162,27 @@ class Tables:
             if half:
                 return math.log2(half[0].error / fine.error)
         raise KeyError(f'{scene}: no two runs of {solver}')
+
+    def errors(self, scene, particles=128):
+        """The table of a scene of at_size, with the peer's rows at its end."""
+        return errors_table([row for row in self.at_size + self.peers
+                             if (row['scene'], int(row['particles'])) == (scene, particles)])
+
+    def at(self, scene, method, substeps=0, iterations=0, error=0.0, particles=128):
+        """A row of at_size, its numbers as numbers."""
+        for row in self.at_size + self.peers:
+            if (row['scene'], row['method'], int(row['particles']), int(row['substeps']),
+                    int(row['iterations']), float(row['error'])) == (
+                        scene, method, particles, substeps, iterations, error):
+                return {key: float(row[key]) for key in row
+                        if key not in ('scene', 'method', 'status')}
+        raise KeyError(f'{scene}: no run of {method}, {substeps} x {iterations}, {error}')
+
+    def reference(self, scene, particles=128):
+        """The row of the reference of a scene of at_size."""
+        [row] = [row for row in self.at_size if row['status'] == 'reference' and
+                 (row['scene'], int(row['particles'])) == (scene, particles)]
+        return {key: float(row[key]) for key in row if key not in ('scene', 'method', 'status')}
 
     def count(self, status=None):
         return sum(status in (None, run['status']) for run in self.runs)

@@ -17,8 +17,9 @@ std::string sceneOf(const Task& task) {
   if (!task.sphere) out << "  pins: [corner_01, corner_11]\n";
   out << "drag: 0.5\nsolver: {sleep: false, dt: " << task.frame
       << "}\nphases: [{name: all, timeout: 1000.0}]\n";
-  // Tearing is enabled in both scenes, with a limit far above the strains that occur.
-  out << "tearing: {enabled: true, ratio: 3.0}\n";
+  // Tearing is enabled, as it is where people cut and tear, at a ratio that no spring reaches: the
+  // first jerk stretches those beside the pins by 7 with few substeps of `xpbd`.
+  out << "tearing: {enabled: true, ratio: 1000.0}\n";
   if (task.sphere) {
     const Vec3& c = task.sphere->centre;
     out << "obstacles:\n  ground: {type: plane}\n  ball: {type: sphere, radius: "

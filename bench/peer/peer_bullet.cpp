@@ -13,6 +13,7 @@
 
 #include "cloth.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "motions.h"
 
 namespace cloth_sim::bench {
 namespace {
@@ -187,6 +188,14 @@ std::vector<Contender> settingsOfOurs() {
           own("line_xpbd", {"solver.error=0.01"})};
 }
 
+int measureMotion(const std::string& file, int particles) {
+  std::ofstream out(file);
+  writeAtSize(out, compareInMotion(particles));
+  out.close();
+  if (!out) throw std::runtime_error(file + ": cannot be written");
+  return 0;
+}
+
 }  // namespace
 }  // namespace cloth_sim::bench
 
@@ -198,6 +207,7 @@ int main(int argc, char** argv) {
   bool noPeer = false;
   std::vector<std::string> settings;
   std::string file;
+  std::string motion;
   std::vector<std::string> only = {"hang", "sphere"};
   CLI::App app{"Compares cloth_sim with Bullet's soft body: CPU time of a frame and stretch."};
   app.add_option("--particles", task.particles, "particles along each side")
@@ -212,9 +222,12 @@ int main(int argc, char** argv) {
   app.add_option("--ours", settings,
                  "settings of cloth_sim instead of the default ones, each \"METHOD KEY=VALUE...\"");
   app.add_option("--json", file, "also writes the rows to this file");
+  app.add_option("--motion", motion,
+                 "instead measures errors in motion beside a reference, and writes this CSV file");
   CLI11_PARSE(app, argc, argv);
   try {
     const cloth_sim::ThreadLimit oneThread(1);
+    if (!motion.empty()) return measureMotion(motion, task.particles);
     std::vector<Contender> ours;
     for (const std::string& text : settings) ours.push_back(ownSetting(text));
     if (ours.empty()) ours = settingsOfOurs();

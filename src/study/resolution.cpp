@@ -8,6 +8,7 @@
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/sim/simulation.h"
+#include "drape_radius.h"
 #include "reference.h"
 #include "support/cpu_clock.h"
 
@@ -81,16 +82,9 @@ Experiment drape(int n) {
   sphere.friction = 0.5;
   experiment.scene.obstacles = {sphere};
   experiment.scene.drag = kSettling;
-  experiment.measure = [n](const Simulation& simulation) {
+  experiment.measure = [](const Simulation& simulation) {
     const Grid& grid = *simulation.model().cloths[0].grid;
-    double sum = 0.0;
-    for (int k = 0; k + 1 < n; ++k) {
-      for (const VertexId v : {grid.vertex(k, 0), grid.vertex(n - 1, k), grid.vertex(k + 1, n - 1),
-                               grid.vertex(0, k + 1)}) {
-        sum += simulation.state().x[v].head<2>().norm();
-      }
-    }
-    return std::vector<double>{sum / (4.0 * (n - 1))};
+    return std::vector<double>{borderRadius(grid, simulation.state().x.values())};
   };
   return experiment;
 }

@@ -42,6 +42,7 @@ class Study {
         ladder_(options.quick ? quickLadder() : fullLadder()) {}
 
   void run() {
+    checkNames();
     // The longest first, so that no thread waits long for the last.
     if (options_.atSize) planSizes();
     if (options_.resolution) planResolutions();
@@ -78,6 +79,25 @@ class Study {
     progress_.remark(text);
   }
 
+  /// Refuses names that no part of this study knows.
+  void checkNames() const {
+    std::vector<std::string> known = studySceneNames();
+    if (options_.atSize) {
+      if (!options_.workPrecision) known.clear();
+      for (const std::string& name : atSizeScenes()) known.push_back(name);
+    }
+    for (const std::string& name : options_.only) {
+      if (std::find(known.begin(), known.end(), name) == known.end()) {
+        throw SceneError(name + ": no scene of the study (known: " + joinNames(known) + ")");
+      }
+    }
+  }
+
+  bool isAsked(const std::string& name) const {
+    const std::vector<std::string>& only = options_.only;
+    return only.empty() || std::find(only.begin(), only.end(), name) != only.end();
+  }
+
   std::string file(const std::string& name) const { return options_.out + "/" + name; }
 
   // ---- cost against error
@@ -110,20 +130,9 @@ class Study {
   }
 
   std::vector<std::string> sceneNames() const {
-    const std::vector<std::string>& known = studySceneNames();
-    const auto isAmong = [](const std::vector<std::string>& names, const std::string& name) {
-      return std::find(names.begin(), names.end(), name) != names.end();
-    };
-    for (const std::string& name : options_.only) {
-      if (!isAmong(known, name)) {
-        throw SceneError(name + ": no scene of the study (known: " + joinNames(known) + ")");
-      }
-    }
-    if (options_.only.empty()) return known;
-    std::vector<std::string> names;
-    for (const std::string& name : known) {
-      if (isAmong(options_.only, name)) names.push_back(name);
-    }
+    std::vector<std::string> names = studySceneNames();
+    const auto isLeftOut = [this](const std::string& name) { return !isAsked(name); };
+    names.erase(std::remove_if(names.begin(), names.end(), isLeftOut), names.end());
     return names;
   }
 
@@ -195,8 +204,10 @@ class Study {
   // ---- errors and cost at the size that people run
 
   void planSizes() {
-    std::vector<AtSizeRun> runs =
-        atSizeRuns(options_.quick ? std::vector<int>{16, 32} : std::vector<int>{16, 32, 64, 128});
+    std::vector<int> sizes = options_.sizes;
+    if (sizes.empty()) sizes = {16, 32};
+    if (options_.sizes.empty() && !options_.quick) sizes.insert(sizes.end(), {64, 128, 256});
+    std::vector<AtSizeRun> runs = atSizeRuns(sizes, options_.only);
     std::stable_sort(runs.begin(), runs.end(), [](const AtSizeRun& a, const AtSizeRun& b) {
       return a.particles > b.particles;
     });
@@ -212,9 +223,12 @@ class Study {
   void writeSizes() const {
     std::vector<AtSizeRow> rows;
     for (const auto& of : sizes_) rows.insert(rows.end(), of.begin(), of.end());
-    std::stable_sort(rows.begin(), rows.end(), [](const AtSizeRow& a, const AtSizeRow& b) {
-      return a.scene != b.scene ? a.scene > b.scene : a.particles < b.particles;
-    });
+    const std::vector<std::string> scenes = atSizeScenes();
+    const auto place = [&scenes](const AtSizeRow& row) {
+      return std::make_pair(std::find(scenes.begin(), scenes.end(), row.scene), row.particles);
+    };
+    std::stable_sort(rows.begin(), rows.end(),
+                     [&](const AtSizeRow& a, const AtSizeRow& b) { return place(a) < place(b); });
     writeTable(file("at_size.csv"), [&](auto& out) { writeAtSize(out, rows); });
   }
 

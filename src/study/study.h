@@ -13,11 +13,13 @@ struct StudyOptions {
   std::string scenes;             ///< folder of the study's scenes and their references
   std::string out;                ///< existing folder for the tables
   std::vector<std::string> only;  ///< names of scenes; empty: all
+  /// Particles per side in the part `atSize`; empty: 16 to 256, 16 and 32 with `quick`.
+  std::vector<int> sizes;
   // Parts of the study.
   bool workPrecision = true;
   bool stability = true;
   bool resolution = true;
-  bool atSize = false;  ///< takes ten minutes, two of them with `quick`
+  bool atSize = false;  ///< takes most of an hour, a minute with `quick`
   int jobs = 1;         ///< threads; each run is made and timed in one of them
 };
 

@@ -42,6 +42,7 @@ struct Options {
   int jobs = 1;
   std::string out;
   std::vector<std::string> scenes;
+  std::vector<int> sizes;  ///< particles per side of at_size; empty: the study's own
   std::vector<std::string> parts{kWorkPrecision, kStability, kResolution};
   std::string references;  ///< folder for new references; "": none
   std::string autoTable;   ///< file to write; "": none
@@ -75,6 +76,11 @@ void addStudyOptions(CLI::App& app, Options& options) {
                  "(default: the first three)")
       ->delimiter(',')
       ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution, kAtSize}));
+  app.add_option("--sizes", options.sizes,
+                 "only these numbers of particles per side in at_size, a,b,... (default: 16, 32,\n"
+                 "64, 128, 256; above 128 only the swing runs)")
+      ->delimiter(',')
+      ->check(CLI::Range(8, 512));
   app.add_flag("!--no-charts", options.charts, "only the tables");
   app.add_option(
       "--make-references", options.references,
@@ -291,6 +297,7 @@ int run(const Options& options) {
   study.scenes = packageFolder() / "config" / "study";
   study.out = options.out;
   study.only = options.scenes;
+  study.sizes = options.sizes;
   study.jobs = options.jobs;
   study.workPrecision = parts.count(kWorkPrecision) != 0;
   study.stability = parts.count(kStability) != 0;

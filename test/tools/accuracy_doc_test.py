@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""docs/accuracy.md agrees with the tables in docs/data/study. Needs no master."""
+"""docs/accuracy.md, at_size.md and performance.md agree with the tables in docs/data. Needs no
+master."""
 import os
 import shutil
 import subprocess
@@ -12,9 +13,9 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__
 DATA = os.path.join(ROOT, 'docs', 'data', 'study')
 
 
-def report(folder):
+def report(folder, template='accuracy.md.in'):
     return subprocess.run(['/usr/bin/python3', os.path.join(ROOT, 'study', 'report.py'),
-                           os.path.join(ROOT, 'study', 'accuracy.md.in'), folder],
+                           os.path.join(ROOT, 'study', template), folder],
                           capture_output=True, text=True)
 
 
@@ -24,6 +25,21 @@ class AccuracyDocTest(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         with open(os.path.join(ROOT, 'docs', 'accuracy.md')) as file:
             self.assertEqual(file.read(), result.stdout, 'run study/publish.sh docs/data/study')
+
+    def test_the_page_of_errors_at_size_is_made_of_the_tables(self):
+        result = report(DATA, 'at_size.md.in')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(ROOT, 'docs', 'at_size.md')) as file:
+            self.assertEqual(file.read(), result.stdout,
+                             'run study/publish_at_size.sh docs/data/study')
+
+    def test_the_comparison_with_bullet_is_made_of_the_tables(self):
+        folder = os.path.join(ROOT, 'docs', 'data', 'performance')
+        page = subprocess.run(['/usr/bin/python3', os.path.join(ROOT, 'bench', 'report.py'), folder],
+                              capture_output=True, text=True)
+        self.assertEqual(page.returncode, 0, page.stderr)
+        with open(os.path.join(ROOT, 'docs', 'performance.md')) as file:
+            self.assertEqual(file.read(), page.stdout, 'run bench/report.py docs/data/performance')
 
     def test_its_charts_are_there(self):
         for name in ('hang_swing', 'drape_sphere', 'stability', 'resolution'):

@@ -288,6 +288,22 @@ drag: 0.01
         self.assertLessEqual({row[2] for row in rows[1:]},
                              self.methods - {'pbd', 'explicit_euler'})
 
+    def test_errors_at_size_are_of_the_scenes_and_sizes_that_are_asked_for(self):
+        folder = self.path('at_size')
+        result = run_study('--parts', 'at_size', '--scenes', 'swing,drop', '--sizes', '8', '--out',
+                           folder)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(folder, 'at_size.csv'), newline='') as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual({(row['scene'], row['particles']) for row in rows},
+                         {('swing', '8'), ('drop', '8')})
+        for row in rows:
+            self.assertEqual(math.isfinite(float(row['rest_radius_error'])), row['scene'] == 'drop')
+        for name in ('at_size_swing_8', 'at_size_drop_8', 'at_size_growth'):
+            self.assertGreater(os.path.getsize(os.path.join(folder, name + '.png')), 10000, name)
+        self.refused('--out', folder, '--parts', 'at_size', '--scenes', 'no_such',
+                     says=['no_such', 'swing'])
+
     def test_help_says_what_it_does(self):
         result = run_study('--help')
         self.assertEqual(result.returncode, 0)
