@@ -41,8 +41,8 @@ Outcome pullWith(const std::string& solver, bool quasiStatic) {
     simulation.step();
   }
   EXPECT_EQ(simulation.script().status(), ScriptStatus::kDone) << simulation.failure();
-  const auto snapshot = simulation.snapshot();
-  return {simulation.clamps()[0].wrench().force.norm(), snapshot->figures.energies.elastic};
+  const auto snapshot = simulation.snapshot(Detail::kFigures);
+  return {simulation.clamps()[0].wrench().force.norm(), snapshot->figures->energies.elastic};
 }
 
 TEST(QuasiStatic, AStretchedClothBearsTheForceOfTheFabric) {
