@@ -82,8 +82,7 @@ class AddedInertia {
             followMotion(k, (p.x.at(k) - p.start.at(k)) / h, duration, fade);
         if (inverse_[k] == 0.0) continue;
         const double force = cancelled[k] / (h * h * inverse_[k]);
-        const double needed =
-            std::min(neededAt(k, cancelled[k], kTolerance), kMost * p.mass[k]);
+        const double needed = std::min(neededAt(k, cancelled[k], kTolerance), kMost * p.mass[k]);
         const double most = h > kCoarse
                                 ? kMost * p.mass[k]
                                 : p.mass[k] + kDrag * force / std::max(acceleration, kStill);

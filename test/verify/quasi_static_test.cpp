@@ -57,7 +57,8 @@ TEST(QuasiStatic, AStretchedClothBearsTheForceOfTheFabric) {
 }
 
 TEST(QuasiStatic, APhaseDeclaresItFromThereOn) {
-  const std::string yaml = std::string(kPull) + R"(  - {name: slow, quasi_static: true, timeout: 0.1}
+  const std::string yaml =
+      std::string(kPull) + R"(  - {name: slow, quasi_static: true, timeout: 0.1}
 )";
   Simulation simulation(parseScene(yaml, "pull"));
   EXPECT_FALSE(simulation.tuning().quasiStatic);

@@ -148,7 +148,7 @@ struct Scene {
   SurgerySettings surgery;                     ///< for all cloths
   SolverSpec solver;
   Vec3 gravity = Vec3(0.0, 0.0, -9.81);
-  double drag = 0.0;  ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
+  double drag = 0.0;         ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
   bool quasiStatic = false;  ///< accelerations are negligible: methods may add inertia
   std::optional<Wind> wind;
   std::vector<Obstacle> obstacles;

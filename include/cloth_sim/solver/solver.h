@@ -59,10 +59,10 @@ struct PointForce {
 
 /// Everything that acts on the cloth in a step except its own springs and contacts.
 struct Controls {
-  Vec3 gravity = Vec3(0.0, 0.0, -9.81);    ///< [m/s^2]
-  double drag = 0.0;                       ///< rate of linear air drag: dv/dt = -drag v [1/s]
-  bool quasiStatic = false;                ///< accelerations are negligible: methods may add inertia
-  std::optional<Wind> wind;                ///< if absent, no face is visited
+  Vec3 gravity = Vec3(0.0, 0.0, -9.81);  ///< [m/s^2]
+  double drag = 0.0;                     ///< rate of linear air drag: dv/dt = -drag v [1/s]
+  bool quasiStatic = false;              ///< accelerations are negligible: methods may add inertia
+  std::optional<Wind> wind;              ///< if absent, no face is visited
   std::vector<KinematicTarget> kinematic;  ///< ascending by vertex, unique
   std::vector<PointForce> forces;          ///< in any order
   std::vector<LengthLimit> limits;         ///< the step ends early where one is passed
