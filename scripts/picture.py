@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
 
-usage: picture.py BAG --out=PNG [--scene=SCENE.yaml] [--times=T,T,...] [--size=WxH]
+usage: picture.py BAG --out=PNG [--scene=SCENE.yaml] [--times=T,T,...] [--size=W[xH]]
                   [--view=AZIMUTH,ELEVATION]
 
 One panel per phase, at the phase's end (or one per time given with --times), and a last one with
@@ -11,6 +11,7 @@ be cloth_run's or one recorded from the node.
 """
 import argparse
 import math
+import os
 import sys
 
 import matplotlib
@@ -204,11 +205,23 @@ class SceneFile:
         if not path:
             return
         import yaml
-        with open(path) as file:
-            scene = yaml.safe_load(file) or {}
+        try:
+            with open(self._find(path)) as file:
+                scene = yaml.safe_load(file) or {}
+        except (OSError, yaml.YAMLError) as error:
+            sys.exit(f'error: --scene: {path}: {" ".join(str(error).split())}')
         self.obstacles = list((scene.get('obstacles') or {}).values())
         self.plates = {name: clamp.get('plate_size')
                        for name, clamp in (scene.get('clamps') or {}).items()}
+
+    @staticmethod
+    def _find(path):
+        """The file; a plain name is that of a scene in config/scenes."""
+        if os.path.exists(path) or os.path.basename(path) != path:
+            return path
+        here = os.path.dirname(os.path.realpath(__file__))
+        return os.path.join(here, '..', 'config', 'scenes',
+                            path if path.endswith('.yaml') else path + '.yaml')
 
     def solids(self, state):
         """[(triangles, colour)] at the time of a state."""
@@ -365,26 +378,51 @@ def plot_figures(axes, run):
             last = state.phase
 
 
+ASPECT = 460 / 560  # of a panel: height over width
+
+
+def panel_size(text):
+    """(width, height) [pixels] of WxH, or of a width alone."""
+    width, cross, height = text.partition('x')
+    size = int(width), int(height) if cross else round(ASPECT * int(width))
+    if min(size) < 16 or max(size) > 10000:
+        raise ValueError
+    return size
+
+
+def numbers(text):
+    """The numbers of a list with commas."""
+    return [float(part) for part in text.split(',')]
+
+
+def angles(text):
+    """(azimuth, elevation) [deg]."""
+    azimuth, elevation = numbers(text)
+    return azimuth, elevation
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('bag')
     parser.add_argument('--out', required=True, help='the PNG to write')
-    parser.add_argument('--scene', help='the scene file, for its obstacles and clamps')
-    parser.add_argument('--times', help='simulated times [s] instead of the ends of the phases')
-    parser.add_argument('--view', default='-62,24', help='azimuth,elevation of the eye [deg]')
-    parser.add_argument('--size', default='560x460', help='of one panel [pixels]')
+    parser.add_argument('--scene', help='the scene file, or the name of one in config/scenes, for '
+                        'its obstacles and clamps')
+    parser.add_argument('--times', type=numbers, help='simulated times [s] instead of the ends of the phases')
+    parser.add_argument('--view', type=angles, default='-62,24', help='azimuth,elevation of the eye [deg]')
+    parser.add_argument('--size', type=panel_size, default='560x460',
+                        help='WxH, or the width, of one panel [pixels]')
     args = parser.parse_args()
 
     run = Run(args.bag)
     if args.times:
-        moments = [('', run.state_at(float(time))) for time in args.times.split(',')]
+        moments = [('', run.state_at(time)) for time in args.times]
     else:
         moments = run.phase_ends()
     shapes = [run.shape(index) for _, index in moments]
     scene = SceneFile(args.scene)
 
-    azimuth, elevation = (float(part) for part in args.view.split(','))
-    width, height = (int(part) for part in args.size.split('x'))
+    azimuth, elevation = args.view
+    width, height = args.size
     everywhere = np.concatenate([points[::7] for points, _ in shapes])
     camera = Camera(everywhere, azimuth, elevation, width, height)
 

@@ -59,6 +59,20 @@ class PictureTest(unittest.TestCase):
         self.draw('--size', '120x100')
         self.draw('--size', '120x100', '--times', '0.45')
 
+    def test_a_panel_may_be_given_by_its_width(self):
+        picture = load_picture()
+        self.assertEqual(picture.panel_size('120x100'), (120, 100))
+        self.assertEqual(picture.panel_size('560'), (560, 460))
+
+    def test_bad_arguments_are_refused_in_a_line(self):
+        for arguments in (['--size', '900,700'], ['--size', '0'], ['--view', '1'],
+                          ['--times', 'end'], ['--scene', 'no_such_scene']):
+            result = subprocess.run([sys.executable, PICTURE, self.bag, '--out', self.image,
+                                     *arguments], capture_output=True, text=True, timeout=300)
+            self.assertNotEqual(result.returncode, 0, arguments)
+            self.assertNotIn('Traceback', result.stderr)
+            self.assertIn(arguments[0], result.stderr.splitlines()[-1])
+
     def test_the_strain_of_the_colours_is_that_of_the_figures(self):
         picture = load_picture()
         run = picture.Run(self.bag)
