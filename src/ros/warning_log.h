@@ -1,7 +1,9 @@
 #pragma once
 /// \file Tells which warnings about a result are new.
 
+#include <cstddef>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "cloth_sim/sim/result_warning.h"

@@ -86,7 +86,7 @@ void ResultWatch::observe(std::uint64_t step, const Model& model, const State& s
   if (step % kEvery != 0 && step > began_ + kAtFirst) return;
   const double dt = state.t - time_;
   const double weight = std::min(1.0, dt / kMemory);
-  approach(report.addedMass, weight, addedMass_);
+  approach(controls.quasiStatic ? 0.0 : report.addedMass, weight, addedMass_);
   approach(report.residual, weight, residual_);
   measureStrains(model, state, {controls, contacts, report, dt});
   note(Measure::kStrain, std::max(excess_, softness_), state.t);

@@ -214,7 +214,7 @@ void LineXpbd::begin(Substep& now) {
 
 void LineXpbd::finish(Substep& now) {
   findVelocities(now);
-  if (!now.controls.quasiStatic) now.addedMass = inertia_.addedFraction(now.particles);
+  now.addedMass = inertia_.addedFraction(now.particles);
   control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
 }
 

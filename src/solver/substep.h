@@ -25,7 +25,7 @@ struct Substep {
   bool isNewLayout = false;  ///< ... or other particles are kinematic
   int iterations = 0;        ///< of the method, over all substeps
   double residual = 0.0;     ///< of the last substep, as a mean acceleration [m/s^2]
-  double addedMass = 0.0;    ///< by which the method makes moving cloth heavier, over its mass [-]
+  double addedMass = 0.0;    ///< by which the method makes the cloth heavier, over its mass [-]
 
   /// Copies positions to `particles.start`.
   void markStart();

@@ -43,7 +43,7 @@ struct MotionSample {
   Energies energies;
 };
 
-/// What was recorded of a run.
+/// Record of a run.
 struct MotionRecord {
   Grid grid;  ///< of the cloth
   Trajectory trajectory;

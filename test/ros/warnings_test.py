@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a run has to say about its results: each warning once in the log, and in the diagnostics."""
+"""Warnings about the results of a run: each once in the log, and in the diagnostics."""
 import os
 import sys
 import unittest

@@ -1,5 +1,5 @@
 #pragma once
-/// \file What a simulation says about its own results.
+/// \file Warnings of a simulation about its own results.
 
 #include <cstddef>
 #include <string>

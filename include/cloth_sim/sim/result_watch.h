@@ -25,8 +25,9 @@ namespace cloth_sim {
 ///   mean acceleration, less what a contact can bear where an obstacle is near (a push along the
 ///   normal, and Coulomb's friction), over the stiffness times length of its stiffest spring. The
 ///   average is one of vectors, so that vibrations cancel.
-/// - Added mass [-] and residual [m/s^2] are those of the step report. So is a budget that does not
-///   keep the error that the scene asks for.
+/// - Added mass [-] and residual [m/s^2] are those of the step report; mass does not count while
+///   motion is declared to be quasi-static. A budget that does not keep the error that the scene
+///   asks for is of the report, too.
 ///
 /// It measures every step at first, then every few steps; it reads only, and keeps nothing in saved
 /// states: after one is loaded, the averages begin anew.
@@ -59,7 +60,7 @@ class ResultWatch {
   static constexpr std::uint64_t kAtFirst = 10;  ///< steps that are all measured after a beginning
   static constexpr double kMemory = 0.25;        ///< [s]
 
-  /// What a measurement sees, apart from the model and the state.
+  /// Input of a measurement besides the model and the state.
   struct Surroundings {
     const Controls& controls;
     const Contacts& contacts;
