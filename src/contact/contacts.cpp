@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cloth_sim/contact/collider.h"
+#include "cloth_sim/contact/layers.h"
 
 namespace cloth_sim {
 
@@ -49,9 +50,11 @@ void Contacts::splitByCloth(std::size_t cloths,
 }
 
 void Contacts::project(const ParticleView& particles, double time, double h) {
+  if (layers != nullptr) layers->project(particles, h);
   for (ContactCandidates& entry : candidates) {
     entry.collider->project(entry.vertices, particles, time, h, entry.impulse, entry.cloth);
   }
+  if (layers != nullptr) layers->certify(particles);
 }
 
 }  // namespace cloth_sim

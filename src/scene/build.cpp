@@ -185,6 +185,16 @@ std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, co
   return pins;
 }
 
+std::unique_ptr<LayerContact> buildLayers(const Scene& scene, const Model& model) {
+  if (!scene.selfContact) return nullptr;
+  std::vector<LayerProperties> byCloth;
+  for (const ClothSpec& cloth : scene.cloths) {
+    byCloth.push_back(
+        {cloth.fabric.thickness, scene.layerFriction.value_or(cloth.fabric.friction)});
+  }
+  return std::make_unique<LayerContact>(model, std::move(byCloth));
+}
+
 ColliderSet buildColliders(const Scene& scene) {
   std::vector<ContactProperties> properties;
   for (const ClothSpec& cloth : scene.cloths) {

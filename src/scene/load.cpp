@@ -53,6 +53,8 @@ const Section<Scene> kSceneSection{
      {"wind", [](const SceneNode& value, Scene& scene) { scene.wind = readWind(value); }},
      {"drag", &Scene::drag, kNotNegative},
      {"quasi_static", &Scene::quasiStatic},
+     {"self_contact", &Scene::selfContact},
+     {"layer_friction", &Scene::layerFriction, kNotNegative},
      {"obstacles",
       [](const SceneNode& value, Scene& scene) { readObstacles(value, scene.obstacles); }},
      {"clamps",

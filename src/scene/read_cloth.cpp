@@ -202,6 +202,7 @@ const Section<ClothSpec> kClothSection{
      {"random_offset", readRandomOffset},
      {"velocity", &ClothSpec::velocity},
      {"fabric", [](const SceneNode& value, ClothSpec& cloth) { cloth.fabric = readFabric(value); }},
+     {"thickness"},
      {"raw_springs",
       [](const SceneNode& value, ClothSpec& cloth) { cloth.raw = kRawSpringsSection.read(value); }},
      {"particle_mass", &ClothSpec::particleMass, kPositive},
@@ -216,6 +217,7 @@ void readCloth(const SceneNode& node, ClothSpec& cloth) {
   readGrid(node, cloth);
   readMesh(node, cloth);
   kClothSection.readKnown(node, cloth);
+  node.read("thickness", cloth.fabric.thickness, kPositive);
   selectSprings(node, cloth);
   if (const auto pins = node.find("pins")) readPins(*pins, cloth);
 }

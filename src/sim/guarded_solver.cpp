@@ -44,6 +44,8 @@ bool GuardedSolver::advance(const StepLength& length, const SteppedCloth& cloth)
 bool GuardedSolver::attempt(const StepLength& length, const SteppedCloth& cloth) {
   while (true) {
     cloth.obstacles.detect(cloth.model, cloth.state, length.left());
+    cloth.obstacles.contacts().layers = cloth.layers;
+    if (cloth.layers != nullptr) cloth.layers->beginStep();
     report_ =
         solver_->step(cloth.model, cloth.state, cloth.controls, cloth.obstacles.contacts(), length);
     if (!watch_.endedWell(cloth.model, cloth.state, report_.status)) return false;

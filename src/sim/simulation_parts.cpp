@@ -10,6 +10,7 @@ SimulationParts::SimulationParts(Scene loaded)
       state(initialState(scene.cloths, model, scene.seed)),
       holders(pinTargets(scene.cloths, model, state), scene.clamps),
       obstacles(buildColliders(scene)),
+      layers(buildLayers(scene, model)),
       solver(scene.solver, model, state),
       surgery(scene.surgery, scene.tearing, model),
       script(scene.phases),

@@ -74,6 +74,7 @@ class StateFormat {
   static Solver& solverOf(SimulationParts& parts) { return *parts.solver.solver_; }
   static void derive(SimulationParts& parts) {
     parts.surgery.pieces_ = connectedComponents(parts.model.mesh);
+    if (parts.layers) parts.layers->onModelChanged(parts.model);
   }
 
  private:

@@ -130,6 +130,18 @@ Json errorJson(const std::optional<ErrorEstimate>& error) {
           {"budget_sufficed", error->sufficed}};
 }
 
+/// Returns null if layers of cloth do not touch each other.
+Json contactJson(const std::optional<LayerReport>& layers) {
+  if (!layers) return nullptr;
+  const double moves = std::max<double>(1.0, static_cast<double>(layers->moves));
+  return {{"pairs", layers->pairs},
+          {"contacts", layers->contacts},
+          {"truncated", static_cast<double>(layers->truncated) / moves},
+          {"smallest_distance_m", number(layers->leastDistance)},
+          {"blocked", layers->blocked},
+          {"detections", layers->detections}};
+}
+
 Json energyJson(const Energies& energy) {
   return {{"kinetic", number(energy.kinetic)},
           {"elastic", number(energy.elastic)},
@@ -156,6 +168,7 @@ void addCloth(const Simulation& simulation, Json& json) {
   json["shortest_edge_m"] = number(shortestEdge(model.mesh));
   json["stable_step_s"] = number(stableStep(model));
   json["guard"] = guardJson(simulation);
+  json["contact"] = contactJson(simulation.layerReport());
   json["error_estimate"] = errorJson(simulation.lastReport().error);
   json["mass_kg"] = number(totalMass(model));
   json["rest_area_m2"] = number(model.mesh.totalRestArea());

@@ -85,6 +85,7 @@ void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth
   for (const FailureEvent& event : result.events) failures_.add(event);
   cloth.holders.applyChanges(result.changes.mesh);
   cloth.solver.onModelChanged(cloth.model, result.changes);
+  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
   tearing_.applyChanges(cloth.model, result.changes);
   pieces_ = connectedComponents(cloth.model.mesh);
   ++edits_;

@@ -68,9 +68,15 @@ void Substep::enforceContactVelocities() {
   });
 }
 
-/// Calls `visit(slot)` for every particle near an obstacle that is free to move.
+/// Calls `visit(slot)` for every particle that contacts may move and that is free to.
 template <typename Visit>
 void Substep::forFreeCandidates(const Visit& visit) const {
+  if (contacts.layers != nullptr) {
+    for (std::size_t k = 0; k < particles.mass.size(); ++k) {
+      if (particles.mass[k] > 0.0) visit(k);
+    }
+    return;
+  }
   for (const ContactCandidates& candidates : contacts.candidates) {
     for (const VertexId v : candidates.vertices) {
       const auto k = static_cast<std::size_t>(particles.slotOf[v]);

@@ -10,6 +10,7 @@
 namespace cloth_sim {
 
 class Collider;
+class LayerContact;
 
 /// Particles of a solver as structure of arrays. Each array is indexed by slot.
 struct ParticleView {
@@ -47,7 +48,10 @@ class Contacts {
   /// One entry for each pair of a cloth and a collider near it.
   std::vector<ContactCandidates> candidates;
 
-  bool empty() const { return candidates.empty(); }
+  /// Contact between layers of cloth; null if the scene has none. Then any particle may be moved.
+  LayerContact* layers = nullptr;
+
+  bool empty() const { return candidates.empty() && layers == nullptr; }
 
   /// Empties the list but keeps its buffers, so that later steps allocate nothing.
   void clear();
@@ -61,8 +65,9 @@ class Contacts {
   /// \param clothOf  returns the cloth of a vertex, less than `cloths`.
   void splitByCloth(std::size_t cloths, const std::function<std::size_t(VertexId)>& clothOf);
 
-  /// Moves particles out of the colliders and applies friction, as displacements at the end of a
-  /// substep of `h` [s], > 0, that ends at `time` [s]. The velocity follows as v = (x - start) / h.
+  /// Moves layers of cloth apart and particles out of the colliders, with friction, as
+  /// displacements at the end of a substep of `h` [s], > 0, that ends at `time` [s]; then shortens
+  /// motions that would make faces intersect. The velocity follows as v = (x - start) / h.
   ///
   /// Non-penetration is inelastic. Friction is Coulomb's cone on displacements: it stops the slip
   /// up to mu times the normal push, so a particle within the cone sticks exactly (Mueller et al.

@@ -1,6 +1,7 @@
 #pragma once
 /// \file Builds the parts of a simulation from a scene.
 
+#include "cloth_sim/contact/layers.h"
 #include "cloth_sim/scene/scene.h"
 
 namespace cloth_sim {
@@ -20,5 +21,7 @@ std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, co
 
 /// Returns the obstacles of the scene with the contact properties of its cloths.
 ColliderSet buildColliders(const Scene& scene);
+/// Returns the contact between the layers of the scene's cloths, or null if it has none.
+std::unique_ptr<LayerContact> buildLayers(const Scene& scene, const Model& model);
 
 }  // namespace cloth_sim

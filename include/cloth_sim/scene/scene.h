@@ -151,6 +151,8 @@ struct Scene {
   double drag = 0.0;         ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
   bool quasiStatic = false;  ///< accelerations are negligible: methods may add inertia
   std::optional<Wind> wind;
+  bool selfContact = false;             ///< layers of cloth touch each other
+  std::optional<double> layerFriction;  ///< between layers [-], >= 0; absent: the fabrics'
   std::vector<Obstacle> obstacles;
   std::vector<ClampSpec> clamps;
   TearingSettings tearing;

@@ -1,6 +1,7 @@
 #pragma once
 /// \file A time-stepping method with the checks around it that keep a bad step out of the state.
 
+#include "cloth_sim/contact/layers.h"
 #include "cloth_sim/sim/holders.h"
 #include "cloth_sim/sim/obstacles.h"
 #include "cloth_sim/sim/step_watch.h"
@@ -15,6 +16,7 @@ struct SteppedCloth {
   Controls& controls;
   Holders& holders;
   Obstacles& obstacles;
+  LayerContact* layers;  ///< null if layers of cloth do not touch
   Tearing& tearing;
 };
 

@@ -34,6 +34,10 @@ class Simulation {
   const std::vector<Clamp>& clamps() const { return parts_.holders.clamps(); }
   const ColliderSet& colliders() const { return parts_.obstacles.colliders(); }
   const Contacts& contacts() const { return parts_.obstacles.contacts(); }
+  /// Figures of the contact between layers of cloth in the last step; absent if the scene has none.
+  std::optional<LayerReport> layerReport() const {
+    return parts_.layers ? std::optional<LayerReport>(parts_.layers->report()) : std::nullopt;
+  }
   const PhaseScript& script() const { return parts_.script; }
   const StepReport& lastReport() const { return parts_.solver.report(); }
   const GuardRecord& guard() const { return parts_.solver.guard(); }

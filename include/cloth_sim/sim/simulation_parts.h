@@ -20,6 +20,7 @@ struct SimulationParts {
   Controls controls;  ///< gravity, air, and what holders do in the step
   Holders holders;
   Obstacles obstacles;
+  std::unique_ptr<LayerContact> layers;  ///< null if layers of cloth do not touch
   GuardedSolver solver;
   Surgery surgery;
   PhaseScript script;
@@ -42,9 +43,9 @@ struct SimulationParts {
   void shiftTime(double by);
 
   SteppedCloth steppedCloth() {
-    return {model, state, controls, holders, obstacles, surgery.tearing()};
+    return {model, state, controls, holders, obstacles, layers.get(), surgery.tearing()};
   }
-  EditedCloth editedCloth() { return {model, state, holders, solver}; }
+  EditedCloth editedCloth() { return {model, state, holders, solver, layers.get()}; }
 };
 
 }  // namespace cloth_sim

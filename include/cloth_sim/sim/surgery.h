@@ -13,6 +13,7 @@ struct EditedCloth {
   State& state;
   Holders& holders;
   GuardedSolver& solver;
+  LayerContact* layers;  ///< null if layers of cloth do not touch
 };
 
 /// Plans edits of the mesh, has surgery/operation.h carry them out, and brings everything that

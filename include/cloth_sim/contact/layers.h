@@ -1,0 +1,66 @@
+#pragma once
+/// \file Contact between layers of cloth: of one cloth with itself, and of several cloths.
+
+#include <memory>
+#include <vector>
+
+#include "cloth_sim/cloth/model.h"
+#include "cloth_sim/contact/contacts.h"
+
+namespace cloth_sim {
+
+/// Properties of a cloth that decide its contact with other layers.
+struct LayerProperties {
+  double thickness = 0.0;  ///< [m], > 0
+  double friction = 0.3;   ///< Coulomb coefficient between layers [-], >= 0
+};
+
+/// Figures of layer contact over one step.
+struct LayerReport {
+  int pairs = 0;                ///< pairs of faces near each other at the end
+  int contacts = 0;             ///< contacts that carried load in the last substep
+  int detections = 0;           ///< searches for pairs
+  std::int64_t truncated = 0;   ///< motions of vertices that were shortened, over all substeps
+  std::int64_t moves = 0;       ///< motions of vertices, over all substeps
+  std::int64_t unproven = 0;    ///< pairs that touched or intersected at the start of a substep
+  int blocked = 0;              ///< held vertices that stand short of their target at the end
+  /// Least distance of two layers in contact [m]; infinite without any.
+  double leastDistance = 0.0;
+};
+
+/// Keeps layers of cloth a thickness apart, with friction, and certifies that no two faces
+/// intersect at the end of any substep or on the way there.
+///
+/// Faces are searched for pairs near each other at the start of a step, and again when a vertex has
+/// left the box, or a face the ball of gradients, that the search allowed it (material_tree.h). In
+/// each substep pairs nearer than the thickness are projected apart (layer_contacts.h); at its end
+/// the motion of vertices is shortened where two faces would lose the plane between them
+/// (face_pairs.h). docs/layers.md has the proof.
+///
+/// It keeps no memory from one step to the next.
+class LayerContact {
+ public:
+  /// \param byCloth  properties by cloth.
+  LayerContact(const Model& model, std::vector<LayerProperties> byCloth);
+  ~LayerContact();
+  LayerContact(const LayerContact&) = delete;
+  LayerContact& operator=(const LayerContact&) = delete;
+
+  /// Follows an edit of the mesh.
+  void onModelChanged(const Model& model);
+  /// Prepares for a step.
+  void beginStep();
+  /// Moves layers apart, as displacements at the end of a substep of `h` [s].
+  void project(const ParticleView& particles, double h);
+  /// Shortens motions that would make faces intersect. Nothing may move particles afterwards in the
+  /// same substep.
+  void certify(const ParticleView& particles);
+
+  const LayerReport& report() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,242 @@
+#include "layer_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+/// Substeps after which closest points are found again.
+constexpr int kRefreshEvery = 4;
+/// Layers that are nearer than their thickness when a step begins, as after a cut, part at this
+/// speed [m/s].
+constexpr double kPartingSpeed = 5e-3;
+/// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
+constexpr double kParallel = 0.05;
+
+bool contains(const Face& face, VertexId v) {
+  return face[0] == v || face[1] == v || face[2] == v;
+}
+
+bool areAdjacent(const Face& a, const Face& b) {
+  return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
+}
+
+/// Inverse mass of a vertex [1/kg]; 0 if its motion is prescribed.
+double inverse(double mass) { return mass > 0.0 ? 1.0 / mass : 0.0; }
+
+}  // namespace
+
+void LayerContacts::build(const Model& model, const std::vector<LayerProperties>& byCloth) {
+  const TriangleMesh& mesh = model.mesh;
+  byCloth_ = byCloth;
+  faces_ = mesh.faces();
+  material_ = mesh.material();
+  firstFace_.resize(material_.size());
+  for (VertexId v = 0; v < mesh.vertexCount(); ++v) firstFace_[v] = *mesh.facesAround(v).begin();
+  clothOfFace_.resize(faces_.size());
+  edgeOwner_.resize(faces_.size());
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    const Face& face = faces_[f];
+    clothOfFace_[f] = static_cast<std::uint8_t>(model.clothOf(face[0]));
+    for (int k = 0; k < 3; ++k) {
+      const std::array<FaceId, 2> on = mesh.facesOnEdge(face[k], face[(k + 1) % 3]);
+      edgeOwner_[f][k] = on[1] == kNone ? on[0] : std::min(on[0], on[1]);
+    }
+  }
+  clear();
+}
+
+void LayerContacts::clear() {
+  candidates_.clear();
+  contacts_.clear();
+  sinceRefresh_ = 0;
+  active_ = 0;
+  least_ = std::numeric_limits<double>::infinity();
+}
+
+LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
+  const LayerProperties& a = byCloth_[clothOfFace_[f]];
+  const LayerProperties& b = byCloth_[clothOfFace_[g]];
+  return {0.5 * (a.thickness + b.thickness), 0.5 * (a.friction + b.friction)};
+}
+
+void LayerContacts::addVertexFace(VertexId p, FaceId face, const Layers& layers) {
+  const Face& corners = faces_[face];
+  if (contains(corners, p)) return;
+  Candidate candidate;
+  candidate.v = {p, corners[0], corners[1], corners[2]};
+  candidate.face = face;
+  candidate.thickness = layers.thickness;
+  candidate.friction = layers.friction;
+  candidates_.push_back(candidate);
+}
+
+/// A vertex takes part as a corner of its first face, an edge as a side of its first face; so no
+/// contact is listed twice.
+void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
+                           const std::vector<double>& allowance) {
+  clear();
+  const auto reachOf = [&](const Face& face) {
+    return std::max({allowance[face[0]], allowance[face[1]], allowance[face[2]]});
+  };
+  for (const FaceIds& ids : near) {
+    const FaceId f = ids.first;
+    const FaceId g = ids.second;
+    const Layers layers = layersOf(f, g);
+    for (const VertexId p : faces_[f]) {
+      if (firstFace_[p] == f) addVertexFace(p, g, layers);
+    }
+    for (const VertexId p : faces_[g]) {
+      if (firstFace_[p] == g) addVertexFace(p, f, layers);
+    }
+    for (int i = 0; i < 3; ++i) {
+      if (edgeOwner_[f][i] != f) continue;
+      const VertexId a0 = faces_[f][i];
+      const VertexId a1 = faces_[f][(i + 1) % 3];
+      for (int j = 0; j < 3; ++j) {
+        if (edgeOwner_[g][j] != g) continue;
+        const VertexId b0 = faces_[g][j];
+        const VertexId b1 = faces_[g][(j + 1) % 3];
+        if (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1) continue;
+        const SegmentPoints at = closestOnSegments(x[a0], x[a1], x[b0], x[b1]);
+        const Vec3 apart = x[a0] + at.s * (x[a1] - x[a0]) - x[b0] - at.t * (x[b1] - x[b0]);
+        const double reach = layers.thickness + reachOf(faces_[f]) + reachOf(faces_[g]);
+        if (apart.squaredNorm() > reach * reach) continue;
+        Candidate candidate;
+        candidate.v = {a0, a1, b0, b1};
+        candidate.areEdges = true;
+        candidate.thickness = layers.thickness;
+        candidate.friction = layers.friction;
+        candidates_.push_back(candidate);
+      }
+    }
+  }
+  const auto isBefore = [](const Candidate& a, const Candidate& b) {
+    if (a.areEdges != b.areEdges) return b.areEdges;
+    return a.v < b.v;
+  };
+  std::sort(candidates_.begin(), candidates_.end(), isBefore);
+  closest_.resize(candidates_.size());
+}
+
+/// Finds the closest points of a candidate. \return false if they cannot carry a contact.
+bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
+                         Closest& out) const {
+  const std::array<VertexId, 4>& v = candidate.v;
+  Contact& contact = out.contact;
+  contact.v = v;
+  contact.friction = candidate.friction;
+  if (candidate.areEdges) {
+    const Vec3 a = x[v[1]] - x[v[0]];
+    const Vec3 b = x[v[3]] - x[v[2]];
+    if (a.cross(b).squaredNorm() < kParallel * kParallel * a.squaredNorm() * b.squaredNorm()) {
+      return false;
+    }
+    const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
+    out.isInside = at.s > 0.0 && at.s < 1.0 && at.t > 0.0 && at.t < 1.0;
+    if (!out.isInside) return false;
+    contact.weight = {1.0 - at.s, at.s, at.t - 1.0, -at.t};
+  } else {
+    const std::array<double, 3> w = closestOnTriangle(x[v[0]], {x[v[1]], x[v[2]], x[v[3]]});
+    out.isInside = w[0] > 0.0 && w[1] > 0.0 && w[2] > 0.0;
+    contact.weight = {1.0, -w[0], -w[1], -w[2]};
+  }
+  Vec3 apart = Vec3::Zero();
+  Vec2 atRest = Vec2::Zero();
+  for (int k = 0; k < 4; ++k) {
+    apart += contact.weight[k] * x[v[k]];
+    atRest += contact.weight[k] * material_[v[k]];
+  }
+  out.apart = apart.norm();
+  if (!(out.apart > 0.0)) return false;
+  contact.normal = apart / out.apart;
+  // Points that are near each other in the cloth laid flat are not pushed apart.
+  contact.distance = std::min(candidate.thickness, 0.9 * atRest.norm());
+  return true;
+}
+
+/// Whether no face next to that of candidate `at` is closer to the same vertex.
+bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size_t at) const {
+  const Closest& self = closest_[at];
+  if (self.isInside) return true;
+  for (std::size_t other = first; other < last; ++other) {
+    if (other == at || closest_[other].apart < 0.0) continue;
+    const bool isCloser =
+        closest_[other].apart < self.apart ||
+        (closest_[other].apart == self.apart && candidates_[other].face < candidates_[at].face);
+    if (isCloser && areAdjacent(faces_[candidates_[other].face], faces_[candidates_[at].face])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Finds the closest points of all candidates, and of each vertex only the faces that are locally
+/// closest.
+void LayerContacts::refresh(const std::vector<Vec3>& x) {
+  constexpr double kNear = 4.0;  // thicknesses
+  contacts_.clear();
+  least_ = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    if (!find(candidates_[k], x, closest_[k])) closest_[k].apart = -1.0;
+  }
+  for (std::size_t first = 0; first < candidates_.size();) {
+    std::size_t last = first + 1;
+    const bool areEdges = candidates_[first].areEdges;
+    while (!areEdges && last < candidates_.size() && !candidates_[last].areEdges &&
+           candidates_[last].v[0] == candidates_[first].v[0]) {
+      ++last;
+    }
+    for (std::size_t k = first; k < last; ++k) {
+      const Closest& closest = closest_[k];
+      if (closest.apart < 0.0) continue;
+      if (!areEdges && !isClosestFace(first, last, k)) continue;
+      if (closest.contact.distance > 0.5 * candidates_[k].thickness) {
+        least_ = std::min(least_, closest.apart);
+      }
+      if (closest.apart > kNear * candidates_[k].thickness + 2e-3) continue;
+      contacts_.push_back(closest.contact);
+    }
+    first = last;
+  }
+}
+
+void LayerContacts::project(SubstepMotion motion, const std::vector<double>& mass, double h) {
+  if (candidates_.empty()) return;
+  if (sinceRefresh_++ % kRefreshEvery == 0) refresh(motion.start);
+  active_ = 0;
+  for (const Contact& contact : contacts_) projectOne(contact, motion, mass, h);
+}
+
+void LayerContacts::projectOne(const Contact& contact, SubstepMotion motion,
+                               const std::vector<double>& mass, double h) {
+  const std::array<VertexId, 4>& v = contact.v;
+  const std::array<double, 4>& w = contact.weight;
+  const Vec3& n = contact.normal;
+  Vec3 after = Vec3::Zero();
+  for (int k = 0; k < 4; ++k) after += w[k] * motion.end[v[k]];
+  const double gap = n.dot(after);
+  if (gap >= contact.distance) return;
+  Vec3 before = Vec3::Zero();
+  double inertia = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    before += w[k] * motion.start[v[k]];
+    inertia += w[k] * w[k] * inverse(mass[v[k]]);
+  }
+  if (!(inertia > 0.0)) return;
+  const double wanted = std::min(contact.distance, n.dot(before) + kPartingSpeed * h);
+  const double push = wanted - gap;
+  if (!(push > 0.0)) return;
+  ++active_;
+  Vec3 slip = after - before;
+  slip -= n.dot(slip) * n;
+  const double length = slip.norm();
+  const double stopped = contact.friction * push;
+  const Vec3 back = length <= stopped ? slip : Vec3(stopped / length * slip);
+  const Vec3 move = (push * n - back) / inertia;
+  for (int k = 0; k < 4; ++k) motion.end[v[k]] += w[k] * inverse(mass[v[k]]) * move;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,221 @@
+#include "cloth_sim/contact/layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "layer_contacts.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Substeps that a search for pairs allows for, at the speed of the present one.
+constexpr double kSubstepsAhead = 8.0;
+/// Motion that a search allows for at least [m].
+constexpr double kLeastAllowance = 2e-4;
+/// Change of a face's gradient that a search allows for at least [-].
+constexpr double kLeastTurn = 0.15;
+/// Most motion that a search allows for, unless a single substep takes more [m].
+constexpr double kMostAllowance = 5e-3;
+
+/// Share of the thickness below which layers do not get nearer where contact gives way.
+constexpr double kLeastShare = 0.1;
+
+}  // namespace
+
+class LayerContact::Impl {
+ public:
+  Impl(const Model& model, std::vector<LayerProperties> byCloth) : byCloth_(std::move(byCloth)) {
+    build(model);
+  }
+
+  void build(const Model& model);
+  void beginStep();
+  void project(const ParticleView& particles, double h);
+  void certify(const ParticleView& particles);
+
+  LayerReport report;
+
+ private:
+  void load(const ParticleView& particles);
+  void store(const ParticleView& particles) const;
+  bool isAllowed() const;
+  void search();
+  void allow();
+  Gradient gradient(FaceId f, const std::vector<Vec3>& x) const;
+
+  std::vector<LayerProperties> byCloth_;
+  std::vector<Face> faces_;
+  std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
+  std::vector<MaterialTree> trees_;           ///< by cloth
+  double margin_ = 0.0;                       ///< half of the largest thickness [m]
+  FacePairs pairs_;
+  LayerContacts contacts_;
+  bool isFresh_ = false;             ///< pairs are those of this step
+  std::vector<Vec3> start_, end_;    ///< of the substep, by vertex [m]
+  std::vector<double> mass_;         ///< by vertex [kg]; 0: prescribed motion
+  std::vector<Vec3> searched_;       ///< positions at the last search, by vertex [m]
+  std::vector<double> allowance_;    ///< motion that it allowed, by vertex [m]
+  std::vector<GradientBall> balls_;  ///< gradients that it allowed, by face
+  std::vector<Box> boxes_;           ///< by face
+  std::vector<FaceIds> near_;
+  std::vector<std::uint8_t> truncated_;  ///< by vertex
+};
+
+void LayerContact::Impl::build(const Model& model) {
+  faces_ = model.mesh.faces();
+  inverseRest_.resize(faces_.size());
+  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+    const Face& face = faces_[f];
+    Eigen::Matrix2d rest;
+    rest.col(0) = model.mesh.material(face[1]) - model.mesh.material(face[0]);
+    rest.col(1) = model.mesh.material(face[2]) - model.mesh.material(face[0]);
+    inverseRest_[f] = rest.inverse();
+  }
+  trees_.resize(model.cloths.size());
+  for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
+  margin_ = 0.0;
+  for (const LayerProperties& cloth : byCloth_) margin_ = std::max(margin_, 0.5 * cloth.thickness);
+  const auto vertices = static_cast<std::size_t>(model.particleCount());
+  for (auto* array : {&start_, &end_, &searched_}) array->resize(vertices);
+  mass_.resize(vertices);
+  allowance_.resize(vertices);
+  truncated_.resize(vertices);
+  balls_.resize(faces_.size());
+  boxes_.resize(faces_.size());
+  contacts_.build(model, byCloth_);
+  beginStep();
+}
+
+void LayerContact::Impl::beginStep() {
+  report = LayerReport();
+  isFresh_ = false;
+  pairs_.clear();
+  contacts_.clear();
+}
+
+void LayerContact::Impl::load(const ParticleView& particles) {
+  for (std::size_t v = 0; v < start_.size(); ++v) {
+    const auto k = static_cast<std::size_t>(particles.slotOf ? particles.slotOf[v]
+                                                             : static_cast<std::int32_t>(v));
+    start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
+    end_[v] = Vec3(particles.x[k], particles.y[k], particles.z[k]);
+    mass_[v] = particles.mass[k];
+  }
+}
+
+void LayerContact::Impl::store(const ParticleView& particles) const {
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    const auto k = static_cast<std::size_t>(particles.slotOf ? particles.slotOf[v]
+                                                             : static_cast<std::int32_t>(v));
+    particles.x[k] = end_[v].x();
+    particles.y[k] = end_[v].y();
+    particles.z[k] = end_[v].z();
+  }
+}
+
+Gradient LayerContact::Impl::gradient(FaceId f, const std::vector<Vec3>& x) const {
+  const Face& face = faces_[f];
+  Gradient edges;
+  edges.col(0) = x[face[1]] - x[face[0]];
+  edges.col(1) = x[face[2]] - x[face[0]];
+  return edges * inverseRest_[f];
+}
+
+/// Whether the end of the substep is within what the last search allowed.
+bool LayerContact::Impl::isAllowed() const {
+  if (!isFresh_) return false;
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    if ((end_[v] - searched_[v]).cwiseAbs().maxCoeff() > allowance_[v]) return false;
+  }
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const GradientBall& ball = balls_[f];
+    const Gradient now = gradient(static_cast<FaceId>(f), end_);
+    if ((now - ball.centre).squaredNorm() > ball.radius * ball.radius) return false;
+  }
+  return true;
+}
+
+/// Sets how far vertices and gradients may go until the next search: as in some substeps like this
+/// one, and in this one at least.
+void LayerContact::Impl::allow() {
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    const double moved = (end_[v] - start_[v]).cwiseAbs().maxCoeff();
+    const double ahead = std::min(kMostAllowance, kLeastAllowance + kSubstepsAhead * moved);
+    allowance_[v] = std::max(ahead, 1.5 * moved);
+  }
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    GradientBall& ball = balls_[f];
+    ball.centre = gradient(static_cast<FaceId>(f), start_);
+    const double turned = (gradient(static_cast<FaceId>(f), end_) - ball.centre).norm();
+    ball.radius = std::max(kLeastTurn, 1.5 * turned);
+    Box box;
+    double most = 0.0;
+    for (const VertexId v : faces_[f]) {
+      const Vec3 reach = Vec3::Constant(allowance_[v] + margin_);
+      box.add({start_[v] - reach, start_[v] + reach});
+      most = std::max(most, allowance_[v]);
+    }
+    boxes_[f] = box;
+  }
+}
+
+/// Finds the pairs of faces that may touch before the next search.
+void LayerContact::Impl::search() {
+  allow();
+  searched_ = start_;
+  near_.clear();
+  for (MaterialTree& tree : trees_) tree.refit(boxes_, balls_);
+  for (std::size_t a = 0; a < trees_.size(); ++a) {
+    trees_[a].collectOwn(boxes_, near_);
+    for (std::size_t b = a + 1; b < trees_.size(); ++b) {
+      MaterialTree::collectBetween(trees_[a], trees_[b], boxes_, near_);
+    }
+  }
+  pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
+  contacts_.assign(near_, start_, allowance_);
+  isFresh_ = true;
+  ++report.detections;
+}
+
+void LayerContact::Impl::project(const ParticleView& particles, double h) {
+  load(particles);
+  if (!isAllowed()) search();
+  if (pairs_.count() == 0) return;
+  contacts_.project({start_, end_}, mass_, h);
+  store(particles);
+}
+
+void LayerContact::Impl::certify(const ParticleView& particles) {
+  load(particles);
+  if (!isAllowed()) search();
+  report.moves += static_cast<std::int64_t>(end_.size());
+  report.pairs = static_cast<int>(pairs_.count());
+  report.contacts = contacts_.active();
+  report.leastDistance = contacts_.leastDistance();
+  if (pairs_.count() == 0) return;
+  std::fill(truncated_.begin(), truncated_.end(), 0);
+  const TruncationCount count = pairs_.keepApart({start_, end_}, truncated_);
+  report.truncated += count.vertices;
+  report.unproven += count.unproven;
+  if (count.vertices > 0) store(particles);
+}
+
+LayerContact::LayerContact(const Model& model, std::vector<LayerProperties> byCloth)
+    : impl_(std::make_unique<Impl>(model, std::move(byCloth))) {}
+
+LayerContact::~LayerContact() = default;
+
+void LayerContact::onModelChanged(const Model& model) { impl_->build(model); }
+
+void LayerContact::beginStep() { impl_->beginStep(); }
+
+void LayerContact::project(const ParticleView& particles, double h) {
+  impl_->project(particles, h);
+}
+
+void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
+
+const LayerReport& LayerContact::report() const { return impl_->report; }
+
+}  // namespace cloth_sim

@@ -1,0 +1,337 @@
+#include "material_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cloth_sim {
+namespace {
+
+/// Cells along the side of a bucket.
+constexpr double kCells = 2.0;
+/// Round-off of material coordinates, as a fraction of a bucket.
+constexpr double kRounding = 1e-9;
+
+struct MaterialBox {
+  Vec2 low = Vec2::Constant(1e300);
+  Vec2 high = Vec2::Constant(-1e300);
+
+  void add(const Vec2& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+};
+
+MaterialBox materialBox(const TriangleMesh& mesh, FaceId f) {
+  MaterialBox box;
+  for (const VertexId v : mesh.face(f)) box.add(mesh.material(v));
+  return box;
+}
+
+Vec2 centre(const TriangleMesh& mesh, FaceId f) {
+  const Face& face = mesh.face(f);
+  return (mesh.material(face[0]) + mesh.material(face[1]) + mesh.material(face[2])) / 3.0;
+}
+
+/// The smaller singular value of a gradient.
+double leastStretch(const Gradient& g) {
+  const double uu = g.col(0).squaredNorm();
+  const double vv = g.col(1).squaredNorm();
+  const double uv = g.col(0).dot(g.col(1));
+  const double square = 0.5 * (uu + vv - std::hypot(uu - vv, 2.0 * uv));
+  return square > 0.0 ? std::sqrt(square) : 0.0;
+}
+
+/// Turns lists of (bucket, face) into faces by bucket, ascending.
+void sortByBucket(std::vector<std::pair<std::int32_t, FaceId>>& entries, std::size_t buckets,
+                  std::vector<std::int32_t>& start, std::vector<FaceId>& faces) {
+  std::sort(entries.begin(), entries.end());
+  start.assign(buckets + 1, 0);
+  faces.clear();
+  for (const auto& [bucket, face] : entries) {
+    ++start[static_cast<std::size_t>(bucket) + 1];
+    faces.push_back(face);
+  }
+  for (std::size_t k = 0; k < buckets; ++k) start[k + 1] += start[k];
+}
+
+void addPair(FaceId a, FaceId b, std::vector<FaceIds>& out) {
+  out.push_back(a < b ? FaceIds{a, b} : FaceIds{b, a});
+}
+
+}  // namespace
+
+GradientBall GradientBall::unknown() {
+  GradientBall ball;
+  ball.radius = std::numeric_limits<double>::infinity();
+  return ball;
+}
+
+void GradientBall::add(const GradientBall& other) {
+  if (other.isEmpty()) return;
+  if (isEmpty()) {
+    *this = other;
+    return;
+  }
+  if (!std::isfinite(radius)) return;
+  if (!std::isfinite(other.radius)) {
+    *this = other;
+    return;
+  }
+  const double apart = (other.centre - centre).norm();
+  if (apart + other.radius <= radius) return;
+  if (apart + radius <= other.radius) {
+    *this = other;
+    return;
+  }
+  const double grown = 0.5 * (apart + radius + other.radius);
+  centre += (grown - radius) / apart * (other.centre - centre);
+  radius = grown;
+}
+
+bool GradientBall::provesInjective() const {
+  constexpr double kMargin = 1e-3;  // far above round-off
+  return !isEmpty() && std::isfinite(radius) && leastStretch(centre) > radius + kMargin;
+}
+
+void MaterialTree::build(const Model& model, std::size_t cloth) {
+  faces_.clear();
+  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+    if (model.clothOf(model.mesh.face(f)[0]) == cloth) faces_.push_back(f);
+  }
+  levels_.clear();
+  if (faces_.empty()) return;
+  const std::optional<Grid>& grid = model.cloths[cloth].grid;
+  MaterialBox all;
+  double area = 0.0;
+  for (const FaceId f : faces_) {
+    for (const VertexId v : model.mesh.face(f)) all.add(model.mesh.material(v));
+    area += model.mesh.restArea(f);
+  }
+  origin_ = all.low;
+  const double cell = std::sqrt(2.0 * area / static_cast<double>(faces_.size()));
+  size_ = kCells * (grid ? Vec2(grid->spacingU(), grid->spacingV()) : Vec2(cell, cell));
+  const Vec2 extent = all.high - all.low;
+  constexpr double kMostBuckets = 2048.0;  // along a side
+  size_ = size_.cwiseMax(extent / kMostBuckets);
+  Level buckets;
+  buckets.columns = std::max(1, static_cast<int>(std::ceil(extent.x() / size_.x() - kRounding)));
+  buckets.rows = std::max(1, static_cast<int>(std::ceil(extent.y() / size_.y() - kRounding)));
+  levels_.push_back(buckets);
+  while (levels_.back().columns > 1 || levels_.back().rows > 1) {
+    Level next;
+    next.columns = (levels_.back().columns + 1) / 2;
+    next.rows = (levels_.back().rows + 1) / 2;
+    levels_.push_back(next);
+  }
+  for (Level& level : levels_) {
+    const std::size_t nodes = static_cast<std::size_t>(level.columns) * level.rows;
+    level.boxes.resize(nodes);
+    level.balls.resize(nodes);
+  }
+  placeFaces(model);
+  findContributions(model);
+  blockOpenBorders(model);
+}
+
+/// The first and last column and the first and last row of the buckets that a box reaches.
+/// \param tolerance  by which the box grows; shrinks, if negative [m].
+std::array<int, 4> MaterialTree::bucketsNear(const Vec2& low, const Vec2& high,
+                                             double tolerance) const {
+  const auto index = [](double at, int count) {
+    return std::min(std::max(static_cast<int>(std::floor(at)), 0), count - 1);
+  };
+  const Vec2 from = (low - origin_ - Vec2::Constant(tolerance)).cwiseQuotient(size_);
+  const Vec2 to = (high - origin_ + Vec2::Constant(tolerance)).cwiseQuotient(size_);
+  const Level& buckets = levels_.front();
+  return {index(from.x(), buckets.columns), index(to.x(), buckets.columns),
+          index(from.y(), buckets.rows), index(to.y(), buckets.rows)};
+}
+
+void MaterialTree::placeFaces(const Model& model) {
+  std::vector<std::pair<std::int32_t, FaceId>> entries;
+  overhang_ = 0.0;
+  for (const FaceId f : faces_) {
+    const Vec2 at = centre(model.mesh, f);
+    const std::array<int, 4> bucket = bucketsNear(at, at, 0.0);
+    entries.emplace_back(levels_.front().node(bucket[0], bucket[2]), f);
+    const Vec2 low = origin_ + size_.cwiseProduct(Vec2(bucket[0], bucket[2]));
+    const MaterialBox box = materialBox(model.mesh, f);
+    overhang_ = std::max({overhang_, (low - box.low).maxCoeff(),
+                          (box.high - low - size_).maxCoeff()});
+  }
+  if (overhang_ < kRounding * size_.minCoeff()) overhang_ = 0.0;
+  sortByBucket(entries, levels_.front().boxes.size(), ownedStart_, owned_);
+}
+
+/// Lists, for each bucket grown by the overhang, the faces that overlap it. So the parts of the
+/// material plane that nodes stand for are convex, contain the faces that nodes own, and the balls
+/// of the nodes contain all gradients in them.
+void MaterialTree::findContributions(const Model& model) {
+  std::vector<std::pair<std::int32_t, FaceId>> entries;
+  const double tolerance = overhang_ - kRounding * size_.minCoeff();
+  for (const FaceId f : faces_) {
+    const MaterialBox box = materialBox(model.mesh, f);
+    const std::array<int, 4> near = bucketsNear(box.low, box.high, tolerance);
+    for (int j = near[2]; j <= near[3]; ++j) {
+      for (int i = near[0]; i <= near[1]; ++i) entries.emplace_back(levels_.front().node(i, j), f);
+    }
+  }
+  sortByBucket(entries, levels_.front().boxes.size(), gradientStart_, gradients_);
+}
+
+/// Blocks the buckets at borders inside the convex hull of the cloth: cuts, tears, and the outline
+/// of a cloth that is not a rectangle.
+void MaterialTree::blockOpenBorders(const Model& model) {
+  isBlocked_.assign(levels_.front().boxes.size(), false);
+  const TriangleMesh& mesh = model.mesh;
+  const bool isRectangle = model.cloths[model.clothOf(mesh.face(faces_[0])[0])].grid.has_value();
+  for (const FaceId f : faces_) {
+    const Face& face = mesh.face(f);
+    for (int k = 0; k < 3; ++k) {
+      const VertexId a = face[k];
+      const VertexId b = face[(k + 1) % 3];
+      if (isRectangle && mesh.isOriginalBoundary(f, k)) continue;
+      if (mesh.facesOnEdge(a, b)[1] != kNone) continue;
+      MaterialBox box;
+      box.add(mesh.material(a));
+      box.add(mesh.material(b));
+      const double reach = overhang_ + kRounding * size_.maxCoeff();
+      const std::array<int, 4> near = bucketsNear(box.low, box.high, reach);
+      for (int j = near[2]; j <= near[3]; ++j) {
+        for (int i = near[0]; i <= near[1]; ++i) isBlocked_[levels_.front().node(i, j)] = true;
+      }
+    }
+  }
+}
+
+void MaterialTree::refit(const std::vector<Box>& boxes,
+                         const std::vector<GradientBall>& gradients) {
+  if (levels_.empty()) return;
+  Level& buckets = levels_.front();
+  for (std::size_t k = 0; k < buckets.boxes.size(); ++k) {
+    const auto bucket = static_cast<int>(k);
+    Box box;
+    for (const FaceId* f = begin(bucket); f != end(bucket); ++f) box.add(boxes[*f]);
+    buckets.boxes[k] = box;
+    GradientBall ball;
+    for (std::int32_t at = gradientStart_[k]; at < gradientStart_[k + 1]; ++at) {
+      ball.add(gradients[gradients_[at]]);
+    }
+    buckets.balls[k] = isBlocked_[k] ? GradientBall::unknown() : ball;
+  }
+  for (std::size_t above = 1; above < levels_.size(); ++above) {
+    Level& level = levels_[above];
+    for (int j = 0; j < level.rows; ++j) {
+      for (int i = 0; i < level.columns; ++i) {
+        std::array<Place, 4> parts;
+        const int count = children({static_cast<int>(above), i, j}, parts);
+        Box box;
+        GradientBall ball;
+        for (int k = 0; k < count; ++k) {
+          const Level& below = levels_[above - 1];
+          const int node = below.node(parts[k].i, parts[k].j);
+          box.add(below.boxes[node]);
+          // A part of the plane without cloth is not known to be crossed by gradients.
+          const GradientBall& part = below.balls[node];
+          ball.add(part.isEmpty() ? GradientBall::unknown() : part);
+        }
+        level.boxes[level.node(i, j)] = box;
+        level.balls[level.node(i, j)] = ball;
+      }
+    }
+  }
+}
+
+int MaterialTree::children(const Place& of, std::array<Place, 4>& out) const {
+  const Level& below = levels_[of.level - 1];
+  int count = 0;
+  for (int j = 2 * of.j; j < std::min(2 * of.j + 2, below.rows); ++j) {
+    for (int i = 2 * of.i; i < std::min(2 * of.i + 2, below.columns); ++i) {
+      out[count++] = {of.level - 1, i, j};
+    }
+  }
+  return count;
+}
+
+const Box& MaterialTree::boxAt(const Place& at) const {
+  const Level& level = levels_[at.level];
+  return level.boxes[level.node(at.i, at.j)];
+}
+
+/// Whether two nodes of a level are neighbours, or the same, in a rectangle that is proven not to
+/// touch itself.
+bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
+  if (std::abs(a.i - b.i) > 1 || std::abs(a.j - b.j) > 1) return false;
+  const Level& level = levels_[a.level];
+  GradientBall ball;
+  for (int j = std::min(a.j, b.j); j <= std::max(a.j, b.j); ++j) {
+    for (int i = std::min(a.i, b.i); i <= std::max(a.i, b.i); ++i) {
+      const GradientBall& part = level.balls[level.node(i, j)];
+      if (part.isEmpty()) return false;
+      ball.add(part);
+    }
+  }
+  return ball.provesInjective();
+}
+
+void MaterialTree::collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const {
+  if (levels_.empty()) return;
+  const Place root{static_cast<int>(levels_.size()) - 1, 0, 0};
+  collectPair(root, root, boxes, out);
+}
+
+void MaterialTree::collectPair(const Place& a, const Place& b, const std::vector<Box>& boxes,
+                               std::vector<FaceIds>& out) const {
+  if (!boxAt(a).meets(boxAt(b)) || isSmooth(a, b)) return;
+  const bool isSame = a.i == b.i && a.j == b.j;
+  if (a.level == 0) {
+    const int first = levels_.front().node(a.i, a.j);
+    const int second = levels_.front().node(b.i, b.j);
+    for (const FaceId* f = begin(first); f != end(first); ++f) {
+      for (const FaceId* g = isSame ? f + 1 : begin(second); g != end(second); ++g) {
+        if (boxes[*f].meets(boxes[*g])) addPair(*f, *g, out);
+      }
+    }
+    return;
+  }
+  std::array<Place, 4> partsA, partsB;
+  const int countA = children(a, partsA);
+  const int countB = children(b, partsB);
+  for (int k = 0; k < countA; ++k) {
+    for (int m = isSame ? k : 0; m < countB; ++m) collectPair(partsA[k], partsB[m], boxes, out);
+  }
+}
+
+void MaterialTree::collectBetween(const MaterialTree& a, const MaterialTree& b,
+                                  const std::vector<Box>& boxes, std::vector<FaceIds>& out) {
+  if (a.levels_.empty() || b.levels_.empty()) return;
+  collectPairBetween(a, {static_cast<int>(a.levels_.size()) - 1, 0, 0}, b,
+                     {static_cast<int>(b.levels_.size()) - 1, 0, 0}, boxes, out);
+}
+
+void MaterialTree::collectPairBetween(const MaterialTree& treeA, const Place& a,
+                                      const MaterialTree& treeB, const Place& b,
+                                      const std::vector<Box>& boxes, std::vector<FaceIds>& out) {
+  if (!treeA.boxAt(a).meets(treeB.boxAt(b))) return;
+  if (a.level == 0 && b.level == 0) {
+    const int first = treeA.levels_.front().node(a.i, a.j);
+    const int second = treeB.levels_.front().node(b.i, b.j);
+    for (const FaceId* f = treeA.begin(first); f != treeA.end(first); ++f) {
+      for (const FaceId* g = treeB.begin(second); g != treeB.end(second); ++g) {
+        if (boxes[*f].meets(boxes[*g])) addPair(*f, *g, out);
+      }
+    }
+    return;
+  }
+  std::array<Place, 4> parts;
+  if (a.level >= b.level) {
+    const int count = treeA.children(a, parts);
+    for (int k = 0; k < count; ++k) collectPairBetween(treeA, parts[k], treeB, b, boxes, out);
+  } else {
+    const int count = treeB.children(b, parts);
+    for (int k = 0; k < count; ++k) collectPairBetween(treeA, a, treeB, parts[k], boxes, out);
+  }
+}
+
+}  // namespace cloth_sim

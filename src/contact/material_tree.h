@@ -1,0 +1,115 @@
+#pragma once
+/// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it that
+/// nothing rules out from touching.
+
+#include <cstdint>
+
+#include "closest_points.h"
+#include "cloth_sim/cloth/model.h"
+
+namespace cloth_sim {
+
+/// An axis-aligned box in the world [m]; empty by default.
+struct Box {
+  Vec3 low = Vec3::Constant(1e300);
+  Vec3 high = Vec3::Constant(-1e300);
+
+  void add(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+};
+
+/// A deformation gradient: derivatives of the position by the two material coordinates, (3, 2).
+using Gradient = Eigen::Matrix<double, 3, 2>;
+
+/// A ball in the space of deformation gradients, by the Frobenius norm.
+///
+/// If the gradients of all faces of a convex part of the material plane lie in a ball around G with
+/// a radius below the smaller singular value of G, that part does not intersect itself: for two of
+/// its points u and w, x(u) - x(w) is the integral of the gradient along the segment between them,
+/// and so at least (sigma - radius) |u - w| long.
+struct GradientBall {
+  Gradient centre = Gradient::Zero();
+  double radius = -1.0;  ///< below 0: no gradients; infinite: nothing is known
+
+  static GradientBall unknown();
+  bool isEmpty() const { return radius < 0.0; }
+  /// Grows to the least ball that contains both.
+  void add(const GradientBall& other);
+  /// Whether a convex part of the material plane with these gradients cannot intersect itself.
+  bool provesInjective() const;
+};
+
+/// Two faces, of different cloths or of the same one.
+struct FaceIds {
+  FaceId first = kNone;
+  FaceId second = kNone;
+};
+
+/// A quadtree whose leaves, buckets, are rectangles of about two cells by two in the material plane.
+/// Each node knows a box around its faces in the world, and a ball around their gradients.
+class MaterialTree {
+ public:
+  /// \param cloth  whose faces these are.
+  void build(const Model& model, std::size_t cloth);
+  bool isEmpty() const { return faces_.empty(); }
+
+  /// Brings all nodes up to date.
+  /// \param boxes      by face of the model.
+  /// \param gradients  by face of the model.
+  void refit(const std::vector<Box>& boxes, const std::vector<GradientBall>& gradients);
+
+  /// Appends the pairs of faces with boxes that meet, except for pairs in parts that are proven not
+  /// to touch themselves; the smaller face first, in an order that depends on positions only.
+  void collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const;
+  /// The same for the faces of two cloths.
+  static void collectBetween(const MaterialTree& a, const MaterialTree& b,
+                             const std::vector<Box>& boxes, std::vector<FaceIds>& out);
+
+ private:
+  /// Nodes of one size, (columns * rows,), row by row.
+  struct Level {
+    int columns = 0;
+    int rows = 0;
+    std::vector<Box> boxes;
+    std::vector<GradientBall> balls;
+    int node(int i, int j) const { return j * columns + i; }
+  };
+  /// A node's place.
+  struct Place {
+    int level = 0;  ///< 0: buckets
+    int i = 0;
+    int j = 0;
+  };
+
+  void placeFaces(const Model& model);
+  void findContributions(const Model& model);
+  void blockOpenBorders(const Model& model);
+  std::array<int, 4> bucketsNear(const Vec2& low, const Vec2& high, double tolerance) const;
+  const Box& boxAt(const Place& at) const;
+  bool isSmooth(const Place& a, const Place& b) const;
+  void collectPair(const Place& a, const Place& b, const std::vector<Box>& boxes,
+                   std::vector<FaceIds>& out) const;
+  static void collectPairBetween(const MaterialTree& treeA, const Place& a,
+                                 const MaterialTree& treeB, const Place& b,
+                                 const std::vector<Box>& boxes, std::vector<FaceIds>& out);
+  int children(const Place& of, std::array<Place, 4>& out) const;
+  const FaceId* begin(int bucket) const { return owned_.data() + ownedStart_[bucket]; }
+  const FaceId* end(int bucket) const { return owned_.data() + ownedStart_[bucket + 1]; }
+
+  std::vector<FaceId> faces_;  ///< of the cloth, ascending
+  Vec2 origin_ = Vec2::Zero();  ///< of the buckets in the material plane [m]
+  Vec2 size_ = Vec2::Ones();    ///< of a bucket [m]
+  double overhang_ = 0.0;       ///< by which faces reach beyond the bucket that owns them [m]
+  std::vector<Level> levels_;
+  std::vector<std::int32_t> ownedStart_, gradientStart_;  ///< by bucket
+  std::vector<FaceId> owned_;      ///< faces by the bucket that their centre lies in
+  std::vector<FaceId> gradients_;  ///< faces by the buckets that they overlap
+  std::vector<bool> isBlocked_;    ///< by bucket: the surface is not continuous in it
+};
+
+}  // namespace cloth_sim
