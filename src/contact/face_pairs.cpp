@@ -10,6 +10,11 @@ namespace {
 
 /// Distance that counts as apart [m]: far above round-off, far below the thickness of cloth.
 constexpr double kApart = 1e-8;
+/// Factor by which the corners of two faces with a common edge are farther apart than the edge is
+/// tilted.
+constexpr double kMostTilt = 4.0;
+/// Least share of their distance that two faces keep in a substep.
+constexpr double kKeepSliding = 0.1;
 /// Fraction of the distance of two faces that each side keeps from the plane between them.
 constexpr double kKeep = 0.05;
 
@@ -38,25 +43,27 @@ double mostOf(const Face& face, const Vec3& n, const std::vector<Vec3>& x) {
 }
 
 /// Shortens the motion of a vertex to the fraction `t` of what it is.
-void moveBack(VertexId v, double t, SubstepMotion motion, std::vector<std::uint8_t>& truncated) {
+void moveBack(VertexId v, double t, const Truncation& now) {
   if (!(t < 1.0)) return;
+  const SubstepMotion& motion = now.motion;
   motion.end[v] = motion.start[v] + std::max(0.0, t) * (motion.end[v] - motion.start[v]);
-  truncated[v] = 1;
+  now.truncated[v] = 1;
 }
 
-/// Shortens the motion of a vertex so that it ends at least at `bound` along `n`, or where it starts
-/// if that is less [m].
-void keepBeyond(VertexId v, const Vec3& n, double bound, SubstepMotion motion,
-                std::vector<std::uint8_t>& truncated) {
-  const double from = n.dot(motion.start[v]);
-  const double to = n.dot(motion.end[v]);
-  if (to < bound && to < from) moveBack(v, (from - bound) / (from - to), motion, truncated);
+/// Makes a vertex end at least at `bound` along `n`, or where it starts if that is less [m], by
+/// shortening its motion.
+void keepBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
+  const double from = n.dot(now.motion.start[v]);
+  const double to = n.dot(now.motion.end[v]);
+  if (to < bound && to < from) moveBack(v, (from - bound) / (from - to), now);
 }
 
-/// Shortens the motion of a vertex to `length` [m].
-void limit(VertexId v, double length, SubstepMotion motion, std::vector<std::uint8_t>& truncated) {
-  const double moved = (motion.end[v] - motion.start[v]).norm();
-  if (moved > length) moveBack(v, length / moved, motion, truncated);
+/// Makes a vertex end at least at `bound` along `n` [m], unless its motion is prescribed.
+void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
+  const double to = n.dot(now.motion.end[v]);
+  if (to >= bound || now.mass[v] == 0.0) return;
+  now.motion.end[v] += (bound - to) * n;
+  now.truncated[v] = 1;
 }
 
 }  // namespace
@@ -86,18 +93,16 @@ double FacePairs::separationOf(const Pair& pair, const std::vector<Vec3>& x) {
   const Vec3& n = pair.direction;
   if (pair.shared == 0) return leastOf(pair.a, n, x) - mostOf(pair.b, n, x);
   const double at = n.dot(x[pair.a[2]]);
-  return std::min({n.dot(x[pair.a[0]]) - at, n.dot(x[pair.a[1]]) - at, at - n.dot(x[pair.b[0]]),
-                   at - n.dot(x[pair.b[1]])});
-}
-
-/// The least distance of a corner of two faces with a common edge from the other face [m].
-double FacePairs::hingeGap(const Pair& pair, const std::vector<Vec3>& x) {
-  const auto distance = [&](VertexId v, const Face& face) {
-    const Corners corners = cornersOf(face, x);
-    const std::array<double, 3> w = closestOnTriangle(x[v], corners);
-    return (x[v] - w[0] * corners[0] - w[1] * corners[1] - w[2] * corners[2]).norm();
-  };
-  return std::min(distance(pair.a[0], pair.b), distance(pair.b[0], pair.a));
+  if (pair.shared == 1) {
+    return std::min({n.dot(x[pair.a[0]]) - at, n.dot(x[pair.a[1]]) - at, at - n.dot(x[pair.b[0]]),
+                     at - n.dot(x[pair.b[1]])});
+  }
+  // The corners are on both sides of the common edge, however it tilts against the normal: by less
+  // than a quarter of their distance, if they lie beside the edge or up to its length beyond.
+  const double other = n.dot(x[pair.a[1]]);
+  const double apart = std::min(n.dot(x[pair.a[0]]) - std::max(at, other),
+                                std::min(at, other) - n.dot(x[pair.b[0]]));
+  return apart - kMostTilt * std::abs(at - other);
 }
 
 SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector<Vec3>& x) {
@@ -108,98 +113,216 @@ SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector
                           {x[pair.b[0]] - at, x[pair.b[1]] - at});
 }
 
-/// Whether the pair stays apart in the substep; finds another direction where that helps.
+/// Whether the pair stays apart in the substep; finds other directions where that helps.
 bool FacePairs::isProven(Pair& pair, SubstepMotion motion) const {
-  if (pair.shared == 2) {
-    // Two faces with a common edge meet only where a corner reaches the other face.
-    const double gap = hingeGap(pair, motion.start);
-    double moved = 0.0;
-    const Vec3 carried = motion.end[pair.a[2]] - motion.start[pair.a[2]];
-    for (const VertexId v : {pair.a[0], pair.a[1], pair.b[0]}) {
-      moved = std::max(moved, (motion.end[v] - motion.start[v] - carried).norm());
-    }
-    pair.due = travel_ + gap - kApart - 2.0 * moved;
-    return pair.due > travel_;
+  if (!pair.direction.isZero() && separates(pair, motion)) return true;
+  if (pair.shared == 0) {
+    const Vec3 kept = pair.direction;
+    pair.direction = bestAxis(pair, motion.end);
+    if (separates(pair, motion)) return true;
+    pair.direction = kept;
   }
-  if (!pair.direction.isZero()) {
-    const double apart = separationOf(pair, motion.end);
-    if (apart >= kApart && separationOf(pair, motion.start) > 0.0) {
-      pair.due = travel_ + apart - kApart;
-      return true;
-    }
-  }
-  return findDirection(pair, motion);
+  const SeparatingDirection before = bestDirection(pair, motion.start);
+  const SeparatingDirection after = bestDirection(pair, motion.end);
+  pair.direction = before.direction;
+  if (!(before.distance > 0.0) || after.distance < kApart) return false;
+  if (!staysApart(pair, before.direction, after.direction, motion)) return false;
+  pair.direction = after.direction;
+  pair.due = travel_ + (after.distance - kApart) / rateOf(pair);
+  return true;
 }
 
-/// Finds a direction that separates the pair at both ends: from either end.
-/// \return whether there is one; if not, the direction is the best one at the start.
-bool FacePairs::findDirection(Pair& pair, SubstepMotion motion) const {
-  for (const std::vector<Vec3>* const x :
-       {static_cast<const std::vector<Vec3>*>(&motion.end), &motion.start}) {
-    pair.direction = bestDirection(pair, *x).direction;
-    if (pair.direction.isZero()) continue;
-    const double apart = separationOf(pair, motion.end);
-    if (apart < kApart || separationOf(pair, motion.start) <= 0.0) continue;
-    pair.due = travel_ + apart - kApart;
+/// Whether a plane that turns from one direction to another keeps the pair apart. With a normal
+/// n(t) = n0 + t (n1 - n0) and a vertex at x(t) = x0 + t (x1 - x0), relative to a point that moves
+/// alike, n(t).x(t) = (1 - t) q0 + t q1 - t (1 - t) d with d = (n1 - n0).(x1 - x0), which is positive
+/// if q0 and q1 are and d < (sqrt(q0) + sqrt(q1))^2.
+bool FacePairs::staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion) {
+  const Vec3 turn = n1 - n0;
+  const auto passes = [](double q0, double q1, double d) {
+    if (!(q0 > 0.0) || !(q1 > 0.0)) return false;
+    const double root = std::sqrt(q0) + std::sqrt(q1);
+    return d < 0.99 * root * root;
+  };
+  const std::vector<Vec3>& x0 = motion.start;
+  const std::vector<Vec3>& x1 = motion.end;
+  Vec3 common = x1[pair.a[2]] - x0[pair.a[2]];
+  double a0 = n0.dot(x0[pair.a[2]]);  // offset of the plane at the start, for each side
+  double a1 = n1.dot(x1[pair.a[2]]);
+  double tilt = 0.0;
+  if (pair.shared == 0) {
+    a0 = 0.5 * (leastOf(pair.a, n0, x0) + mostOf(pair.b, n0, x0));
+    a1 = 0.5 * (leastOf(pair.a, n1, x1) + mostOf(pair.b, n1, x1));
+    common = 0.5 * (common + x1[pair.b[2]] - x0[pair.b[2]]);
+  } else if (pair.shared == 2) {
+    const Vec3 edge = x1[pair.a[1]] - x0[pair.a[1]] - common;
+    tilt = kMostTilt * std::abs(turn.dot(edge));
+  }
+  for (int k = 0; k < std::min(3, 3 - pair.shared); ++k) {
+    for (const double side : {1.0, -1.0}) {
+      const VertexId v = side > 0.0 ? pair.a[k] : pair.b[k];
+      const double d = side * turn.dot(x1[v] - x0[v] - common) + tilt;
+      if (!passes(side * (n0.dot(x0[v]) - a0), side * (n1.dot(x1[v]) - a1), d)) return false;
+    }
+  }
+  return true;
+}
+
+/// Growth of the separation's loss with the distance by which two vertices approach.
+double FacePairs::rateOf(const Pair& pair) { return pair.shared == 2 ? 1.0 + kMostTilt : 1.0; }
+
+/// A direction for the end of the substep, near `before`, if the pair overlaps there: the one with
+/// the least overlap of some.
+Vec3 FacePairs::endDirection(Pair pair, const Vec3& before, const std::vector<Vec3>& end) {
+  const SeparatingDirection best = bestDirection(pair, end);
+  if (pair.shared == 2) {
+    return best.direction.dot(before) < 0.0 ? Vec3(-best.direction) : best.direction;
+  }
+  if (best.distance > 0.0 && best.direction.dot(before) > 0.0) return best.direction;
+  const auto normalOf = [&](const Face& face) {
+    const Vec3 n = (end[face[1]] - end[face[0]]).cross(end[face[2]] - end[face[0]]).normalized();
+    return n.dot(before) < 0.0 ? Vec3(-n) : n;
+  };
+  const Vec3 a = normalOf(pair.a);
+  const Vec3 b = normalOf(pair.b);
+  Vec3 chosen = before;
+  pair.direction = before;
+  double most = separationOf(pair, end);
+  for (const Vec3& candidate : {a, b, Vec3((a + b).normalized())}) {
+    pair.direction = candidate;
+    const double apart = separationOf(pair, end);
+    if (!(apart > most)) continue;
+    most = apart;
+    chosen = candidate;
+  }
+  return chosen;
+}
+
+/// The axis along which two faces without a common corner are farthest apart.
+Vec3 FacePairs::bestAxis(const Pair& pair, const std::vector<Vec3>& x) {
+  const Vec3 lowA = x[pair.a[0]].cwiseMin(x[pair.a[1]]).cwiseMin(x[pair.a[2]]);
+  const Vec3 highA = x[pair.a[0]].cwiseMax(x[pair.a[1]]).cwiseMax(x[pair.a[2]]);
+  const Vec3 lowB = x[pair.b[0]].cwiseMin(x[pair.b[1]]).cwiseMin(x[pair.b[2]]);
+  const Vec3 highB = x[pair.b[0]].cwiseMax(x[pair.b[1]]).cwiseMax(x[pair.b[2]]);
+  int above = 0;
+  int below = 0;
+  const double gapAbove = (lowA - highB).maxCoeff(&above);
+  const double gapBelow = (lowB - highA).maxCoeff(&below);
+  return gapAbove >= gapBelow ? Vec3::Unit(above) : Vec3(-Vec3::Unit(below));
+}
+
+/// Whether the direction of a pair separates it at both ends of the substep.
+bool FacePairs::separates(Pair& pair, SubstepMotion motion) const {
+  const double apart = separationOf(pair, motion.end);
+  if (apart < kApart || separationOf(pair, motion.start) <= 0.0) return false;
+  pair.due = travel_ + (apart - kApart) / rateOf(pair);
+  return true;
+}
+
+/// Moves the vertices of a pair that would not stay apart to where it does, along its direction; they
+/// keep the motion that they have in common. Other pairs may fail then, or this one again.
+/// \return whether it was apart at the start.
+bool FacePairs::slide(Pair& pair, const Truncation& now) const {
+  const SeparatingDirection before = bestDirection(pair, now.motion.start);
+  if (!(before.distance > 0.0)) return false;
+  const std::vector<Vec3>& end = now.motion.end;
+  const Vec3 n = endDirection(pair, before.direction, end);
+  const double keep =
+      std::max(kKeepSliding * before.distance, std::min(before.distance, least_));
+  if (pair.shared == 0) {
+    const double high = leastOf(pair.a, n, end);
+    const double low = mostOf(pair.b, n, end);
+    const double push = keep - (high - low);
+    const double share = shareOf(pair, now.mass);
+    for (const VertexId v : pair.a) slideBeyond(v, n, high + (1.0 - share) * push, now);
+    for (const VertexId v : pair.b) slideBeyond(v, -n, share * push - low, now);
     return true;
   }
-  return false;
+  double top = n.dot(end[pair.a[2]]);  // of the shared corners
+  double bottom = top;
+  if (pair.shared == 2) {
+    const double other = n.dot(end[pair.a[1]]);
+    const double tilt = std::abs(top - other);
+    top = std::max(top, other) + tilt;
+    bottom = std::min(bottom, other) - tilt;
+  }
+  for (int k = 0; k < 3 - pair.shared; ++k) {
+    slideBeyond(pair.a[k], n, top + keep, now);
+    slideBeyond(pair.b[k], -n, keep - bottom, now);
+  }
+  return true;
 }
 
-/// Shortens the motion of the vertices of a pair that would not stay apart.
-void FacePairs::shorten(Pair& pair, SubstepMotion motion, std::vector<std::uint8_t>& truncated,
-                        TruncationCount& count) const {
+/// The share of b in moving two faces apart: by their masses, and none if its motion is prescribed.
+double FacePairs::shareOf(const Pair& pair, const std::vector<double>& mass) {
+  const auto massOf = [&](const Face& face) {
+    double sum = 0.0;
+    for (const VertexId v : face) {
+      if (mass[v] == 0.0) return 0.0;
+      sum += mass[v];
+    }
+    return sum;
+  };
+  const double a = massOf(pair.a);
+  const double b = massOf(pair.b);
+  if (a == 0.0 && b == 0.0) return 0.5;
+  if (a == 0.0) return 1.0;
+  return b == 0.0 ? 0.0 : a / (a + b);
+}
+
+/// Shortens the motion of the vertices of a pair that would not stay apart. It stays apart from then
+/// on in this substep, however motion is shortened further.
+/// \return whether it was apart at the start; if not, its vertices stay.
+bool FacePairs::shorten(Pair& pair, const Truncation& now) const {
   pair.isFixed = true;
   pair.due = 0.0;
-  const SeparatingDirection before = bestDirection(pair, motion.start);
+  const SeparatingDirection before = bestDirection(pair, now.motion.start);
   pair.direction = before.direction;
   if (!(before.distance > 0.0)) {
-    ++count.unproven;
-    for (const VertexId v : pair.a) limit(v, 0.0, motion, truncated);
-    for (const VertexId v : pair.b) limit(v, 0.0, motion, truncated);
-  } else if (pair.shared > 0) {
-    shortenAtShared(pair, before.distance, motion, truncated);
-  } else {
-    shortenApart(pair, motion, truncated);
+    for (const Face* face : {&pair.a, &pair.b}) {
+      for (const VertexId v : *face) moveBack(v, 0.0, now);
+    }
+    return false;
   }
+  if (pair.shared > 0) {
+    shortenAtShared(pair, before.distance, now);
+  } else {
+    shortenApart(pair, now);
+  }
+  return true;
 }
 
 /// Lets shared corners move little along the direction of the pair, and the others approach them by
 /// less than half of their distance.
 /// \param apart  least distance of the other corners from the shared ones along the direction [m].
-void FacePairs::shortenAtShared(const Pair& pair, double apart, SubstepMotion motion,
-                                std::vector<std::uint8_t>& truncated) const {
+void FacePairs::shortenAtShared(const Pair& pair, double apart, const Truncation& now) {
   const Vec3& n = pair.direction;
-  const bool mayApproach = apart > least_;
-  const double slack = mayApproach ? 0.1 * apart : 0.0;
-  const double keep = mayApproach ? 0.6 * apart : apart;
-  const double at = n.dot(motion.start[pair.a[2]]);
+  const double slack = 0.04 * apart;
+  const double keep = 0.6 * apart;
+  const double at = n.dot(now.motion.start[pair.a[2]]);
   const int others = 3 - pair.shared;
   for (int k = others; k < 3; ++k) {
-    const VertexId v = pair.a[k];
-    const double moved = std::abs(n.dot(motion.end[v] - motion.start[v]));
-    if (moved > slack) moveBack(v, slack / moved, motion, truncated);
+    keepBeyond(pair.a[k], n, at - slack, now);
+    keepBeyond(pair.a[k], -n, -at - slack, now);
   }
   for (int k = 0; k < others; ++k) {
-    keepBeyond(pair.a[k], n, at + keep, motion, truncated);
-    keepBeyond(pair.b[k], -n, keep - at, motion, truncated);
+    keepBeyond(pair.a[k], n, at + keep, now);
+    keepBeyond(pair.b[k], -n, keep - at, now);
   }
 }
 
 /// Keeps two faces without a common corner on their sides of a plane between them. The side that
 /// approaches more gets more of the distance.
-void FacePairs::shortenApart(const Pair& pair, SubstepMotion motion,
-                             std::vector<std::uint8_t>& truncated) const {
+void FacePairs::shortenApart(const Pair& pair, const Truncation& now) const {
   const Vec3& n = pair.direction;
-  const double high = leastOf(pair.a, n, motion.start);
-  const double low = mostOf(pair.b, n, motion.start);
+  const double high = leastOf(pair.a, n, now.motion.start);
+  const double low = mostOf(pair.b, n, now.motion.start);
   const double keep = std::max(kKeep * (high - low), 0.5 * std::min(high - low, least_));
-  const double approachA = std::max(0.0, high - leastOf(pair.a, n, motion.end));
-  const double approachB = std::max(0.0, mostOf(pair.b, n, motion.end) - low);
+  const double approachA = std::max(0.0, high - leastOf(pair.a, n, now.motion.end));
+  const double approachB = std::max(0.0, mostOf(pair.b, n, now.motion.end) - low);
   const double all = approachA + approachB;
   const double plane = low + keep + (high - low - 2.0 * keep) * (all > 0.0 ? approachB / all : 0.5);
-  for (const VertexId v : pair.a) keepBeyond(v, n, plane + keep, motion, truncated);
-  for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, motion, truncated);
+  for (const VertexId v : pair.a) keepBeyond(v, n, plane + keep, now);
+  for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, now);
 }
 
 /// Lists the pairs that do not stay apart in the substep.
@@ -226,28 +349,33 @@ void FacePairs::findFailing(bool isFirst, SubstepMotion motion,
   }
 }
 
-TruncationCount FacePairs::keepApart(SubstepMotion motion, std::vector<std::uint8_t>& truncated) {
-  TruncationCount count;
-  if (pairs_.empty()) return count;
+int FacePairs::keepApart(const Truncation& now) {
+  if (pairs_.empty()) return 0;
+  const SubstepMotion& motion = now.motion;
   double farthest = 0.0;
   for (std::size_t v = 0; v < motion.start.size(); ++v) {
     farthest = std::max(farthest, (motion.end[v] - motion.start[v]).squaredNorm());
   }
   travel_ += 2.0 * std::sqrt(farthest);
+  constexpr int kSlidingPasses = 12;
   constexpr int kMostPasses = 60;
+  int unproven = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    findFailing(pass == 0, motion, truncated);
-    if (failing_.empty()) break;
-    for (const std::uint32_t k : failing_) shorten(pairs_[k], motion, truncated, count);
-  }
-  if (!failing_.empty()) {
-    // Too many in a row: everything stays where it was.
-    for (std::size_t v = 0; v < motion.start.size(); ++v) {
-      limit(static_cast<VertexId>(v), 0.0, motion, truncated);
+    findFailing(pass == 0, motion, now.truncated);
+    if (failing_.empty()) return unproven;
+    for (const std::uint32_t k : failing_) {
+      const bool slides = pass < kSlidingPasses && slide(pairs_[k], now);
+      if (!slides && !shorten(pairs_[k], now)) ++unproven;
     }
   }
-  count.vertices = static_cast<int>(std::count(truncated.begin(), truncated.end(), 1));
-  return count;
+  stop(now);
+  return unproven;
+}
+
+void FacePairs::stop(const Truncation& now) {
+  for (std::size_t v = 0; v < now.motion.start.size(); ++v) {
+    if (now.motion.end[v] != now.motion.start[v]) moveBack(static_cast<VertexId>(v), 0.0, now);
+  }
 }
 
 }  // namespace cloth_sim

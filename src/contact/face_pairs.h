@@ -13,10 +13,11 @@ struct SubstepMotion {
   std::vector<Vec3>& end;          ///< by vertex [m]
 };
 
-/// What keeping the faces apart has changed.
-struct TruncationCount {
-  int vertices = 0;   ///< number of vertices whose motion was shortened
-  int unproven = 0;   ///< pairs that no plane separates at the start of the substep
+/// A substep whose motion may be shortened.
+struct Truncation {
+  SubstepMotion motion;
+  const std::vector<double>& mass;       ///< by vertex [kg]; 0: prescribed motion
+  std::vector<std::uint8_t>& truncated;  ///< by vertex: set to 1 if its motion was changed
 };
 
 /// Pairs of faces near each other. For each there is a direction n in which one face is beyond the
@@ -35,10 +36,12 @@ class FacePairs {
   void clear() { pairs_.clear(); }
   std::size_t count() const { return pairs_.size(); }
 
-  /// Shortens the motion of vertices so that no pair touches or passes through itself, neither at
-  /// the end of the substep nor on the way there.
-  /// \param truncated  out: set to 1 for each vertex whose motion was shortened, by vertex.
-  TruncationCount keepApart(SubstepMotion motion, std::vector<std::uint8_t>& truncated);
+  /// Changes the motion of vertices so that no pair touches or passes through itself, neither at the
+  /// end of the substep nor on the way there.
+  /// \return the number of pairs that touched or intersected at the start; their vertices stay.
+  int keepApart(const Truncation& now);
+  /// Takes all motion back.
+  static void stop(const Truncation& now);
 
  private:
   /// The corners of a pair; those that both faces share come last, in the same order.
@@ -52,18 +55,20 @@ class FacePairs {
   };
 
   static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
-  static double hingeGap(const Pair& pair, const std::vector<Vec3>& x);
+  static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
+  bool separates(Pair& pair, SubstepMotion motion) const;
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
   static bool hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated);
   void findFailing(bool isFirst, SubstepMotion motion, const std::vector<std::uint8_t>& truncated);
   bool isProven(Pair& pair, SubstepMotion motion) const;
-  bool findDirection(Pair& pair, SubstepMotion motion) const;
-  void shorten(Pair& pair, SubstepMotion motion, std::vector<std::uint8_t>& truncated,
-               TruncationCount& count) const;
-  void shortenAtShared(const Pair& pair, double apart, SubstepMotion motion,
-                       std::vector<std::uint8_t>& truncated) const;
-  void shortenApart(const Pair& pair, SubstepMotion motion,
-                    std::vector<std::uint8_t>& truncated) const;
+  static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
+  static double rateOf(const Pair& pair);
+  static Vec3 endDirection(Pair pair, const Vec3& before, const std::vector<Vec3>& end);
+  bool slide(Pair& pair, const Truncation& now) const;
+  static double shareOf(const Pair& pair, const std::vector<double>& mass);
+  bool shorten(Pair& pair, const Truncation& now) const;
+  static void shortenAtShared(const Pair& pair, double apart, const Truncation& now);
+  void shortenApart(const Pair& pair, const Truncation& now) const;
 
   std::vector<Pair> pairs_;
   std::vector<std::uint8_t> fails_;     ///< scratch: 1 for pairs that are not proven

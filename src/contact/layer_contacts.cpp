@@ -11,7 +11,7 @@ namespace {
 constexpr int kRefreshEvery = 4;
 /// Layers that are nearer than their thickness when a step begins, as after a cut, part at this
 /// speed [m/s].
-constexpr double kPartingSpeed = 5e-3;
+constexpr double kPartingSpeed = 0.2;
 /// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
 constexpr double kParallel = 0.05;
 
@@ -62,15 +62,27 @@ LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
   return {0.5 * (a.thickness + b.thickness), 0.5 * (a.friction + b.friction)};
 }
 
-void LayerContacts::addVertexFace(VertexId p, FaceId face, const Layers& layers) {
-  const Face& corners = faces_[face];
-  if (contains(corners, p)) return;
-  Candidate candidate;
-  candidate.v = {p, corners[0], corners[1], corners[2]};
-  candidate.face = face;
-  candidate.thickness = layers.thickness;
-  candidate.friction = layers.friction;
-  candidates_.push_back(candidate);
+/// Lists a vertex and a face that may come into contact.
+/// \param reach  distance up to which they may [m].
+void LayerContacts::addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,
+                                  const Layers& layers) {
+  const Face& c = faces_[face];
+  if (contains(c, p)) return;
+  const std::array<double, 3> w = closestOnTriangle(x[p], {x[c[0]], x[c[1]], x[c[2]]});
+  const Vec3 apart = x[p] - w[0] * x[c[0]] - w[1] * x[c[1]] - w[2] * x[c[2]];
+  if (apart.squaredNorm() > reach * reach) return;
+  candidates_.push_back({{p, c[0], c[1], c[2]}, face, layers.thickness, layers.friction});
+}
+
+/// Lists two edges that may come into contact.
+void LayerContacts::addEdges(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x,
+                             double reach, const Layers& layers) {
+  if (v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3]) return;
+  const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
+  const Vec3 apart =
+      x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]]);
+  if (apart.squaredNorm() > reach * reach) return;
+  candidates_.push_back({v, kNone, layers.thickness, layers.friction});
 }
 
 /// A vertex takes part as a corner of its first face, an edge as a side of its first face; so no
@@ -82,43 +94,40 @@ void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<V
     return std::max({allowance[face[0]], allowance[face[1]], allowance[face[2]]});
   };
   for (const FaceIds& ids : near) {
-    const FaceId f = ids.first;
-    const FaceId g = ids.second;
-    const Layers layers = layersOf(f, g);
-    for (const VertexId p : faces_[f]) {
-      if (firstFace_[p] == f) addVertexFace(p, g, layers);
+    const Layers layers = layersOf(ids.first, ids.second);
+    const Face& f = faces_[ids.first];
+    const Face& g = faces_[ids.second];
+    const double reach = layers.thickness + reachOf(f) + reachOf(g);
+    for (const VertexId p : f) {
+      if (firstFace_[p] == ids.first) addVertexFace(p, ids.second, x, reach, layers);
     }
-    for (const VertexId p : faces_[g]) {
-      if (firstFace_[p] == g) addVertexFace(p, f, layers);
+    for (const VertexId p : g) {
+      if (firstFace_[p] == ids.second) addVertexFace(p, ids.first, x, reach, layers);
     }
     for (int i = 0; i < 3; ++i) {
-      if (edgeOwner_[f][i] != f) continue;
-      const VertexId a0 = faces_[f][i];
-      const VertexId a1 = faces_[f][(i + 1) % 3];
+      if (edgeOwner_[ids.first][i] != ids.first) continue;
       for (int j = 0; j < 3; ++j) {
-        if (edgeOwner_[g][j] != g) continue;
-        const VertexId b0 = faces_[g][j];
-        const VertexId b1 = faces_[g][(j + 1) % 3];
-        if (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1) continue;
-        const SegmentPoints at = closestOnSegments(x[a0], x[a1], x[b0], x[b1]);
-        const Vec3 apart = x[a0] + at.s * (x[a1] - x[a0]) - x[b0] - at.t * (x[b1] - x[b0]);
-        const double reach = layers.thickness + reachOf(faces_[f]) + reachOf(faces_[g]);
-        if (apart.squaredNorm() > reach * reach) continue;
-        Candidate candidate;
-        candidate.v = {a0, a1, b0, b1};
-        candidate.areEdges = true;
-        candidate.thickness = layers.thickness;
-        candidate.friction = layers.friction;
-        candidates_.push_back(candidate);
+        if (edgeOwner_[ids.second][j] != ids.second) continue;
+        addEdges({f[i], f[(i + 1) % 3], g[j], g[(j + 1) % 3]}, x, reach, layers);
       }
     }
   }
-  const auto isBefore = [](const Candidate& a, const Candidate& b) {
-    if (a.areEdges != b.areEdges) return b.areEdges;
-    return a.v < b.v;
-  };
-  std::sort(candidates_.begin(), candidates_.end(), isBefore);
+  sortByVertex();
   closest_.resize(candidates_.size());
+}
+
+/// Brings the faces near each vertex together, in the order of vertices; edges come last. Otherwise
+/// the order stays (a counting sort).
+void LayerContacts::sortByVertex() {
+  const auto keyOf = [this](const Candidate& candidate) {
+    return candidate.areEdges() ? firstFace_.size() : static_cast<std::size_t>(candidate.v[0]);
+  };
+  first_.assign(firstFace_.size() + 2, 0);
+  for (const Candidate& candidate : candidates_) ++first_[keyOf(candidate) + 1];
+  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+  sorted_.resize(candidates_.size());
+  for (const Candidate& candidate : candidates_) sorted_[first_[keyOf(candidate)]++] = candidate;
+  candidates_.swap(sorted_);
 }
 
 /// Finds the closest points of a candidate. \return false if they cannot carry a contact.
@@ -128,7 +137,7 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   Contact& contact = out.contact;
   contact.v = v;
   contact.friction = candidate.friction;
-  if (candidate.areEdges) {
+  if (candidate.areEdges()) {
     const Vec3 a = x[v[1]] - x[v[0]];
     const Vec3 b = x[v[3]] - x[v[2]];
     if (a.cross(b).squaredNorm() < kParallel * kParallel * a.squaredNorm() * b.squaredNorm()) {
@@ -184,8 +193,8 @@ void LayerContacts::refresh(const std::vector<Vec3>& x) {
   }
   for (std::size_t first = 0; first < candidates_.size();) {
     std::size_t last = first + 1;
-    const bool areEdges = candidates_[first].areEdges;
-    while (!areEdges && last < candidates_.size() && !candidates_[last].areEdges &&
+    const bool areEdges = candidates_[first].areEdges();
+    while (!areEdges && last < candidates_.size() && !candidates_[last].areEdges() &&
            candidates_[last].v[0] == candidates_[first].v[0]) {
       ++last;
     }

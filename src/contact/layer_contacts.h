@@ -39,10 +39,10 @@ class LayerContacts {
   /// A vertex and a face, or two edges: (v, corners) or (ends, ends).
   struct Candidate {
     std::array<VertexId, 4> v{};
-    bool areEdges = false;
-    FaceId face = kNone;       ///< of a vertex and a face
-    double thickness = 0.0;    ///< as in Layers [m]
+    FaceId face = kNone;     ///< kNone for two edges
+    double thickness = 0.0;  ///< as in Layers [m]
     double friction = 0.0;
+    bool areEdges() const { return face == kNone; }
   };
   /// The weighted sum of the positions of four vertices points from one side to the other.
   struct Contact {
@@ -59,7 +59,11 @@ class LayerContacts {
     bool isInside = false;     ///< inside the face, or inside both edges
   };
 
-  void addVertexFace(VertexId p, FaceId face, const Layers& layers);
+  void addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,
+                     const Layers& layers);
+  void addEdges(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x, double reach,
+                const Layers& layers);
+  void sortByVertex();
   void refresh(const std::vector<Vec3>& x);
   bool find(const Candidate& candidate, const std::vector<Vec3>& x, Closest& out) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
@@ -74,6 +78,8 @@ class LayerContacts {
   std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
   std::vector<LayerProperties> byCloth_;
   std::vector<Candidate> candidates_;
+  std::vector<Candidate> sorted_;  ///< scratch
+  std::vector<std::int32_t> first_;  ///< scratch: by vertex
   std::vector<Closest> closest_;  ///< by candidate
   std::vector<Contact> contacts_;
   int sinceRefresh_ = 0;

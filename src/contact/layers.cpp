@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <cstdio>
+#include <cstdlib>
 
 #include "layer_contacts.h"
 
@@ -14,7 +16,7 @@ constexpr double kSubstepsAhead = 8.0;
 /// Motion that a search allows for at least [m].
 constexpr double kLeastAllowance = 2e-4;
 /// Change of a face's gradient that a search allows for at least [-].
-constexpr double kLeastTurn = 0.15;
+constexpr double kLeastTurn = 0.2;
 /// Most motion that a search allows for, unless a single substep takes more [m].
 constexpr double kMostAllowance = 5e-3;
 
@@ -39,6 +41,7 @@ class LayerContact::Impl {
  private:
   void load(const ParticleView& particles);
   void store(const ParticleView& particles) const;
+  Vec3 meanMotion(const std::vector<Vec3>& from) const;
   bool isAllowed() const;
   void search();
   void allow();
@@ -122,16 +125,26 @@ Gradient LayerContact::Impl::gradient(FaceId f, const std::vector<Vec3>& x) cons
   return edges * inverseRest_[f];
 }
 
-/// Whether the end of the substep is within what the last search allowed.
+/// Mean displacement of all vertices [m].
+Vec3 LayerContact::Impl::meanMotion(const std::vector<Vec3>& from) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t v = 0; v < end_.size(); ++v) sum += end_[v] - from[v];
+  return end_.empty() ? sum : Vec3(sum / static_cast<double>(end_.size()));
+}
+
+/// Whether the end of the substep is within what the last search allowed. A motion that all vertices
+/// have in common brings nothing together.
 bool LayerContact::Impl::isAllowed() const {
   if (!isFresh_) return false;
+  static bool dbg=getenv("DBG");
+  const Vec3 common = meanMotion(searched_);
   for (std::size_t v = 0; v < end_.size(); ++v) {
-    if ((end_[v] - searched_[v]).cwiseAbs().maxCoeff() > allowance_[v]) return false;
+    if ((end_[v] - searched_[v] - common).cwiseAbs().maxCoeff() > allowance_[v]) { if(dbg) fprintf(stderr,"v %zu moved %g allowed %g\n",v,(end_[v] - searched_[v] - common).cwiseAbs().maxCoeff(),allowance_[v]); return false;}
   }
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const GradientBall& ball = balls_[f];
     const Gradient now = gradient(static_cast<FaceId>(f), end_);
-    if ((now - ball.centre).squaredNorm() > ball.radius * ball.radius) return false;
+    if ((now - ball.centre).squaredNorm() > ball.radius * ball.radius) {if(dbg) fprintf(stderr,"f %zu turned %g allowed %g\n",f,(now - ball.centre).norm(),ball.radius); return false;}
   }
   return true;
 }
@@ -139,8 +152,9 @@ bool LayerContact::Impl::isAllowed() const {
 /// Sets how far vertices and gradients may go until the next search: as in some substeps like this
 /// one, and in this one at least.
 void LayerContact::Impl::allow() {
+  const Vec3 common = meanMotion(start_);
   for (std::size_t v = 0; v < end_.size(); ++v) {
-    const double moved = (end_[v] - start_[v]).cwiseAbs().maxCoeff();
+    const double moved = (end_[v] - start_[v] - common).cwiseAbs().maxCoeff();
     const double ahead = std::min(kMostAllowance, kLeastAllowance + kSubstepsAhead * moved);
     allowance_[v] = std::max(ahead, 1.5 * moved);
   }
@@ -148,13 +162,11 @@ void LayerContact::Impl::allow() {
     GradientBall& ball = balls_[f];
     ball.centre = gradient(static_cast<FaceId>(f), start_);
     const double turned = (gradient(static_cast<FaceId>(f), end_) - ball.centre).norm();
-    ball.radius = std::max(kLeastTurn, 1.5 * turned);
+    ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
     Box box;
-    double most = 0.0;
     for (const VertexId v : faces_[f]) {
       const Vec3 reach = Vec3::Constant(allowance_[v] + margin_);
       box.add({start_[v] - reach, start_[v] + reach});
-      most = std::max(most, allowance_[v]);
     }
     boxes_[f] = box;
   }
@@ -181,24 +193,33 @@ void LayerContact::Impl::search() {
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   load(particles);
   if (!isAllowed()) search();
+  report.contacts = 0;
   if (pairs_.count() == 0) return;
   contacts_.project({start_, end_}, mass_, h);
+  report.contacts = contacts_.active();
+  report.leastDistance = contacts_.leastDistance();
   store(particles);
 }
 
+/// Shortening a motion may take faces out of what the search allowed: then there is another search,
+/// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
   load(particles);
-  if (!isAllowed()) search();
   report.moves += static_cast<std::int64_t>(end_.size());
-  report.pairs = static_cast<int>(pairs_.count());
-  report.contacts = contacts_.active();
-  report.leastDistance = contacts_.leastDistance();
-  if (pairs_.count() == 0) return;
   std::fill(truncated_.begin(), truncated_.end(), 0);
-  const TruncationCount count = pairs_.keepApart({start_, end_}, truncated_);
-  report.truncated += count.vertices;
-  report.unproven += count.unproven;
-  if (count.vertices > 0) store(particles);
+  const Truncation now{{start_, end_}, mass_, truncated_};
+  constexpr int kMostSearches = 8;
+  bool isCertified = false;
+  for (int searches = 0; searches < kMostSearches && !isCertified; ++searches) {
+    if (!isAllowed()) search();
+    report.unproven += pairs_.keepApart(now);
+    isCertified = isAllowed();
+  }
+  if (!isCertified) FacePairs::stop(now);
+  report.pairs = static_cast<int>(pairs_.count());
+  const auto count = std::count(truncated_.begin(), truncated_.end(), 1);
+  report.truncated += count;
+  if (count > 0) store(particles);
 }
 
 LayerContact::LayerContact(const Model& model, std::vector<LayerProperties> byCloth)

@@ -1,6 +1,7 @@
 #include "cloth_sim/sim/surgery.h"
 
 #include <algorithm>
+#include <set>
 
 #include "cloth_sim/surgery/refine.h"
 #include "mesh/quality.h"
@@ -11,6 +12,8 @@ namespace {
 /// Shortest edge that surgery makes, as a fraction of the shortest original edge, unless the scene
 /// names a length.
 constexpr double kMinEdgeFraction = 0.05;
+/// Distance by which each side of an opening moves back where layers of cloth touch [m].
+constexpr double kLipDistance = 2e-6;
 /// Largest number of strides that the tip of a tear takes in a step.
 constexpr int kMaxStrides = 16;
 
@@ -28,6 +31,30 @@ std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath&
   std::vector<Vec3> path;
   for (const Vec2& p : notch) path.push_back(inMaterialPlane(p));
   return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, inMaterialPlane(mesh));
+}
+
+/// Moves a vertex into the faces around it by `kLipDistance`.
+void moveInwards(const TriangleMesh& mesh, VertexId v, State& state) {
+  Vec3 inwards = Vec3::Zero();
+  for (const FaceId f : mesh.facesAround(v)) {
+    for (const VertexId w : mesh.face(f)) inwards += state.x[w] - state.x[v];
+  }
+  const double length = inwards.norm();
+  if (length > 0.0) state.x[v] += kLipDistance / length * inwards;
+}
+
+/// Parts the two sides of an opening, which lie in the same place: layers of cloth that touch each
+/// other have to be apart.
+void partLips(const MeshChanges& changes, const TriangleMesh& mesh, State& state) {
+  std::set<VertexId> lips;
+  for (const VertexEdit& edit : changes.vertices) {
+    if (edit.kind != VertexEdit::Kind::kCopy) continue;
+    lips.insert(edit.id);
+    lips.insert(edit.from[0]);
+  }
+  for (const VertexId v : lips) {
+    if (v < mesh.vertexCount()) moveInwards(mesh, v, state);
+  }
 }
 
 }  // namespace
@@ -84,6 +111,7 @@ void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth
   if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) failures_.add(event);
   cloth.holders.applyChanges(result.changes.mesh);
+  if (cloth.layers != nullptr) partLips(result.changes.mesh, cloth.model.mesh, cloth.state);
   cloth.solver.onModelChanged(cloth.model, result.changes);
   if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
   tearing_.applyChanges(cloth.model, result.changes);
