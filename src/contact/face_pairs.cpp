@@ -82,6 +82,14 @@ void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>
   }
 }
 
+bool FacePairs::areApart(const Face& a, const Face& b, const std::vector<Vec3>& x) {
+  Pair pair;
+  pair.a = a;
+  pair.b = b;
+  pair.shared = sortShared(pair.a, pair.b);
+  return bestDirection(pair, x).distance > 0.0;
+}
+
 bool FacePairs::hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated) {
   const auto isTruncated = [&](VertexId v) { return truncated[v] != 0; };
   return std::any_of(pair.a.begin(), pair.a.end(), isTruncated) ||
@@ -116,11 +124,9 @@ SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector
 /// Whether the pair stays apart in the substep; finds other directions where that helps.
 bool FacePairs::isProven(Pair& pair, SubstepMotion motion) const {
   if (!pair.direction.isZero() && separates(pair, motion)) return true;
-  if (pair.shared == 0) {
-    const Vec3 kept = pair.direction;
-    pair.direction = bestAxis(pair, motion.end);
+  if (pair.shared < 2) {
+    pair.direction = pair.shared == 0 ? bestAxis(pair, motion.end) : fromVertex(pair, motion.end);
     if (separates(pair, motion)) return true;
-    pair.direction = kept;
   }
   const SeparatingDirection before = bestDirection(pair, motion.start);
   const SeparatingDirection after = bestDirection(pair, motion.end);
@@ -208,6 +214,14 @@ Vec3 FacePairs::bestAxis(const Pair& pair, const std::vector<Vec3>& x) {
   const double gapAbove = (lowA - highB).maxCoeff(&above);
   const double gapBelow = (lowB - highA).maxCoeff(&below);
   return gapAbove >= gapBelow ? Vec3::Unit(above) : Vec3(-Vec3::Unit(below));
+}
+
+/// From the middle of one face to that of another, both seen from their common corner.
+Vec3 FacePairs::fromVertex(const Pair& pair, const std::vector<Vec3>& x) {
+  const Vec3& at = x[pair.a[2]];
+  const Vec3 a = x[pair.a[0]] + x[pair.a[1]] - 2.0 * at;
+  const Vec3 b = x[pair.b[0]] + x[pair.b[1]] - 2.0 * at;
+  return (a.normalized() - b.normalized()).normalized();
 }
 
 /// Whether the direction of a pair separates it at both ends of the substep.
@@ -349,8 +363,9 @@ void FacePairs::findFailing(bool isFirst, SubstepMotion motion,
   }
 }
 
-int FacePairs::keepApart(const Truncation& now) {
-  if (pairs_.empty()) return 0;
+PairOutcome FacePairs::keepApart(const Truncation& now) {
+  PairOutcome outcome;
+  if (pairs_.empty()) return outcome;
   const SubstepMotion& motion = now.motion;
   double farthest = 0.0;
   for (std::size_t v = 0; v < motion.start.size(); ++v) {
@@ -359,17 +374,17 @@ int FacePairs::keepApart(const Truncation& now) {
   travel_ += 2.0 * std::sqrt(farthest);
   constexpr int kSlidingPasses = 12;
   constexpr int kMostPasses = 60;
-  int unproven = 0;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     findFailing(pass == 0, motion, now.truncated);
-    if (failing_.empty()) return unproven;
+    if (failing_.empty()) return outcome;
+    outcome.changed = true;
     for (const std::uint32_t k : failing_) {
       const bool slides = pass < kSlidingPasses && slide(pairs_[k], now);
-      if (!slides && !shorten(pairs_[k], now)) ++unproven;
+      if (!slides && !shorten(pairs_[k], now)) ++outcome.unproven;
     }
   }
   stop(now);
-  return unproven;
+  return outcome;
 }
 
 void FacePairs::stop(const Truncation& now) {

@@ -20,6 +20,12 @@ struct Truncation {
   std::vector<std::uint8_t>& truncated;  ///< by vertex: set to 1 if its motion was changed
 };
 
+/// Outcome of keeping the faces of all pairs apart in a substep.
+struct PairOutcome {
+  bool changed = false;  ///< motion was changed
+  int unproven = 0;      ///< pairs that touched or intersected at the start; their vertices stay
+};
+
 /// Pairs of faces near each other. For each there is a direction n in which one face is beyond the
 /// other. If it is so at both ends of a substep, it is so between: the distance along n changes
 /// linearly. Where it is not so at the end, the motion of the vertices is shortened.
@@ -33,13 +39,14 @@ class FacePairs {
   /// \param faces  of the mesh.
   /// \param least  distance below which shortened motion does not bring faces nearer [m].
   void assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces, double least);
+  /// Whether a direction separates two faces, except for corners that they share.
+  static bool areApart(const Face& a, const Face& b, const std::vector<Vec3>& x);
   void clear() { pairs_.clear(); }
   std::size_t count() const { return pairs_.size(); }
 
   /// Changes the motion of vertices so that no pair touches or passes through itself, neither at the
   /// end of the substep nor on the way there.
-  /// \return the number of pairs that touched or intersected at the start; their vertices stay.
-  int keepApart(const Truncation& now);
+  PairOutcome keepApart(const Truncation& now);
   /// Takes all motion back.
   static void stop(const Truncation& now);
 
@@ -56,6 +63,7 @@ class FacePairs {
 
   static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
+  static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
   bool separates(Pair& pair, SubstepMotion motion) const;
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
   static bool hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated);

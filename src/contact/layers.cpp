@@ -1,18 +1,18 @@
 #include "cloth_sim/contact/layers.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
-#include <cstdio>
-#include <cstdlib>
 
 #include "layer_contacts.h"
+#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
 
 /// Substeps that a search for pairs allows for, at the speed of the present one.
-constexpr double kSubstepsAhead = 8.0;
+constexpr double kSubstepsAhead = 4.0;
 /// Motion that a search allows for at least [m].
 constexpr double kLeastAllowance = 2e-4;
 /// Change of a face's gradient that a search allows for at least [-].
@@ -23,6 +23,25 @@ constexpr double kMostAllowance = 5e-3;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
 
+std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
+  return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
+}
+
+/// Whether `holds(k)` for all k in [0, count); on several threads where that pays.
+template <typename Holds>
+bool holdsForAll(std::size_t count, const Holds& holds) {
+  constexpr std::int32_t kGrain = 4096;
+  std::atomic<bool> all{true};
+  parallelFor(static_cast<std::int32_t>(count), kGrain, [&](std::int32_t first, std::int32_t last) {
+    for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+      if (holds(k)) continue;
+      all = false;
+      return;
+    }
+  });
+  return all;
+}
+
 }  // namespace
 
 class LayerContact::Impl {
@@ -32,6 +51,7 @@ class LayerContact::Impl {
   }
 
   void build(const Model& model);
+  LayerOverlap findOverlap(const std::vector<Vec3>& x);
   void beginStep();
   void project(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
@@ -41,15 +61,21 @@ class LayerContact::Impl {
  private:
   void load(const ParticleView& particles);
   void store(const ParticleView& particles) const;
+  template <typename Body>
+  void forVertices(const Body& body) const;
+  void loadEnd(const ParticleView& particles);
   Vec3 meanMotion(const std::vector<Vec3>& from) const;
+  double farthestMotion(const Vec3& common) const;
   bool isAllowed() const;
   void search();
   void allow();
+  void allowFace(FaceId f);
   Gradient gradient(FaceId f, const std::vector<Vec3>& x) const;
 
   std::vector<LayerProperties> byCloth_;
   std::vector<Face> faces_;
   std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
+  double sharpest_ = 0.0;                     ///< largest norm of these [1/m]
   std::vector<MaterialTree> trees_;           ///< by cloth
   double margin_ = 0.0;                       ///< half of the largest thickness [m]
   FacePairs pairs_;
@@ -68,12 +94,14 @@ class LayerContact::Impl {
 void LayerContact::Impl::build(const Model& model) {
   faces_ = model.mesh.faces();
   inverseRest_.resize(faces_.size());
+  sharpest_ = 0.0;
   for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
     const Face& face = faces_[f];
     Eigen::Matrix2d rest;
     rest.col(0) = model.mesh.material(face[1]) - model.mesh.material(face[0]);
     rest.col(1) = model.mesh.material(face[2]) - model.mesh.material(face[0]);
     inverseRest_[f] = rest.inverse();
+    sharpest_ = std::max(sharpest_, inverseRest_[f].norm());
   }
   trees_.resize(model.cloths.size());
   for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
@@ -90,6 +118,22 @@ void LayerContact::Impl::build(const Model& model) {
   beginStep();
 }
 
+LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
+  start_ = x;
+  end_ = x;
+  search();
+  LayerOverlap overlap;
+  for (const FaceIds& ids : near_) {
+    if (FacePairs::areApart(faces_[ids.first], faces_[ids.second], x)) continue;
+    if (overlap.pairs++ > 0) continue;
+    for (const FaceId f : {ids.first, ids.second}) {
+      for (const VertexId v : faces_[f]) overlap.place += x[v] / 6.0;
+    }
+  }
+  beginStep();
+  return overlap;
+}
+
 void LayerContact::Impl::beginStep() {
   report = LayerReport();
   isFresh_ = false;
@@ -97,24 +141,38 @@ void LayerContact::Impl::beginStep() {
   contacts_.clear();
 }
 
+template <typename Body>
+void LayerContact::Impl::forVertices(const Body& body) const {
+  constexpr std::int32_t kGrain = 4096;
+  parallelFor(static_cast<std::int32_t>(end_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (std::int32_t v = first; v < last; ++v) body(static_cast<std::size_t>(v));
+              });
+}
+
 void LayerContact::Impl::load(const ParticleView& particles) {
-  for (std::size_t v = 0; v < start_.size(); ++v) {
-    const auto k = static_cast<std::size_t>(particles.slotOf ? particles.slotOf[v]
-                                                             : static_cast<std::int32_t>(v));
+  forVertices([&](std::size_t v) {
+    const auto k = slotOf(particles, v);
     start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
     end_[v] = Vec3(particles.x[k], particles.y[k], particles.z[k]);
     mass_[v] = particles.mass[k];
-  }
+  });
+}
+
+void LayerContact::Impl::loadEnd(const ParticleView& particles) {
+  forVertices([&](std::size_t v) {
+    const auto k = slotOf(particles, v);
+    end_[v] = Vec3(particles.x[k], particles.y[k], particles.z[k]);
+  });
 }
 
 void LayerContact::Impl::store(const ParticleView& particles) const {
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    const auto k = static_cast<std::size_t>(particles.slotOf ? particles.slotOf[v]
-                                                             : static_cast<std::int32_t>(v));
+  forVertices([&](std::size_t v) {
+    const auto k = slotOf(particles, v);
     particles.x[k] = end_[v].x();
     particles.y[k] = end_[v].y();
     particles.z[k] = end_[v].z();
-  }
+  });
 }
 
 Gradient LayerContact::Impl::gradient(FaceId f, const std::vector<Vec3>& x) const {
@@ -132,44 +190,63 @@ Vec3 LayerContact::Impl::meanMotion(const std::vector<Vec3>& from) const {
   return end_.empty() ? sum : Vec3(sum / static_cast<double>(end_.size()));
 }
 
-/// Whether the end of the substep is within what the last search allowed. A motion that all vertices
-/// have in common brings nothing together.
+/// The largest distance of a vertex from where the last search would have it, if it had moved like
+/// all on average: such a motion brings nothing together [m].
+double LayerContact::Impl::farthestMotion(const Vec3& common) const {
+  double square = 0.0;
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    square = std::max(square, (end_[v] - searched_[v] - common).squaredNorm());
+  }
+  return std::sqrt(square);
+}
+
+/// Whether the end of the substep is within what the last search allowed.
 bool LayerContact::Impl::isAllowed() const {
   if (!isFresh_) return false;
-  static bool dbg=getenv("DBG");
   const Vec3 common = meanMotion(searched_);
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    if ((end_[v] - searched_[v] - common).cwiseAbs().maxCoeff() > allowance_[v]) { if(dbg) fprintf(stderr,"v %zu moved %g allowed %g\n",v,(end_[v] - searched_[v] - common).cwiseAbs().maxCoeff(),allowance_[v]); return false;}
+  const double farthest = farthestMotion(common);
+  if (farthest > kLeastAllowance) {
+    const bool areNear = holdsForAll(end_.size(), [&](std::size_t v) {
+      return (end_[v] - searched_[v] - common).cwiseAbs().maxCoeff() <= allowance_[v];
+    });
+    if (!areNear) return false;
   }
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
+  // The columns of a face's edges change by twice the farthest motion at most.
+  if (2.0 * std::sqrt(2.0) * farthest * sharpest_ <= kLeastTurn) return true;
+  return holdsForAll(faces_.size(), [&](std::size_t f) {
     const GradientBall& ball = balls_[f];
     const Gradient now = gradient(static_cast<FaceId>(f), end_);
-    if ((now - ball.centre).squaredNorm() > ball.radius * ball.radius) {if(dbg) fprintf(stderr,"f %zu turned %g allowed %g\n",f,(now - ball.centre).norm(),ball.radius); return false;}
-  }
-  return true;
+    return (now - ball.centre).squaredNorm() <= ball.radius * ball.radius;
+  });
 }
 
 /// Sets how far vertices and gradients may go until the next search: as in some substeps like this
 /// one, and in this one at least.
 void LayerContact::Impl::allow() {
   const Vec3 common = meanMotion(start_);
-  for (std::size_t v = 0; v < end_.size(); ++v) {
+  forVertices([&](std::size_t v) {
     const double moved = (end_[v] - start_[v] - common).cwiseAbs().maxCoeff();
     const double ahead = std::min(kMostAllowance, kLeastAllowance + kSubstepsAhead * moved);
     allowance_[v] = std::max(ahead, 1.5 * moved);
+  });
+  constexpr std::int32_t kGrain = 2048;
+  parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (FaceId f = first; f < last; ++f) allowFace(f);
+              });
+}
+
+void LayerContact::Impl::allowFace(FaceId f) {
+  GradientBall& ball = balls_[f];
+  ball.centre = gradient(f, start_);
+  const double turned = (gradient(f, end_) - ball.centre).norm();
+  ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
+  Box box;
+  for (const VertexId v : faces_[f]) {
+    const Vec3 reach = Vec3::Constant(allowance_[v] + margin_);
+    box.add({start_[v] - reach, start_[v] + reach});
   }
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    GradientBall& ball = balls_[f];
-    ball.centre = gradient(static_cast<FaceId>(f), start_);
-    const double turned = (gradient(static_cast<FaceId>(f), end_) - ball.centre).norm();
-    ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
-    Box box;
-    for (const VertexId v : faces_[f]) {
-      const Vec3 reach = Vec3::Constant(allowance_[v] + margin_);
-      box.add({start_[v] - reach, start_[v] + reach});
-    }
-    boxes_[f] = box;
-  }
+  boxes_[f] = box;
 }
 
 /// Finds the pairs of faces that may touch before the next search.
@@ -192,7 +269,7 @@ void LayerContact::Impl::search() {
 
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   load(particles);
-  if (!isAllowed()) search();
+  if (!isFresh_) search();
   report.contacts = 0;
   if (pairs_.count() == 0) return;
   contacts_.project({start_, end_}, mass_, h);
@@ -204,21 +281,27 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
 /// Shortening a motion may take faces out of what the search allowed: then there is another search,
 /// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
-  load(particles);
+  loadEnd(particles);
   report.moves += static_cast<std::int64_t>(end_.size());
   std::fill(truncated_.begin(), truncated_.end(), 0);
   const Truncation now{{start_, end_}, mass_, truncated_};
   constexpr int kMostSearches = 8;
-  bool isCertified = false;
-  for (int searches = 0; searches < kMostSearches && !isCertified; ++searches) {
-    if (!isAllowed()) search();
-    report.unproven += pairs_.keepApart(now);
-    isCertified = isAllowed();
+  bool isAllowedNow = isAllowed();
+  for (int searches = 0; searches < kMostSearches; ++searches) {
+    if (!isAllowedNow) search();
+    const PairOutcome outcome = pairs_.keepApart(now);
+    report.unproven += outcome.unproven;
+    isAllowedNow = !outcome.changed || isAllowed();
+    if (isAllowedNow) break;
   }
-  if (!isCertified) FacePairs::stop(now);
+  if (!isAllowedNow) FacePairs::stop(now);
   report.pairs = static_cast<int>(pairs_.count());
   const auto count = std::count(truncated_.begin(), truncated_.end(), 1);
   report.truncated += count;
+  report.blocked = 0;
+  for (std::size_t v = 0; count > 0 && v < mass_.size(); ++v) {
+    if (truncated_[v] != 0 && mass_[v] == 0.0) ++report.blocked;
+  }
   if (count > 0) store(particles);
 }
 
@@ -228,6 +311,10 @@ LayerContact::LayerContact(const Model& model, std::vector<LayerProperties> byCl
 LayerContact::~LayerContact() = default;
 
 void LayerContact::onModelChanged(const Model& model) { impl_->build(model); }
+
+LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) {
+  return impl_->findOverlap(x);
+}
 
 void LayerContact::beginStep() { impl_->beginStep(); }
 

@@ -5,6 +5,8 @@
 #include <random>
 #include <utility>
 
+#include "mesh/quality.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -185,12 +187,15 @@ std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, co
   return pins;
 }
 
+double thickestLayer(const Model& model) { return 0.5 * shortestEdge(model.mesh); }
+
 std::unique_ptr<LayerContact> buildLayers(const Scene& scene, const Model& model) {
   if (!scene.selfContact) return nullptr;
+  const double most = thickestLayer(model);
   std::vector<LayerProperties> byCloth;
   for (const ClothSpec& cloth : scene.cloths) {
     byCloth.push_back(
-        {cloth.fabric.thickness, scene.layerFriction.value_or(cloth.fabric.friction)});
+        {std::min(cloth.fabric.thickness, most), scene.layerFriction.value_or(cloth.fabric.friction)});
   }
   return std::make_unique<LayerContact>(model, std::move(byCloth));
 }

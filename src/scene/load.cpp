@@ -121,6 +121,21 @@ void checkFeatures(const SceneNode& root, const Scene& scene) {
   }
 }
 
+/// Refuses contact between layers with a method that cannot hold them apart.
+void checkLayers(const SceneNode& root, const Scene& scene) {
+  if (!scene.selfContact) return;
+  try {
+    checkLayers(findSolver(scene.solver.method));
+  } catch (const std::invalid_argument& error) {
+    root.need("self_contact", "true or false").refuse(error.what());
+  }
+  for (const ClothSpec& cloth : scene.cloths) {
+    if (cloth.fabric.thickness > 0.0) continue;
+    root.need("self_contact", "true or false")
+        .refuse("the fabric of cloth '" + cloth.name + "' has no thickness; layers need one");
+  }
+}
+
 /// Returns the scene as it runs here, as YAML. It names the method that `auto` chose, because
 /// another machine may choose another one.
 std::string textOf(const Scene& scene, YamlValue tree) {
@@ -165,6 +180,7 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   scene.contentKey = contentKey(tree, scene.solver.dt);
   resolve(root, scene);
   checkFeatures(root, scene);
+  checkLayers(root, scene);
   scene.text = textOf(scene, tree);
   return scene;
 }

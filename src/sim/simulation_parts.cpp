@@ -1,8 +1,39 @@
 #include "cloth_sim/sim/simulation_parts.h"
 
+#include <sstream>
+#include <stdexcept>
+
 #include "cloth_sim/scene/build.h"
 
 namespace cloth_sim {
+namespace {
+
+/// Number of the warning about thick layers, beyond those of ResultWatch.
+constexpr std::size_t kThickLayer = 100;
+
+/// Refuses cloth that touches itself at the start, and warns of cloth that is too thick for its
+/// mesh.
+void prepareLayers(SimulationParts& parts) {
+  const LayerOverlap overlap = parts.layers->findOverlap(parts.state.x.values());
+  if (overlap.pairs > 0) {
+    std::ostringstream text;
+    text << "self_contact: the cloth touches or intersects itself at the start, in "
+         << overlap.pairs << (overlap.pairs == 1 ? " pair" : " pairs")
+         << " of faces, the first at (" << overlap.place.x() << ", " << overlap.place.y() << ", "
+         << overlap.place.z() << ")";
+    throw std::invalid_argument(text.str());
+  }
+  const double most = thickestLayer(parts.model);
+  for (const ClothSpec& cloth : parts.scene.cloths) {
+    if (cloth.fabric.thickness <= most) continue;
+    std::ostringstream text;
+    text << "the fabric of cloth '" << cloth.name << "' is thicker (" << cloth.fabric.thickness
+         << " m) than half of the shortest edge: its layers keep " << most << " m apart instead";
+    parts.sceneWarnings.push_back({kThickLayer, text.str()});
+  }
+}
+
+}  // namespace
 
 SimulationParts::SimulationParts(Scene loaded)
     : scene(std::move(loaded)),
@@ -21,6 +52,13 @@ SimulationParts::SimulationParts(Scene loaded)
   controls.drag = scene.drag;
   controls.quasiStatic = scene.quasiStatic;
   controls.wind = scene.wind;
+  if (layers) prepareLayers(*this);
+}
+
+std::vector<ResultWarning> SimulationParts::warnings() const {
+  std::vector<ResultWarning> all = sceneWarnings;
+  for (ResultWarning& warning : watch.warnings()) all.push_back(std::move(warning));
+  return all;
 }
 
 Tuning SimulationParts::tuning() const {

@@ -75,7 +75,7 @@ std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail deta
   shot->guard = parts.solver.guard();
   shot->failed = parts.failed();
   shot->failure = parts.failure;
-  shot->warnings = parts.watch.warnings();
+  shot->warnings = parts.warnings();
   if (detail == Detail::kFigures) shot->figures = figuresOf(parts);
   return shot;
 }

@@ -31,6 +31,7 @@ SolverInfo explicitEulerInfo() {
   info.limitations =
       "gains energy at any step without damping; with it, stable below 2 zeta / omega only";
   info.order = 1;
+  info.noLayers = "it amplifies each push";
   info.stabilityLimit = 0.0;
   info.parameters = {substepsParameter(64)};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {

@@ -324,6 +324,7 @@ SolverInfo projectiveInfo() {
       "backward Euler's damping; converges slowly where stiff cloth turns in a substep; "
       "single edges strain near obstacles at long substeps";
   info.order = 1;
+  info.noLayers = "its global solve does not know of them";
   SolverParameter iterations = substepsParameter(10);
   iterations.name = "iterations";
   iterations.description = "local and global steps in a substep, at most";

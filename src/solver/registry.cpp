@@ -60,6 +60,12 @@ void checkFeatures(const SolverInfo& info, bool bendingEnergy) {
                               "fabric's): take springs or none, or another method");
 }
 
+void checkLayers(const SolverInfo& info) {
+  if (info.noLayers.empty()) return;
+  throw std::invalid_argument(info.name + " cannot hold layers of cloth apart: " + info.noLayers +
+                              "; take another method, such as line_xpbd, or self_contact: false");
+}
+
 SolverParameters completeParameters(const SolverInfo& info, const SolverParameters& given) {
   for (const auto& [name, value] : given) {
     const SolverParameter* parameter = findParameter(info, name);

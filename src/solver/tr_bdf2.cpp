@@ -78,6 +78,7 @@ SolverInfo trBdf2Info() {
   info.reference = "Hosea & Shampine, Applied Numerical Mathematics 20 (1996)";
   info.limitations = "two solves in a substep; contact follows them and is of first order";
   info.order = 2;
+  info.noLayers = "its stages move cloth after contact";
   info.parameters = implicitParameters();
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     return std::make_unique<SubstepSolver>(model, substepsOf(p), std::make_unique<TrBdf2>(p));

@@ -448,13 +448,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadScene{"",
                  "s.yaml: expected a map with keys from cloth, solver, gravity, wind, drag, "
-                 "quasi_static, "
+                 "quasi_static, self_contact, layer_friction, "
                  "obstacles, clamps, tearing, phases, seed (got nothing)"},
         BadScene{"seed: 1", "s.yaml:1: cloth: missing, expected a map"},
         BadScene{
             CLOTH "clots: 1",
             "s.yaml:2: clots: unknown key, did you mean 'cloth'? expected one of cloth, "
-            "solver, gravity, wind, drag, quasi_static, obstacles, clamps, tearing, phases, seed"},
+            "solver, gravity, wind, drag, quasi_static, self_contact, layer_friction, obstacles, "
+            "clamps, tearing, phases, seed"},
         BadScene{CLOTH "seed: 1\nseed: 2", "s.yaml:3: key 'seed' stands twice in the same map"},
         BadScene{CLOTH "---\n" CLOTH,
                  "s.yaml: expected one YAML document (got more after its end)"},

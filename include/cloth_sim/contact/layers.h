@@ -23,9 +23,15 @@ struct LayerReport {
   std::int64_t truncated = 0;   ///< motions of vertices that were shortened, over all substeps
   std::int64_t moves = 0;       ///< motions of vertices, over all substeps
   std::int64_t unproven = 0;    ///< pairs that touched or intersected at the start of a substep
-  int blocked = 0;              ///< held vertices that stand short of their target at the end
+  int blocked = 0;              ///< held vertices whose motion was shortened in the last substep
   /// Least distance of two layers in contact [m]; infinite without any.
   double leastDistance = 0.0;
+};
+
+/// Faces that touch or intersect each other.
+struct LayerOverlap {
+  int pairs = 0;              ///< of faces
+  Vec3 place = Vec3::Zero();  ///< of the first of them [m]
 };
 
 /// Keeps layers of cloth a thickness apart, with friction, and certifies that no two faces
@@ -48,6 +54,9 @@ class LayerContact {
 
   /// Follows an edit of the mesh.
   void onModelChanged(const Model& model);
+  /// Finds faces that touch or intersect each other.
+  /// \param x  positions, by vertex [m].
+  LayerOverlap findOverlap(const std::vector<Vec3>& x);
   /// Prepares for a step.
   void beginStep();
   /// Moves layers apart, as displacements at the end of a substep of `h` [s].

@@ -21,6 +21,8 @@ std::vector<KinematicTarget> pinTargets(const std::vector<ClothSpec>& cloths, co
 
 /// Returns the obstacles of the scene with the contact properties of its cloths.
 ColliderSet buildColliders(const Scene& scene);
+/// Largest thickness that layers of cloth keep apart: half of the shortest edge at rest [m].
+double thickestLayer(const Model& model);
 /// Returns the contact between the layers of the scene's cloths, or null if it has none.
 std::unique_ptr<LayerContact> buildLayers(const Scene& scene, const Model& model);
 

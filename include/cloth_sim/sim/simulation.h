@@ -56,7 +56,7 @@ class Simulation {
   const std::string& failure() const { return parts_.failure; }
   /// Doubts about the result although the simulation goes on; none at best. They stay until a
   /// reset.
-  std::vector<ResultWarning> warnings() const { return parts_.watch.warnings(); }
+  std::vector<ResultWarning> warnings() const { return parts_.warnings(); }
   /// The measures behind the warnings.
   const ResultWatch& watch() const { return parts_.watch; }
   /// While the cloth sleeps, steps only let time go on; see docs/model.md.

@@ -27,6 +27,7 @@ struct SimulationParts {
   Sleep sleep;
   Measurements measurements;
   ResultWatch watch;
+  std::vector<ResultWarning> sceneWarnings;  ///< about the scene as it was loaded
   std::uint64_t stepCount = 0;  ///< steps since the start or the last reset
   std::string failure;          ///< why the simulation stopped; "" while it goes on
   std::uint64_t startHash = 0;  ///< stateHash before the first step
@@ -35,6 +36,8 @@ struct SimulationParts {
   double time() const { return state.t; }        ///< [s]
   bool failed() const { return !failure.empty(); }
 
+  /// All doubts about the result, see Simulation::warnings.
+  std::vector<ResultWarning> warnings() const;
   /// Returns the settings that commands may change, as they are now.
   Tuning tuning() const;
   /// Whether only the cloth itself moves it, and nothing else is about to.

@@ -34,6 +34,8 @@ struct SolverInfo {
   /// Whether the cloth is as stiff as the fabric. If not, stiffness follows from the method's own
   /// parameters and the step, and a bending energy is refused.
   bool followsFabric = true;
+  /// Why layers of cloth cannot touch each other with this method; "" if they can.
+  std::string noLayers;
   /// Whether each spring is projected by itself, once in a substep of length h. A spring of tension
   /// T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
   bool projectsSpringsAlone = false;
@@ -56,6 +58,9 @@ const SolverParameter* findParameter(const SolverInfo& info, const std::string& 
 
 /// \throws std::invalid_argument if the model has what the method cannot follow: a bending energy.
 void checkFeatures(const SolverInfo& info, bool bendingEnergy);
+
+/// \throws std::invalid_argument if layers of cloth cannot touch each other with the method.
+void checkLayers(const SolverInfo& info);
 
 /// Fills in defaults.
 /// \throws std::invalid_argument naming the parameter, its range or the known names.

@@ -1,0 +1,237 @@
+/// \file The parts of layer contact: directions that separate faces, the search for pairs, and the
+/// certificate that faces do not pass through each other.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "cloth_sim/scene/build.h"
+#include "contact/face_pairs.h"  // private: pairs are tested one by one
+#include "contact/material_tree.h"
+#include "verify/intersections.h"
+
+namespace cloth_sim {
+namespace {
+
+class RandomPoints {
+ public:
+  explicit RandomPoints(unsigned seed) : generator_(seed) {}
+  double number() { return uniform_(generator_); }
+  Vec3 point() {
+    const double x = number();
+    const double y = number();
+    return {x, y, number()};
+  }
+
+ private:
+  std::mt19937 generator_;
+  std::uniform_real_distribution<double> uniform_{-1.0, 1.0};
+};
+
+TEST(ClosestPoints, OfATriangleBeatAllOthers) {
+  RandomPoints random(1);
+  for (int k = 0; k < 500; ++k) {
+    const Corners t{random.point(), random.point(), random.point()};
+    const Vec3 p = random.point();
+    const auto distance = [&](double u, double v) {
+      return (p - (1.0 - u - v) * t[0] - u * t[1] - v * t[2]).norm();
+    };
+    const std::array<double, 3> w = closestOnTriangle(p, t);
+    const double found = distance(w[1], w[2]);
+    for (double u = 0.0; u <= 1.0; u += 0.125) {
+      for (double v = 0.0; u + v <= 1.0; v += 0.125) EXPECT_LE(found, distance(u, v) + 1e-12);
+    }
+  }
+}
+
+TEST(ClosestPoints, OfSegmentsBeatAllOthers) {
+  RandomPoints random(2);
+  for (int k = 0; k < 500; ++k) {
+    const Vec3 a0 = random.point(), a1 = random.point(), b0 = random.point();
+    const Vec3 b1 = k % 5 == 0 ? Vec3(b0 + 2.0 * (a1 - a0)) : random.point();  // parallel, too
+    const auto distance = [&](double s, double t) {
+      return (a0 + s * (a1 - a0) - b0 - t * (b1 - b0)).norm();
+    };
+    const SegmentPoints at = closestOnSegments(a0, a1, b0, b1);
+    for (double s = 0.0; s <= 1.0; s += 0.1) {
+      for (double t = 0.0; t <= 1.0; t += 0.1) {
+        EXPECT_LE(distance(at.s, at.t), distance(s, t) + 1e-12);
+      }
+    }
+  }
+}
+
+TEST(ClosestPoints, TrianglesApartHaveASeparatingDirectionAndOthersHaveNot) {
+  RandomPoints random(3);
+  int apart = 0;
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<Vec3> x;
+    for (int v = 0; v < 6; ++v) x.push_back(random.point());
+    const bool meet = pierces({0, 1, 2}, {3, 4, 5}, x) || pierces({3, 4, 5}, {0, 1, 2}, x);
+    const SeparatingDirection found = separate({x[0], x[1], x[2]}, {x[3], x[4], x[5]});
+    EXPECT_EQ(found.distance > 0.0, !meet);
+    apart += meet ? 0 : 1;
+  }
+  EXPECT_GT(apart, 200);
+  EXPECT_LT(apart, 1800);
+}
+
+TEST(ClosestPoints, TrianglesThatShareACornerHaveASeparatingDirectionUnlessTheyMeet) {
+  RandomPoints random(4);
+  int apart = 0;
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<Vec3> x{Vec3::Zero()};
+    for (int v = 0; v < 4; ++v) x.push_back(random.point());
+    // Two triangles with a common corner meet elsewhere if and only if their cones do.
+    const std::vector<Vec3> far{Vec3::Zero(), 9.0 * x[1], 9.0 * x[2], 9.0 * x[3], 9.0 * x[4]};
+    std::vector<Vec3> mixed = x;
+    mixed.insert(mixed.end(), far.begin() + 1, far.end());
+    const bool meet = pierces({0, 1, 2}, {0, 7, 8}, mixed) || pierces({0, 3, 4}, {0, 5, 6}, mixed);
+    const SeparatingDirection found = separateAtVertex({x[1], x[2]}, {x[3], x[4]});
+    EXPECT_EQ(found.distance > 0.0, !meet) << k;
+    apart += meet ? 0 : 1;
+  }
+  EXPECT_GT(apart, 200);
+  EXPECT_LT(apart, 1950);
+}
+
+/// Two triangles that move from a place where they are apart to any other one.
+struct MovingPair {
+  std::vector<Vec3> start;
+  std::vector<Vec3> end;
+  Face a{0, 1, 2};
+  Face b{3, 4, 5};
+};
+
+MovingPair movingPair(int shared, RandomPoints& random) {
+  MovingPair pair;
+  for (int k = 0; k < shared; ++k) pair.b[k] = pair.a[k];
+  do {
+    pair.start.clear();
+    for (int v = 0; v < 6; ++v) pair.start.push_back(random.point());
+  } while (!FacePairs::areApart(pair.a, pair.b, pair.start));
+  pair.end = pair.start;
+  for (Vec3& x : pair.end) x += 1.5 * random.point();
+  return pair;
+}
+
+bool meet(const Face& a, const Face& b, const std::vector<Vec3>& x) {
+  return pierces(a, b, x) || pierces(b, a, x);
+}
+
+class Certificate : public testing::TestWithParam<int> {};
+
+TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
+  RandomPoints random(5);
+  int changed = 0;
+  for (int k = 0; k < 1500; ++k) {
+    MovingPair pair = movingPair(GetParam(), random);
+    FacePairs pairs;
+    pairs.assign({{0, 1}}, {pair.a, pair.b}, 0.01);
+    std::vector<double> mass(6, 1.0);
+    if (k % 3 == 0) mass[0] = 0.0;
+    std::vector<std::uint8_t> truncated(6, 0);
+    const std::vector<Vec3> wanted = pair.end;
+    const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end}, mass, truncated});
+    EXPECT_EQ(outcome.unproven, 0);
+    changed += outcome.changed ? 1 : 0;
+    if (!outcome.changed) EXPECT_EQ(pair.end, wanted);
+    std::vector<Vec3> x(6);
+    for (int part = 0; part <= 64; ++part) {
+      const double t = part / 64.0;
+      for (int v = 0; v < 6; ++v) x[v] = (1.0 - t) * pair.start[v] + t * pair.end[v];
+      ASSERT_FALSE(meet(pair.a, pair.b, x)) << k << " at " << t;
+    }
+  }
+  EXPECT_GT(changed, 100);
+  EXPECT_LT(changed, 1500);
+}
+
+INSTANTIATE_TEST_SUITE_P(SharedCorners, Certificate, testing::Values(0, 1, 2));
+
+TEST(GradientBall, GrowsToContainBoth) {
+  RandomPoints random(6);
+  for (int k = 0; k < 200; ++k) {
+    GradientBall a, b;
+    for (int i = 0; i < 6; ++i) {
+      a.centre.data()[i] = random.number();
+      b.centre.data()[i] = random.number();
+    }
+    a.radius = std::abs(random.number());
+    b.radius = std::abs(random.number());
+    GradientBall both = a;
+    both.add(b);
+    EXPECT_LE((both.centre - a.centre).norm() + a.radius, both.radius + 1e-12);
+    EXPECT_LE((both.centre - b.centre).norm() + b.radius, both.radius + 1e-12);
+  }
+}
+
+/// A square sheet whose rows are bent along a circle of `radius` [m], by more than one turn if the
+/// radius is small.
+State rolled(const Model& model, double radius, double drift) {
+  State state;
+  state.x = VertexData<Vec3>(static_cast<std::size_t>(model.particleCount()), Vec3::Zero());
+  for (VertexId v = 0; v < model.particleCount(); ++v) {
+    const Vec2 at = model.mesh.material(v);
+    const double angle = at.x() / radius;
+    const double r = radius + drift * angle;
+    state.x[v] = Vec3(r * std::sin(angle), at.y() + 0.1 * at.x() * at.y(), r * std::cos(angle));
+  }
+  return state;
+}
+
+std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
+  MaterialTree tree;
+  tree.build(model, 0);
+  std::vector<Box> boxes;
+  std::vector<GradientBall> balls;
+  for (const Face& face : model.mesh.faces()) {
+    Box box;
+    for (const VertexId v : face) box.add({state.x[v], state.x[v]});
+    boxes.push_back(box);
+    Gradient edges;
+    Eigen::Matrix2d rest;
+    for (int k = 0; k < 2; ++k) {
+      edges.col(k) = state.x[face[k + 1]] - state.x[face[0]];
+      rest.col(k) = model.mesh.material(face[k + 1]) - model.mesh.material(face[0]);
+    }
+    GradientBall ball;
+    ball.centre = edges * rest.inverse();
+    ball.radius = 0.05;
+    balls.push_back(ball);
+  }
+  tree.refit(boxes, balls);
+  std::vector<FaceIds> pairs;
+  tree.collectOwn(boxes, pairs);
+  return pairs;
+}
+
+TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 33;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  EXPECT_TRUE(searchPairs(model, rolled(model, 10.0, 0.0)).empty()) << "nearly flat";
+  EXPECT_LT(searchPairs(model, rolled(model, 0.3, 0.0)).size(), 500U) << "half a turn";
+  int meeting = 0;
+  for (const double radius : {0.05, 0.08, 0.11}) {
+    const State state = rolled(model, radius, -0.006);
+    std::set<std::pair<FaceId, FaceId>> listed;
+    for (const FaceIds& pair : searchPairs(model, state)) {
+      EXPECT_LT(pair.first, pair.second);
+      EXPECT_TRUE(listed.insert({pair.first, pair.second}).second) << "listed twice";
+    }
+    const std::vector<Face>& faces = model.mesh.faces();
+    for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+      for (FaceId g = f + 1; g < model.mesh.faceCount(); ++g) {
+        if (!meet(faces[f], faces[g], state.x.values())) continue;
+        ++meeting;
+        EXPECT_EQ(listed.count({f, g}), 1U) << f << ' ' << g;
+      }
+    }
+  }
+  EXPECT_GT(meeting, 50);
+}
+
+}  // namespace
+}  // namespace cloth_sim

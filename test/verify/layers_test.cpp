@@ -1,0 +1,237 @@
+/// \file Layers of cloth: no frame has an intersection, and layers rest, stick and slide as they
+/// should.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/simulation.h"
+#include "cloth_sim/threads/thread_limit.h"
+#include "verify/intersections.h"
+
+namespace cloth_sim {
+namespace {
+
+/// A towel that falls on its edge and crumples.
+constexpr const char* kCrumple = R"(
+cloth:
+  size: [0.4, 0.4]
+  particles: [25, 25]
+  pose: {position: [0.0, 0.0, 0.22], orientation: [0.66, 0.05, 0.02, 0.749]}
+  fabric: cotton
+  thickness: 0.001
+drag: 0.5
+obstacles:
+  table: {type: board, size: [1.6, 1.6, 0.05], position: [0.0, 0.0, -0.025]}
+)";
+
+std::string withLayers(const std::string& yaml, const std::string& solver) {
+  return yaml + "self_contact: true\nsolver: " + solver + "\n";
+}
+
+Simulation crumpled(const std::string& solver) {
+  return Simulation(parseScene(withLayers(kCrumple, solver), "crumple"));
+}
+
+TEST(Layers, WithoutThemTheClothPassesThroughItself) {
+  Simulation simulation(
+      parseScene(std::string(kCrumple) + "solver: {method: xpbd, substeps: 20}\n", "crumple"));
+  int intersections = 0;
+  for (int step = 0; step < 45; ++step) {
+    simulation.step();
+    intersections += countIntersections(simulation.model(), simulation.state());
+  }
+  EXPECT_GT(intersections, 100);
+  EXPECT_FALSE(simulation.layerReport().has_value());
+}
+
+class LayersWith : public testing::TestWithParam<const char*> {};
+
+TEST_P(LayersWith, NoFrameHasAnIntersection) {
+  Simulation simulation = crumpled(GetParam());
+  std::int64_t truncated = 0;
+  std::int64_t moves = 0;
+  for (int step = 0; step < 45; ++step) {
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    ASSERT_EQ(countIntersections(simulation.model(), simulation.state()), 0) << step;
+    const LayerReport report = simulation.layerReport().value();
+    EXPECT_EQ(report.unproven, 0);
+    truncated += report.truncated;
+    moves += report.moves;
+  }
+  EXPECT_LT(static_cast<double>(truncated), 0.01 * static_cast<double>(moves)) << "it is rare";
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, LayersWith,
+                         testing::Values("{method: line_xpbd, error: 0.01}",
+                                         "{method: xpbd, substeps: 20}",
+                                         "{method: pbd, substeps: 8}",
+                                         "{method: verlet, substeps: 200}",
+                                         "{method: symplectic_euler, substeps: 200}"));
+
+TEST(Layers, AMethodThatCannotHoldThemIsRefused) {
+  for (const std::string method : {"projective", "tr_bdf2", "explicit_euler"}) {
+    try {
+      crumpled("{method: " + method + "}");
+      FAIL() << method;
+    } catch (const SceneError& error) {
+      EXPECT_NE(std::string(error.what()).find("self_contact: " + method + " cannot hold layers"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+TEST(Layers, AClothThatIsTornAndCutKeepsTheCertificate) {
+  const std::string yaml = R"(
+cloth: {size: [0.4, 0.4], particles: [25, 25], fabric: cotton, pose: {position: [0, 0, 0.5]}}
+drag: 1
+self_contact: true
+solver: {method: line_xpbd, error: 0.01}
+clamps:
+  left: {patch: {particle: [1, 12], radius: 1}, max_speed: 2}
+  right: {patch: {particle: [23, 12], radius: 1}, max_speed: 2}
+tearing: {ratio: 1.2, seam: {path: [[0.2, 0.0], [0.2, 0.4]], half_width: 0.0}}
+phases:
+  - name: grasp
+    clamps: {all: {attach: true, grasp: true, speed: 2}}
+    until: {clamps: [at_target, closed]}
+  - name: pull
+    notch: [[0.2, 0.0], [0.2, 0.12]]
+    clamps: {left: {move_by: [-0.2, 0, 0], speed: 1}, right: {move_by: [0.2, 0, 0], speed: 1}}
+    until: {pieces: 2}
+    timeout: 2
+  - name: meet
+    clamps: {left: {move_by: [0.4, 0, 0], speed: 1}, right: {move_by: [-0.4, 0, 0], speed: 1}}
+    timeout: 0.6
+    on_timeout: continue
+)";
+  Simulation simulation(parseScene(yaml, "torn"));
+  for (int step = 0; step < 200 && simulation.script().status() != ScriptStatus::kDone; ++step) {
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    ASSERT_EQ(countIntersections(simulation.model(), simulation.state()), 0) << simulation.time();
+    EXPECT_EQ(simulation.layerReport()->unproven, 0);
+  }
+  EXPECT_EQ(simulation.script().status(), ScriptStatus::kDone);
+  EXPECT_GT(simulation.broken().torn, 0);
+  EXPECT_GT(simulation.broken().cut, 0);
+}
+
+/// Flat square cloths above each other, each turned a little against the one below.
+std::string stackOf(int layers, const std::string& rest) {
+  std::string yaml = "cloth:\n";
+  for (int k = 0; k < layers; ++k) {
+    const double half = 0.05 * k;
+    yaml += "  - {name: c" + std::to_string(k) + ", size: [0.16, 0.16], particles: [17, 17], " +
+            "fabric: cotton, thickness: 0.001, pose: {position: [0, 0, " +
+            std::to_string(0.0005 + 0.0013 * k) + "], orientation: [0, 0, " +
+            std::to_string(std::sin(half)) + ", " + std::to_string(std::cos(half)) + "]}}\n";
+  }
+  return yaml + "drag: 2\nself_contact: true\nsolver: {method: line_xpbd, error: 0.01, "
+                "sleep: false}\n" + rest;
+}
+
+double meanHeight(const Simulation& simulation, std::size_t cloth) {
+  const ClothPart& part = simulation.model().cloths[cloth];
+  double sum = 0.0;
+  for (VertexId v = 0; v < part.vertices; ++v) sum += simulation.state().x[part.firstVertex + v].z();
+  return sum / part.vertices;
+}
+
+TEST(Layers, AStackRestsAThicknessApart) {
+  Simulation simulation(parseScene(
+      stackOf(4, "obstacles: {table: {type: board, size: [1, 1, 0.1], position: [0, 0, -0.05]}}\n"),
+      "stack"));
+  for (int step = 0; step < 90; ++step) simulation.step();
+  for (std::size_t k = 0; k + 1 < 4; ++k) {
+    const double gap = meanHeight(simulation, k + 1) - meanHeight(simulation, k);
+    EXPECT_NEAR(gap, 0.001, 0.00005) << k;
+  }
+  double fastest = 0.0;
+  for (const Vec3& v : simulation.state().v.values()) fastest = std::max(fastest, v.norm());
+  EXPECT_LT(fastest, 0.01);
+  EXPECT_LT(static_cast<double>(simulation.layerReport()->truncated),
+            1e-3 * static_cast<double>(simulation.layerReport()->moves));
+}
+
+/// Distance that the upper one of two cloths slides in half a second on a slope of 20 degrees.
+double slideOf(double friction) {
+  const double angle = 20.0 * M_PI / 180.0;
+  const std::string yaml =
+      stackOf(2, "layer_friction: " + std::to_string(friction) + "\ngravity: [" +
+                     std::to_string(9.81 * std::sin(angle)) + ", 0, " +
+                     std::to_string(-9.81 * std::cos(angle)) + "]\n" +
+                     "obstacles: {table: {type: board, size: [1, 1, 0.1], position: [0, 0, -0.05], "
+                     "friction: 5}}\n");
+  Simulation simulation(parseScene(yaml, "slope"));
+  const auto middle = [&](std::size_t cloth) {
+    const ClothPart& part = simulation.model().cloths[cloth];
+    return simulation.state().x[part.firstVertex + part.vertices / 2].x();
+  };
+  for (int step = 0; step < 12; ++step) simulation.step();
+  const double before = middle(1) - middle(0);
+  for (int step = 0; step < 30; ++step) simulation.step();
+  return middle(1) - middle(0) - before;
+}
+
+TEST(Layers, FrictionHoldsBelowItsAngleOnly) {
+  EXPECT_LT(std::abs(slideOf(0.5)), 1e-4);  // atan(0.5) = 26.6 degrees
+  // 9.81 (sin - 0.2 cos) / 2 t^2 from rest would be 0.19 m in 0.5 s; drag takes some.
+  EXPECT_GT(slideOf(0.2), 0.05);
+}
+
+TEST(Layers, ClothThatIntersectsItselfAtTheStartIsRefused) {
+  const std::string yaml = R"(
+cloth:
+  - {name: a, size: [0.2, 0.2], particles: [9, 9], fabric: cotton}
+  - {name: b, size: [0.2, 0.2], particles: [9, 9], fabric: cotton,
+     pose: {orientation: [0.7071067811865476, 0, 0, 0.7071067811865476]}}
+self_contact: true
+)";
+  try {
+    Simulation simulation(parseScene(yaml, "cross"));
+    FAIL();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("touches or intersects itself at the start"),
+              std::string::npos);
+  }
+}
+
+TEST(Layers, ClothThatIsTooThickForItsMeshIsThinnedWithAWord) {
+  const std::string yaml =
+      "cloth: {size: [0.2, 0.2], particles: [9, 9], fabric: cotton, thickness: 0.05}\n"
+      "self_contact: true\n";
+  const Simulation simulation(parseScene(yaml, "thick"));
+  ASSERT_EQ(simulation.warnings().size(), 1U);
+  EXPECT_NE(simulation.warnings()[0].text.find("its layers keep 0.0125 m apart"),
+            std::string::npos)
+      << simulation.warnings()[0].text;
+}
+
+std::uint64_t hashAfter(int steps, int threads) {
+  const ThreadLimit limit(threads);
+  Simulation simulation = crumpled("{method: line_xpbd, error: 0.01}");
+  for (int step = 0; step < steps; ++step) simulation.step();
+  return stateHash(simulation.model(), simulation.state());
+}
+
+TEST(Layers, TheBitsDoNotDependOnTheNumberOfThreads) {
+  EXPECT_EQ(hashAfter(25, 1), hashAfter(25, 2));
+}
+
+TEST(Layers, ASavedStateGoesOnToTheBit) {
+  Simulation one = crumpled("{method: line_xpbd, error: 0.01}");
+  Simulation other = crumpled("{method: line_xpbd, error: 0.01}");
+  for (int step = 0; step < 25; ++step) {
+    one.step();
+    if (step % 4 == 0) other.load(one.save());
+    if (step % 4 != 0) other.step();
+    ASSERT_EQ(stateHash(one.model(), one.state()), stateHash(other.model(), other.state())) << step;
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim
