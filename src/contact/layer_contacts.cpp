@@ -12,6 +12,9 @@ constexpr int kRefreshEvery = 4;
 /// Layers that are nearer than their thickness when a step begins, as after a cut, part at this
 /// speed [m/s].
 constexpr double kPartingSpeed = 0.2;
+/// Part of what layers are too near that a substep takes back. Displacements are velocities: all of
+/// it at once would keep layers at rest in motion.
+constexpr double kRecovery = 0.2;
 /// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
 constexpr double kParallel = 0.05;
 
@@ -235,8 +238,9 @@ void LayerContacts::projectOne(const Contact& contact, SubstepMotion motion,
     inertia += w[k] * w[k] * inverse(mass[v[k]]);
   }
   if (!(inertia > 0.0)) return;
-  const double wanted = std::min(contact.distance, n.dot(before) + kPartingSpeed * h);
-  const double push = wanted - gap;
+  const double deficit = std::max(0.0, contact.distance - n.dot(before));
+  const double wanted = n.dot(before) + std::min(kRecovery * deficit, kPartingSpeed * h);
+  const double push = std::min(contact.distance, wanted) - gap;
   if (!(push > 0.0)) return;
   ++active_;
   Vec3 slip = after - before;
