@@ -10,7 +10,8 @@ namespace {
 constexpr Range kTimeStep{0.0, 1.0, true, false};  // [s]
 constexpr Range kError{0.0, 1.0, true, false};
 const char* const kAuto = "auto";
-constexpr double kLeastError = 0.002;  ///< of the methods that choose their substeps
+constexpr double kLeastError = 0.002;   ///< of the methods that choose their substeps
+constexpr double kDefaultError = 0.01;  ///< of scenes that name neither a method nor substeps
 
 const Section<SleepSettings> kSleepSection{
     "`solver.sleep`",
@@ -43,7 +44,7 @@ const Section<SolverSpec> kSolverSection{"`solver`",
                                           {"budget"},
                                           {"sleep", readSleep}}};
 
-/// The method that takes `error` where none is named: the first that has this parameter.
+/// The method of scenes that name none: the first that takes an `error`.
 const SolverInfo& errorControlled() {
   const std::vector<SolverInfo>& all = solverRegistry();
   return *std::find_if(all.begin(), all.end(), [](const SolverInfo& info) {
@@ -55,8 +56,8 @@ const SolverInfo& errorControlled() {
 const SolverInfo* readMethod(const SceneNode& node, SolverSpec& solver) {
   const auto method = node.find("method");
   if (!method) {
-    if (node.find("error")) solver.method = errorControlled().name;
-    return &findSolver(solver.method);
+    solver.method = errorControlled().name;
+    return &errorControlled();
   }
   std::vector<std::pair<std::string, const SolverInfo*>> known;
   for (const SolverInfo& info : solverRegistry()) known.emplace_back(info.name, &info);
@@ -77,10 +78,14 @@ void readParameter(const SceneNode& node, const SolverParameter& parameter,
           : value->number({parameter.minimum, parameter.maximum, false, false});
 }
 
-/// Reads the bound on the error, which substeps override.
+/// Reads the bound on the error, which substeps override. An explicit method has none by default.
 void readError(const SceneNode& node, SolverParameters& parameters) {
+  if (node.find("substeps")) return;
   const auto error = node.find("error");
-  if (!error || node.find("substeps")) return;
+  if (!error) {
+    if (!node.find("method")) parameters["error"] = kDefaultError;
+    return;
+  }
   const double bound = error->number(kError);
   if (bound < kLeastError) {
     error->refuse(
@@ -107,8 +112,33 @@ void readParameters(const SceneNode& node, const SolverInfo& info, SolverParamet
 
 }  // namespace
 
+void dropOtherParameters(YamlValue& root) {
+  YamlValue* const solver = root.find("solver");
+  const YamlValue* const method = solver == nullptr ? nullptr : solver->find("method");
+  if (method == nullptr || !method->overridden) return;
+  const std::string name = method->text;
+  const auto isOfOthers = [&name](const YamlValue& item) {
+    bool isKnown = false;
+    for (const SolverInfo& info : solverRegistry()) {
+      if (findParameter(info, item.key) == nullptr) continue;
+      if (info.name == name) return false;
+      isKnown = true;
+    }
+    return isKnown && !item.overridden;
+  };
+  std::vector<YamlValue>& items = solver->items;
+  items.erase(std::remove_if(items.begin(), items.end(), isOfOthers), items.end());
+}
+
+SolverSpec defaultSolver() {
+  SolverSpec solver;
+  solver.method = errorControlled().name;
+  solver.parameters = completeParameters(errorControlled(), {{"error", kDefaultError}});
+  return solver;
+}
+
 void readSolver(const SceneNode& node, SolverSpec& solver) {
-  if (!node.isMap()) node.expected("a map with a method");
+  if (!node.isMap()) node.expected("a map, such as {error: 0.01}");
   const SolverInfo* info = readMethod(node, solver);
   std::vector<std::string> allowed = kSolverSection.keys().names;
   if (info != nullptr) {
