@@ -13,6 +13,9 @@ const char* const kAuto = "auto";
 constexpr double kLeastError = 0.002;   ///< of the methods that choose their substeps
 constexpr double kDefaultError = 0.01;  ///< of scenes that name neither a method nor substeps
 
+const char* const kRealTime = "real_time";
+const KeyTable kBudgetKeys{"`solver.budget`", {kRealTime}};
+
 const Section<SleepSettings> kSleepSection{
     "`solver.sleep`",
     {{"speed", &SleepSettings::speed, kPositive}, {"after", &SleepSettings::after, kPositive}}};
@@ -95,19 +98,45 @@ void readError(const SceneNode& node, SolverParameters& parameters) {
   parameters["error"] = bound;
 }
 
-void readParameters(const SceneNode& node, const SolverInfo& info, SolverParameters& parameters) {
+/// Reads a number of substeps, or `real_time`, or what that was: {real_time: 24}.
+void readBudget(const SceneNode& node, const SolverParameter& parameter, SolverSpec& solver) {
+  const auto budget = node.find(parameter.name);
+  if (!budget) return;
+  const auto least = static_cast<std::int64_t>(parameter.minimum);
+  const auto most = static_cast<std::int64_t>(parameter.maximum);
+  const std::string whole =
+      "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  if (budget->isMap()) {
+    budget->expectKeys(kBudgetKeys.names);
+    solver.realTimeBudget = static_cast<int>(budget->need(kRealTime, whole).integer(least, most));
+    solver.parameters[parameter.name] = *solver.realTimeBudget;
+  } else if (budget->isWord(kRealTime)) {
+    solver.realTimeBudget = 0;
+  } else if (!budget->isNumber()) {
+    budget->expected(whole + ", or " + kRealTime);
+  } else {
+    readParameter(node, parameter, solver.parameters);
+  }
+}
+
+void readParameters(const SceneNode& node, const SolverInfo& info, SolverSpec& solver) {
   for (const SolverParameter& parameter : info.parameters) {
     if (parameter.name == "error") {
-      readError(node, parameters);
+      readError(node, solver.parameters);
+    } else if (parameter.name == "budget") {
+      readBudget(node, parameter, solver);
     } else {
-      readParameter(node, parameter, parameters);
+      readParameter(node, parameter, solver.parameters);
     }
   }
   try {
-    parameters = completeParameters(info, parameters);
+    solver.parameters = completeParameters(info, solver.parameters);
   } catch (const std::invalid_argument& error) {
     node.refuse(error.what());
   }
+  const auto error = solver.parameters.find("error");
+  const bool hasGoal = error != solver.parameters.end() && error->second > 0.0;
+  if (!hasGoal) solver.realTimeBudget.reset();  // nothing takes a budget
 }
 
 }  // namespace
@@ -149,12 +178,13 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
   if (info == nullptr) {
     solver.choice = AutoChoice{node.need("error", kError.text()).number(kError), ""};
   } else {
-    readParameters(node, *info, solver.parameters);
+    readParameters(node, *info, solver);
   }
 }
 
 void listSolverKeys(std::vector<KeyTable>& tables) {
   tables.push_back(kSolverSection.keys());
+  tables.push_back(kBudgetKeys);
   tables.push_back(kSleepSection.keys());
 }
 

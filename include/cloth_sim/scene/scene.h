@@ -85,6 +85,9 @@ struct SolverSpec {
   /// Parameters of the method; absent ones have its defaults. A scene file that names no method
   /// has `error` here (docs/scene.md).
   SolverParameters parameters;
+  /// Present with `budget: real_time`: the budget that a calibration has led to. 0: it is still to
+  /// be found (sim/real_time.h).
+  std::optional<int> realTimeBudget;
   std::optional<SleepSettings> sleep = SleepSettings();  ///< absent: the cloth never sleeps
   std::optional<AutoChoice> choice;  ///< present with `method: auto`, which fills in the rest
 };
