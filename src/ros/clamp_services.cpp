@@ -1,10 +1,13 @@
 /// \file Services for clamps: set_clamp_pose, grasp, add_clamp, remove_clamp, follow.
 
+#include <algorithm>
+
 #include "cloth_sim/AddClamp.h"
 #include "cloth_sim/Follow.h"
 #include "cloth_sim/Grasp.h"
 #include "cloth_sim/RemoveClamp.h"
 #include "cloth_sim/SetClampPose.h"
+#include "scene/names.h"
 #include "services.h"
 
 namespace cloth_sim {
@@ -20,11 +23,22 @@ void track(const Follow::Request& request, Follow::Response& reply, ClampPorts& 
   reply.message = result.message;
 }
 
+/// Returns a request about a clamp. If it is refused and there is no such clamp, that is the
+/// reason.
+Request clampFirst(Request request, const std::string& clamp, const Observation& now) {
+  if (std::holds_alternative<Command>(request)) return request;  // which says it itself
+  std::vector<std::string> known;
+  for (const ClampSnapshot& it : now.snapshot->clamps) known.push_back(it.name);
+  if (std::find(known.begin(), known.end(), clamp) != known.end()) return request;
+  return Refusal{unknownName("clamp", clamp, known)};
+}
+
 }  // namespace
 
 void advertiseClampServices(Services& services) {
   services.advertise<SetClampPose>("set_clamp_pose", [&services](const auto& request, auto& reply) {
-    services.execute(services.checker().clampPose(request.clamp, request.pose),
+    services.execute(clampFirst(services.checker().clampPose(request.clamp, request.pose),
+                                request.clamp, services.simulation().observe()),
                      "clamp " + request.clamp + " goes there", reply);
   });
   services.advertise<Grasp>("grasp", [&services](const auto& request, auto& reply) {

@@ -95,19 +95,19 @@ std::vector<Command> commandsBetween(const ClothConfig& before, const ClothConfi
   return commands;
 }
 
-std::vector<std::string> liveParameterNames() {
-  std::vector<std::string> names;
+std::vector<LiveParameter> listLiveParameters() {
+  std::vector<LiveParameter> all;
   for (const auto& description : ClothConfig::__getParamDescriptions__()) {
-    names.push_back(description->name);
+    all.push_back({description->name, description->type == "bool"});
   }
-  return names;
+  return all;
 }
 
 namespace {
 
 /// Deletes the parameters that an earlier run left on the parameter server. \return `node`.
 ros::NodeHandle withoutLeftovers(const ros::NodeHandle& node) {
-  for (const std::string& name : liveParameterNames()) node.deleteParam(name);
+  for (const LiveParameter& parameter : listLiveParameters()) node.deleteParam(parameter.name);
   return node;
 }
 

@@ -34,8 +34,12 @@ TearRatios scaledRatios(const TearRatios& ratio, double strain);
 std::vector<Command> commandsBetween(const ClothConfig& before, const ClothConfig& after,
                                      const Tuning& now, const SceneTuning& scene);
 
-/// Names the parameters: `gravity`, `wind_x`, ...
-std::vector<std::string> liveParameterNames();
+/// A parameter that can be changed while the node runs.
+struct LiveParameter {
+  std::string name;       ///< `gravity`, `wind_x`, ...
+  bool isSwitch = false;  ///< true or false; otherwise a number
+};
+std::vector<LiveParameter> listLiveParameters();
 
 /// Serves ~set_parameters, ~parameter_descriptions and ~parameter_updates. The parameters also show
 /// changes by phases of the scene, by a reset and by other commands.

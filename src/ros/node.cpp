@@ -1,6 +1,7 @@
 #include "node.h"
 
 #include <ros/callback_queue.h>
+#include <ros/console.h>
 #include <ros/init.h>
 #include <ros/names.h>
 #include <ros/spinner.h>
@@ -14,6 +15,7 @@
 #include "clamp_ports.h"
 #include "clock_publisher.h"
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/real_time.h"
 #include "handles.h"
 #include "inputs.h"
 #include "live_parameters.h"
@@ -34,7 +36,11 @@ constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not block ot
 void onTerminate(int /*signal*/) { ros::requestShutdown(); }
 
 Scene loadNodeScene(const NodeParameters& parameters) {
-  Scene scene = loadScene(resolveScene(parameters.scene), parameters.set);
+  CalibrationSettings settings;
+  settings.threads = parameters.threads;
+  settings.tell = [](const std::string& line) { ROS_INFO_STREAM(line); };
+  Scene scene =
+      loadForThisMachine(loaderOf(resolveScene(parameters.scene), parameters.set), settings);
   for (const ClampSpec& clamp : scene.clamps) {
     std::string error;
     if (clamp.name.find('/') != std::string::npos || !ros::names::validate(clamp.name, error)) {

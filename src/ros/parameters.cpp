@@ -57,13 +57,7 @@ class Reader {
   void read(const std::string& name, const Range& range, double& value) {
     XmlRpcValue raw;
     if (!find(name, raw)) return;
-    if (raw.getType() == XmlRpcValue::TypeInt) {
-      value = static_cast<int>(raw);
-    } else if (raw.getType() == XmlRpcValue::TypeDouble) {
-      value = static_cast<double>(raw);
-    } else {
-      fail(name, "a number " + range.text(), raw);
-    }
+    value = number(name, "a number " + range.text(), raw);
     if (!range.holds(value)) fail(name, "a number " + range.text(), raw);
   }
 
@@ -95,6 +89,14 @@ class Reader {
     for (auto& [tracked, source] : raw) value[tracked] = readSource(name + "/" + tracked, source);
   }
 
+  /// Refuses a value of the wrong type. One of the right type is what an earlier run has left.
+  void check(const LiveParameter& parameter) {
+    bool isOn = false;
+    if (parameter.isSwitch) return read(parameter.name, isOn);
+    XmlRpcValue raw;
+    if (find(parameter.name, raw)) number(parameter.name, "a number", raw);
+  }
+
   /// Warns about private parameters that were not read.
   void warnAboutOthers() const {
     std::vector<std::string> names;
@@ -115,6 +117,12 @@ class Reader {
   void allow(const std::string& name) { known_.push_back(name); }
 
  private:
+  double number(const std::string& name, const std::string& expected, XmlRpcValue& raw) const {
+    if (raw.getType() == XmlRpcValue::TypeInt) return static_cast<int>(raw);
+    if (raw.getType() == XmlRpcValue::TypeDouble) return static_cast<double>(raw);
+    fail(name, expected, raw);
+  }
+
   static constexpr const char* kSources =
       "a map {name: {tf: FRAME}}, or pose: TOPIC or odometry: TOPIC in place of tf";
 
@@ -193,7 +201,7 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("follow", result.clampSources);
   reader.read("follow_obstacle", result.obstacleSources);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
-  for (const std::string& name : liveParameterNames()) reader.allow(name);
+  for (const LiveParameter& parameter : listLiveParameters()) reader.check(parameter);
   reader.warnAboutOthers();
   return result;
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <stdexcept>
 
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/scene/build.h"
 #include "scene_node.h"
+#include "support/user_cache.h"
 
 namespace cloth_sim {
 namespace {
@@ -120,23 +120,11 @@ SolverSpec chooseFrom(const AutoTable& table, const Scene& scene, double error) 
   return solver;
 }
 
-std::string userCacheFile() {
-  const auto folder = [](const char* variable, const char* below) -> std::string {
-    const char* value = std::getenv(variable);
-    return value == nullptr || *value == '\0' ? "" : value + std::string(below);
-  };
-  for (const auto& [variable, below] :
-       {std::pair{"CLOTH_SIM_CACHE", ""}, std::pair{"XDG_CACHE_HOME", "/cloth_sim"},
-        std::pair{"HOME", "/.cache/cloth_sim"}}) {
-    const std::string found = folder(variable, below);
-    if (!found.empty()) return found + "/auto_methods.csv";
-  }
-  return "";
-}
+std::string autoCacheFile() { return userCacheFile("auto_methods.csv"); }
 
 void resolveAutoMethod(Scene& scene) {
   const double error = scene.solver.choice->error;
-  const AutoCache cache(userCacheFile());
+  const AutoCache cache(autoCacheFile());
   std::optional<SolverSpec> solver;
   AutoChoice choice{error, "measured on this scene, " + cache.file()};
   if (!cache.file().empty()) solver = cache.find(scene.contentKey, error);

@@ -78,9 +78,8 @@ class AutoCache {
   std::string file_;
 };
 
-/// Returns the path of auto_methods.csv in $CLOTH_SIM_CACHE, $XDG_CACHE_HOME/cloth_sim or
-/// $HOME/.cache/cloth_sim, whichever is set first; "" if none is set.
-std::string userCacheFile();
+/// Returns the path of auto_methods.csv in the user's cache (support/user_cache.h); "" without one.
+std::string autoCacheFile();
 
 /// Replaces `auto` by the choice from the user's cache or else from the built-in table.
 /// \throws std::invalid_argument if neither is accurate enough, std::runtime_error if the cache is

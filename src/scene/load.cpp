@@ -67,9 +67,7 @@ const Section<Scene> kSceneSection{
 
 Scene readScene(const SceneNode& root) {
   Scene scene = kSceneSection.read(root);
-  if (!root.has("solver")) {
-    scene.solver.parameters = completeParameters(findSolver(scene.solver.method), {});
-  }
+  if (!root.has("solver")) scene.solver = defaultSolver();
   return scene;
 }
 
@@ -174,6 +172,7 @@ Scene parseScene(const std::string& yaml, const std::string& name,
                  const std::vector<std::string>& overrides) {
   YamlValue tree = parseYaml(yaml, name);
   for (const std::string& text : overrides) applyOverride(text, name, tree);
+  dropOtherParameters(tree);
   const SceneNode root(tree, "", name);
   Scene scene = readScene(root);
   scene.name = sceneName(name);

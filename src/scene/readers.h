@@ -34,6 +34,11 @@ Refinement readRefinement(const SceneNode& node);
 /// Reads the cloths of a scene, and its surgery settings.
 void readCloths(const SceneNode& node, Scene& scene);
 void readSolver(const SceneNode& node, SolverSpec& solver);
+/// Drops the parameters of other methods from `solver` if an override names its method, so that
+/// `solver.method=verlet` works on every scene. Parameters that are overridden themselves stay.
+void dropOtherParameters(YamlValue& root);
+/// The solver of scenes that say nothing about it.
+SolverSpec defaultSolver();
 /// \param particles  number of particles of all cloths at the start.
 void readSurgery(const SceneNode& node, int particles, SurgerySettings& surgery);
 Wind readWind(const SceneNode& node);

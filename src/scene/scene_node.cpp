@@ -179,6 +179,8 @@ double SceneNode::number(const Range& range) const {
   return *value;
 }
 
+bool SceneNode::isNumber() const { return parseNumber(*value_).has_value(); }
+
 std::int64_t SceneNode::integer(std::int64_t minimum, std::int64_t maximum) const {
   const std::optional<std::int64_t> value = parseInteger<std::int64_t>(*value_);
   if (!value || *value < minimum || *value > maximum) {

@@ -43,6 +43,8 @@ class SceneNode {
   bool isMap() const { return value_->kind == YamlValue::Kind::kMap; }
   bool isList() const { return value_->kind == YamlValue::Kind::kList; }
   bool isScalar() const { return value_->kind == YamlValue::Kind::kScalar; }
+  bool isWord(const std::string& word) const { return isScalar() && value_->text == word; }
+  bool isNumber() const;
 
   /// Throws the SceneError "FILE:LINE: PATH: expected `what` (got ...)".
   [[noreturn]] void expected(const std::string& what) const;

@@ -5,6 +5,10 @@ namespace {
 
 std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model, const State& state) {
   const SolverInfo& info = findSolver(spec.method);
+  if (spec.realTimeBudget && *spec.realTimeBudget == 0) {
+    throw std::invalid_argument(
+        "solver.budget: real_time is not resolved: load the scene by loadForThisMachine");
+  }
   checkFeatures(info, !model.bending.empty());
   const SolverParameters complete = completeParameters(info, spec.parameters);
   if (spec.guard == StepGuard::kAllow) return info.create(model, complete);

@@ -9,13 +9,42 @@
 namespace cloth_sim {
 namespace {
 
-bool isOfMembrane(const Spring& spring) {
-  return spring.exists() && traitsOf(spring.kind).isMembrane;
+/// Whether the strain of a spring is not that of a fabric.
+bool isRaw(const Model& model, const Spring& spring) {
+  return model.springs.isRaw(model.mesh, spring.a);
 }
 
-/// The springs whose strain is that of a fabric.
-bool counts(const Model& model, const Spring& spring) {
-  return isOfMembrane(spring) && !model.springs.isRaw(model.mesh, spring.a);
+/// Returns the strain of a spring beyond the one at which it bears `force` [-].
+double excessOf(const Spring& spring, double length, double force) {
+  if (spring.stiffness <= 0.0 || length <= spring.restLength) return 0.0;
+  return (length - spring.restLength - force / spring.stiffness) / spring.restLength;
+}
+
+/// Raises `largest` to the strain of a spring by the softness of a method that projects it alone.
+/// \param h  length of a substep [s].
+void takeSoftness(const Spring& spring, double length, double h, const Model& model,
+                  double& largest) {
+  if (length <= spring.restLength) return;
+  const double strain = length / spring.restLength - 1.0;
+  if (strain <= largest) return;
+  const double compliance = h * h * (1.0 / model.mass[spring.a] + 1.0 / model.mass[spring.b]);
+  const double s = spring.stiffness * compliance;
+  largest = std::max(largest, strain * s / (1.0 + s));
+}
+
+/// Whether clamps pull slowly at a cloth that moves slowly, and nobody has said so: quasi-static
+/// motion, as far as one can tell.
+bool isSlowPull(const State& state, const Controls& controls) {
+  constexpr double kStill = 1e-3;  // [m/s]
+  constexpr double kSlow = 0.5;    // [m/s]
+  double fastest = 0.0;
+  for (const KinematicTarget& target : controls.kinematic) {
+    fastest = std::max(fastest, target.velocity.norm());
+  }
+  if (controls.quasiStatic || fastest < kStill || fastest > kSlow) return false;
+  double sum = 0.0;
+  for (const Vec3& v : state.v) sum += v.squaredNorm();
+  return sum <= kSlow * kSlow * static_cast<double>(state.v.size());
 }
 
 /// Takes from a force on a particle what a contact can bear: its push along the normal, and of the
@@ -63,6 +92,8 @@ constexpr std::array<Meaning, ResultWatch::kMeasures> kMeanings{{
      " m/s^2: take more iterations, more substeps or another method"},
 }};
 
+const char* const kHint = "; if clamps pull slowly, declare quasi_static (docs/scene.md)";
+
 std::string describe(const Meaning& meaning, double time, double value) {
   char text[60];
   std::snprintf(text, sizeof text, "from t = %.2f s on, ", time);
@@ -89,17 +120,20 @@ void ResultWatch::observe(std::uint64_t step, const Model& model, const State& s
   approach(controls.quasiStatic ? 0.0 : report.addedMass, weight, addedMass_);
   approach(report.residual, weight, residual_);
   measureStrains(model, state, {controls, contacts, report, dt});
-  note(Measure::kStrain, std::max(excess_, softness_), state.t);
-  note(Measure::kImbalance, largestImbalance_, state.t);
-  note(Measure::kAddedMass, addedMass_, state.t);
-  note(Measure::kResidual, residual_, state.t);
+  note(Measure::kStrain, std::max(excess_, softness_), state, controls);
+  note(Measure::kImbalance, largestImbalance_, state, controls);
+  note(Measure::kAddedMass, addedMass_, state, controls);
+  note(Measure::kResidual, residual_, state, controls);
   time_ = state.t;
 }
 
-void ResultWatch::note(Measure measure, double average, double time) {
+void ResultWatch::note(Measure measure, double average, const State& state,
+                       const Controls& controls) {
   const auto k = static_cast<std::size_t>(measure);
   largest_[k] = std::max(largest_[k], average);
-  if (!since_[k] && average > kBounds[k]) since_[k] = time;
+  if (since_[k] || average <= kBounds[k]) return;
+  since_[k] = state.t;
+  isSlowPull_[k] = isSlowPull(state, controls);
 }
 
 std::vector<ResultWarning> ResultWatch::warnings() const {
@@ -107,7 +141,9 @@ std::vector<ResultWarning> ResultWatch::warnings() const {
   const bool isStrained = since_[static_cast<std::size_t>(Measure::kStrain)].has_value();
   for (std::size_t k = 0; k < kMeasures; ++k) {
     const bool isSaid = isStrained && k == static_cast<std::size_t>(Measure::kImbalance);
-    if (since_[k] && !isSaid) all.push_back({k, describe(kMeanings[k], *since_[k], largest_[k])});
+    if (!since_[k] || isSaid) continue;
+    const bool hints = usesQuasiStatic_ && isSlowPull_[k];
+    all.push_back({k, describe(kMeanings[k], *since_[k], largest_[k]) + (hints ? kHint : "")});
   }
   if (shortfall_) all.push_back({kMeasures, shortfallText(*shortfall_)});
   return all;
@@ -117,15 +153,16 @@ void ResultWatch::measureStrains(const Model& model, const State& state,
                                  const Surroundings& around) {
   std::fill(force_.begin(), force_.end(), Vec3f::Zero());
   std::fill(stiffness_.begin(), stiffness_.end(), 0.0f);
-  addSprings(model, state);
-  const double inertia = addInertia(model, state, around.controls.gravity, around.dt);
+  const double inertia = findInertia(model, state, around.controls.gravity, around.dt);
+  const double force = inertia + outerForce(model, around.controls, around.contacts, around.report);
+  const Strains strains = addSprings(model, state, force, around.report.substep);
+  addInertia();
   ignoreHeld(around.controls);
   takeContacts(state, around.contacts);
   const double weight = std::min(1.0, around.dt / kMemory);
-  const double force = inertia + outerForce(model, around.controls, around.contacts, around.report);
   updateImbalance(weight);
-  approach(findExcess(model, state, force), weight, excess_);
-  if (isSoft_) approach(findSoftness(model, state, around.report.substep), weight, softness_);
+  approach(strains.excess, weight, excess_);
+  if (isSoft_) approach(strains.softness, weight, softness_);
 }
 
 /// Whether there is no measurement of this cloth yet.
@@ -137,6 +174,7 @@ void ResultWatch::begin(std::uint64_t step, const Model& model, const State& sta
   const auto count = static_cast<std::size_t>(model.particleCount());
   velocity_.resize(count);
   for (std::size_t k = 0; k < count; ++k) velocity_[k] = state.v.values()[k].cast<float>();
+  inertia_.resize(count);
   force_.resize(count);
   imbalance_.assign(count, Vec3f::Zero());
   stiffness_.resize(count);
@@ -146,41 +184,62 @@ void ResultWatch::begin(std::uint64_t step, const Model& model, const State& sta
   time_ = state.t;
 }
 
-void ResultWatch::addSprings(const Model& model, const State& state) {
+/// Adds the forces of springs and dashpots, and finds the largest strains.
+/// \param force  on the whole cloth: what a spring may bear [N].
+/// \param h      length of a substep [s].
+ResultWatch::Strains ResultWatch::addSprings(const Model& model, const State& state, double force,
+                                             double h) {
+  Strains largest;
   for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
     const Vec3 d = state.x[spring.b] - state.x[spring.a];
     const double length = d.norm();
     if (length == 0.0) continue;
-    const double rate = d.dot(state.v[spring.b] - state.v[spring.a]) / length;
-    const double tension = spring.stiffness * (length - spring.restLength) + spring.damping * rate;
-    const Vec3f f = (tension / length * d).cast<float>();
-    const bool isCounted = isOfMembrane(spring);
-    const auto stiffness =
-        static_cast<float>(spring.stiffness * std::max(length, spring.restLength));
-    for (const VertexId v : {spring.a, spring.b}) {
-      const auto k = static_cast<std::size_t>(v);
-      force_[k] += v == spring.a ? f : Vec3f(-f);
-      if (isCounted) stiffness_[k] = std::max(stiffness_[k], stiffness);
+    double tension = spring.stiffness * (length - spring.restLength);
+    if (spring.damping > 0.0) {
+      tension += spring.damping * (d.dot(state.v[spring.b] - state.v[spring.a]) / length);
     }
+    addSpring(spring, d, length, tension);
+    if (!traitsOf(spring.kind).isMembrane) continue;
+    const double excess = excessOf(spring, length, force);
+    if (excess > largest.excess && !isRaw(model, spring)) largest.excess = excess;
+    if (isSoft_) takeSoftness(spring, length, h, model, largest.softness);
+  }
+  return largest;
+}
+
+/// \param d        from one end of the spring to the other [m].
+/// \param tension  of spring and dashpot [N].
+void ResultWatch::addSpring(const Spring& spring, const Vec3& d, double length, double tension) {
+  const Vec3f f = (tension / length * d).cast<float>();
+  const bool isCounted = traitsOf(spring.kind).isMembrane;
+  const auto stiffness = static_cast<float>(spring.stiffness * std::max(length, spring.restLength));
+  for (const VertexId v : {spring.a, spring.b}) {
+    const auto k = static_cast<std::size_t>(v);
+    force_[k] += v == spring.a ? f : Vec3f(-f);
+    if (isCounted) stiffness_[k] = std::max(stiffness_[k], stiffness);
   }
 }
 
-/// Adds m (g - a) to the forces, and remembers the velocities.
+/// Finds m (g - a), and remembers the velocities.
 /// \param dt  since the last measurement [s].
 /// \return the sum of its lengths [N].
-double ResultWatch::addInertia(const Model& model, const State& state, const Vec3& gravity,
-                               double dt) {
+double ResultWatch::findInertia(const Model& model, const State& state, const Vec3& gravity,
+                                double dt) {
   double sum = 0.0;
   for (std::size_t k = 0; k < velocity_.size(); ++k) {
     const Vec3f now = state.v.values()[k].cast<float>();
     const Vec3 a = (now - velocity_[k]).cast<double>() / dt;
     const Vec3 inertia = model.mass.values()[k] * (gravity - a);
     sum += inertia.norm();
-    force_[k] += inertia.cast<float>();
+    inertia_[k] = inertia.cast<float>();
     velocity_[k] = now;
   }
   return sum;
+}
+
+void ResultWatch::addInertia() {
+  for (std::size_t k = 0; k < force_.size(); ++k) force_[k] += inertia_[k];
 }
 
 /// Ignores the particles that somebody holds or pulls.
@@ -218,33 +277,6 @@ void ResultWatch::updateImbalance(double weight) {
     squared = std::max(squared, imbalance_[k].squaredNorm());
   }
   largestImbalance_ = std::sqrt(static_cast<double>(squared));
-}
-
-/// Returns the largest strain of a spring beyond the one at which it bears `force` [-].
-double ResultWatch::findExcess(const Model& model, const State& state, double force) const {
-  double excess = 0.0;
-  for (const Spring& spring : model.springs.slots()) {
-    if (!spring.exists() || spring.stiffness <= 0.0 || !counts(model, spring)) continue;
-    const double length = (state.x[spring.b] - state.x[spring.a]).norm();
-    const double extension = length - spring.restLength - force / spring.stiffness;
-    excess = std::max(excess, extension / spring.restLength);
-  }
-  return excess;
-}
-
-/// Returns the largest strain of a spring by the softness of a method that projects it alone [-].
-/// \param h  length of a substep [s].
-double ResultWatch::findSoftness(const Model& model, const State& state, double h) const {
-  double softness = 0.0;
-  for (const Spring& spring : model.springs.slots()) {
-    if (!isOfMembrane(spring)) continue;
-    const double strain = (state.x[spring.b] - state.x[spring.a]).norm() / spring.restLength - 1.0;
-    if (strain <= softness) continue;
-    const double compliance = h * h * (1.0 / model.mass[spring.a] + 1.0 / model.mass[spring.b]);
-    const double s = spring.stiffness * compliance;
-    softness = std::max(softness, strain * s / (1.0 + s));
-  }
-  return softness;
 }
 
 }  // namespace cloth_sim

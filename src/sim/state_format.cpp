@@ -5,13 +5,14 @@
 #include "archive.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation_parts.h"
+#include "scene/yaml_tree.h"
 
 namespace cloth_sim {
 namespace {
 
 /// The simulation that a saved state belongs to; any other one refuses it.
 struct Origin {
-  std::string text;             ///< of the scene
+  std::string text;             ///< of the scene, without what a calibration said
   std::uint64_t startHash = 0;  ///< of the cloth before the first step
   std::string method;
 
@@ -24,8 +25,17 @@ struct Origin {
   }
 };
 
+/// Returns the text of a scene as it is on every machine. The budget that a calibration has led to
+/// is part of the method's memory.
+std::string textOnAnyMachine(const Scene& scene) {
+  if (!scene.solver.realTimeBudget) return scene.text;
+  YamlValue tree = parseYaml(scene.text, scene.name);
+  applyOverride("solver.budget=real_time", scene.name, tree);
+  return emitYaml(tree);
+}
+
 Origin originOf(const SimulationParts& parts) {
-  return {parts.scene.text, parts.startHash, parts.scene.solver.method};
+  return {textOnAnyMachine(parts.scene), parts.startHash, parts.scene.solver.method};
 }
 
 /// Contact with a collider in the last step, on which conditions of phases depend.

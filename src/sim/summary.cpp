@@ -127,6 +127,7 @@ Json errorJson(const std::optional<ErrorEstimate>& error) {
           {"largest_strain", number(error->largestStrain)},
           {"largest_position", number(error->largestPosition)},
           {"asked", error->asked > 0.0 ? Json(error->asked) : Json(nullptr)},
+          {"budget", error->budget > 0 ? Json(error->budget) : Json(nullptr)},
           {"budget_sufficed", error->sufficed}};
 }
 

@@ -50,12 +50,13 @@ class ErrorControl {
   int substepsFor(double dt, int configured) const;
   const ErrorEstimate& estimate() const { return estimate_; }
 
-  /// Saves what the next step depends on, and the estimates; the goal is the scene's.
+  /// Saves what the next step depends on, and the estimates. The error that is asked for is the
+  /// scene's; the budget may come from a calibration.
   template <class Archive>
   void serialize(Archive& archive) {
     archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_,
-            elapsed_, estimate_.strain, estimate_.position, estimate_.largestStrain,
-            estimate_.largestPosition, estimate_.sufficed);
+            elapsed_, goal_.budget, estimate_.strain, estimate_.position, estimate_.largestStrain,
+            estimate_.largestPosition, estimate_.sufficed, estimate_.budget);
   }
 
  private:

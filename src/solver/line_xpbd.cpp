@@ -316,6 +316,7 @@ SolverInfo lineXpbdInfo() {
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;
+  info.usesQuasiStatic = true;
   info.parameters = {substepsParameter(30), errorParameter(), budgetParameter()};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     const ErrorGoal goal{p.at("error"), static_cast<int>(p.at("budget"))};

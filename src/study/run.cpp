@@ -132,6 +132,7 @@ Scene withConfiguration(Scene scene, const Configuration& configuration) {
   setIfKnown(method, "iterations", configuration.iterations, given);
   scene.solver.method = method.name;
   scene.solver.dt = configuration.dt;
+  scene.solver.realTimeBudget.reset();
   scene.solver.guard = StepGuard::kAllow;  // no repair of steps that are too long
   scene.solver.sleep.reset();              // every step is computed
   scene.solver.parameters = completeParameters(method, given);

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/real_time.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
 #include "cloth_sim/threads/thread_limit.h"
@@ -44,6 +45,7 @@ struct Options {
   std::string saveState;           ///< "": none
   std::string replay;              ///< "": none
   int threads = 0;                 ///< 0: one per processor
+  bool calibrate = false;          ///< measure again what `solver.budget: real_time` means
 };
 
 /// A wrong command line or scene, or an output that cannot be written.
@@ -75,16 +77,20 @@ void addOptions(CLI::App& app, Options& options) {
   auto* load =
       app.add_option("--load-state", options.loadState, "saved state of this scene to go on from");
   app.add_option("--save-state", options.saveState, "file for the state at the end");
-  app.add_option("--replay", options.replay,
-                 "bag of the node or of cloth_run: its scene, with its commands, once more; exit\n"
-                 "status 4 unless it leads to the recorded states, to the bit")
-      ->excludes(scene)
-      ->excludes(overrides)
-      ->excludes(duration)
-      ->excludes(load);
+  auto* replayed =
+      app.add_option("--replay", options.replay,
+                     "bag of the node or of cloth_run: its scene, with its commands, once more; "
+                     "exit\nstatus 4 unless it leads to the recorded states, to the bit")
+          ->excludes(scene)
+          ->excludes(overrides)
+          ->excludes(duration)
+          ->excludes(load);
   app.add_option("--threads", options.threads, "0: one per processor")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
+  app.add_flag("--calibrate", options.calibrate,
+               "measure the cost of a step again, for a scene with solver.budget real_time")
+      ->excludes(replayed);
   app.footer(
       "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
       "4 a replay came to other states than the recorded ones;\n"
@@ -300,11 +306,24 @@ void reportChoice(const SolverSpec& solver) {
   std::cerr << " (" << solver.choice->source << ')' << std::endl;
 }
 
+/// Loads the scene of the command line, with a budget for this machine if it asks for real time.
+Scene loadForRun(const Options& options) {
+  CalibrationSettings settings;
+  settings.threads = options.threads;
+  settings.again = options.calibrate;
+  settings.tell = [](const std::string& line) { std::cerr << "cloth_run: " << line << std::endl; };
+  Scene scene =
+      loadForThisMachine(loaderOf(resolveScene(options.scene), options.overrides), settings);
+  if (options.calibrate && !scene.solver.realTimeBudget) {
+    throw SceneError(options.scene + ": --calibrate: expected solver.budget real_time");
+  }
+  return scene;
+}
+
 std::unique_ptr<Simulation> buildSimulation(const Options& options,
                                             const std::optional<Recording>& recording) {
   try {
-    Scene scene = recording ? parseScene(recording->scene, options.replay)
-                            : loadScene(resolveScene(options.scene), options.overrides);
+    Scene scene = recording ? parseScene(recording->scene, options.replay) : loadForRun(options);
     reportChoice(scene.solver);
     return std::make_unique<Simulation>(std::move(scene));
   } catch (const std::exception& error) {

@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/real_time.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "ros/scene_path.h"
 #include "status_line.h"
@@ -225,7 +226,7 @@ int makeReferences(const std::string& folder) {
 
 /// Keeps the advice for `solver: {method: auto}` of the same scene.
 void keepAdvice(const Advice& advice) {
-  const std::string file = userCacheFile();
+  const std::string file = autoCacheFile();
   if (file.empty()) throw std::runtime_error("--cache: expected HOME or CLOTH_SIM_CACHE to be set");
   const Scene& scene = advice.study.scene;
   AutoCache(file).add(scene.contentKey, advice.bound,
@@ -236,7 +237,11 @@ void keepAdvice(const Advice& advice) {
 int adviseOn(const Options& options) {
   const std::string scene = resolveScene(options.advise);
   AdviceRequest request;
-  request.load = [scene](const auto& overrides) { return loadScene(scene, overrides); };
+  CalibrationSettings calibrations;
+  calibrations.tell = [](const std::string& line) { std::cerr << line << std::endl; };
+  request.load = [&](const auto& overrides) {
+    return loadForThisMachine(loaderOf(scene, overrides), calibrations);
+  };
   request.bound = options.error;
   request.duration = options.duration;
   request.budget = options.budget;

@@ -185,6 +185,8 @@ class ApiTest(ServiceTest):
 
     def test_set_clamp_pose_refuses(self):
         self.refused('set_clamp_pose', 'middle', pose(), says='left, right')
+        self.refused('set_clamp_pose', 'middle', pose(frame=''), says="unknown clamp 'middle'")
+        self.refused('set_clamp_pose', 'left', pose(frame=''), says='frame_id')
         self.refused('set_clamp_pose', '', pose())
         for name, bad in BAD_POSES.items():
             with self.subTest(name):

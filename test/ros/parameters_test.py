@@ -41,6 +41,9 @@ class ParametersTest(unittest.TestCase):
         self.ends_with_2('bad3', ['/bad3/paused', 'true or false'], scene=BENCH, paused=1)
         self.ends_with_2('bad4', ['/bad4/real_time_factor'], scene=BENCH, real_time_factor=-2)
         self.ends_with_2('bad5', ['/bad5/set', 'list of strings'], scene=BENCH, set='a=b')
+        self.ends_with_2('bad10', ['/bad10/quasi_static', 'true or false', 'banana'], scene=BENCH,
+                         quasi_static='banana')
+        self.ends_with_2('bad11', ['/bad11/wind_x', 'a number'], scene=BENCH, wind_x=[1.0])
         self.ends_with_2('bad6', ['/bad6/world_frame'], scene=BENCH, world_frame='')
 
     def test_bad_scenes(self):
@@ -50,7 +53,8 @@ class ParametersTest(unittest.TestCase):
         self.ends_with_2('bad9', ['bench.yaml', 'gravitation'], scene=BENCH, set=['gravitation=1'])
 
     def test_good_ones_run_and_unknown_ones_are_told(self):
-        process = node('good', scene=BENCH, rate_marker=5.0, real_time_factor=2, paused=False,
+        process = node('good', scene=BENCH, rate_marker=5.0, gravity=3,
+                       quasi_static=True, real_time_factor=2, paused=False,
                        set=['cloth.particles=[9, 9]'])
         try:
             rospy.wait_for_service('/good/get_state', 30.0)

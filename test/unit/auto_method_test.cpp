@@ -155,7 +155,7 @@ TEST_F(AutoMethod, PrefersWhatWasMeasuredOnTheVeryScene) {
   found.method = "rk4";
   found.dt = 0.01;
   found.parameters = completeParameters(findSolver("rk4"), {{"substeps", 7}});
-  const AutoCache cache(userCacheFile());
+  const AutoCache cache(autoCacheFile());
   cache.add("0123456789abcdef", 0.02, scene.solver);
   cache.add(scene.contentKey, 0.01, scene.solver);
   cache.add(scene.contentKey, 0.01, found);  // in place of the one before
@@ -175,10 +175,10 @@ TEST_F(AutoMethod, PrefersWhatWasMeasuredOnTheVeryScene) {
 
 TEST_F(AutoMethod, SaysWhichCacheIsBroken) {
   std::filesystem::create_directories(folder_);
-  std::ofstream(userCacheFile())
+  std::ofstream(autoCacheFile())
       << "scene,error,solver,dt,parameters\nabc,0.01,no_such,0.1,substeps=1\n";
   EXPECT_THAT(refusal("solver: {method: auto, error: 0.02}"),
-              AllOf(HasSubstr(userCacheFile()), HasSubstr("line 2"), HasSubstr("no_such")));
+              AllOf(HasSubstr(autoCacheFile()), HasSubstr("line 2"), HasSubstr("no_such")));
 }
 
 }  // namespace

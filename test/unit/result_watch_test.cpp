@@ -74,6 +74,35 @@ TEST(ResultWatch, AveragesAddedMassAndResiduals) {
   EXPECT_NE(unsolved[0].text.find("unsolved"), std::string::npos) << unsolved[0].text;
 }
 
+/// Feeds a watch with a cloth at rest to which the method adds mass, and of which one particle is
+/// moved at `speed` [m/s].
+std::string warningOfPull(const std::string& method, double speed) {
+  const Model model = buildModel(clothOf(5, 5, 0.1));
+  State state = flatState(model);
+  Controls controls;
+  controls.kinematic = {{0, Vec3::Zero(), Vec3(speed, 0.0, 0.0)}};
+  StepReport report;
+  report.addedMass = 0.5;
+  ResultWatch watch(findSolver(method));
+  for (int k = 1; k <= 60; ++k) {
+    state.t += 1.0 / 60.0;
+    watch.observe(static_cast<std::uint64_t>(k), model, state, controls, {}, report);
+  }
+  const std::vector<ResultWarning> warnings = watch.warnings();
+  EXPECT_EQ(warnings.size(), 1U);
+  return warnings.empty() ? "" : warnings[0].text;
+}
+
+TEST(ResultWatch, HintsAtQuasiStaticWhereClampsPullSlowly) {
+  const auto hints = [](const std::string& text) {
+    return text.find("declare quasi_static") != std::string::npos;
+  };
+  EXPECT_TRUE(hints(warningOfPull("line_xpbd", 0.2)));
+  EXPECT_FALSE(hints(warningOfPull("line_xpbd", 2.0))) << "not slow";
+  EXPECT_FALSE(hints(warningOfPull("line_xpbd", 0.0))) << "pinned: nobody pulls";
+  EXPECT_FALSE(hints(warningOfPull("xpbd", 0.2))) << "does not make use of it";
+}
+
 TEST(ResultWatch, SaysThatABudgetFellShort) {
   StepReport report;
   report.error = ErrorEstimate();

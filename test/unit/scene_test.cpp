@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -19,9 +20,9 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-std::string shipped(const std::string& name) {
-  return std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/" + name + ".yaml";
-}
+const std::string kSceneFolder = std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes";
+
+std::string shipped(const std::string& name) { return kSceneFolder + "/" + name + ".yaml"; }
 
 /// Returns the error message of a scene; "" if it is valid.
 std::string complaint(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
@@ -71,8 +72,9 @@ TEST(Scene, NeedsOnlyACloth) {
   EXPECT_EQ(scene.cloths[0].fabric.name, "cotton");
   EXPECT_TRUE(scene.cloths[0].springs.shear);
   EXPECT_TRUE(scene.cloths[0].springs.bend);
-  EXPECT_EQ(scene.solver.method, "xpbd");
-  EXPECT_EQ(scene.solver.parameters.count("substeps"), 1u);
+  EXPECT_EQ(scene.solver.method, "line_xpbd");
+  EXPECT_EQ(scene.solver.parameters.at("error"), 0.01);
+  EXPECT_EQ(scene.solver.parameters.at("budget"), 40.0);
   EXPECT_EQ(scene.gravity, Vec3(0.0, 0.0, -9.81));
   EXPECT_FALSE(scene.wind.has_value());
   EXPECT_FALSE(scene.tearing.enabled);
@@ -319,6 +321,18 @@ TEST(ShippedScenes, AllLoad) {
     ASSERT_NO_THROW(scene = loadScene(shipped(name)));
     EXPECT_EQ(scene.name, name);
     EXPECT_FALSE(scene.phases.empty());
+  }
+}
+
+TEST(ShippedScenes, AllTakeAnotherMethodWithItsSubsteps) {
+  for (const auto& file : std::filesystem::directory_iterator(kSceneFolder)) {
+    if (file.path().extension() != ".yaml") continue;
+    SCOPED_TRACE(file.path());
+    Scene scene;
+    ASSERT_NO_THROW(scene =
+                        loadScene(file.path(), {"solver.method=verlet", "solver.substeps=1500"}));
+    EXPECT_EQ(scene.solver.method, "verlet");
+    EXPECT_EQ(scene.solver.parameters, (SolverParameters{{"substeps", 1500.0}}));
   }
 }
 
@@ -698,6 +712,34 @@ TEST(Scene, BadSyntaxSaysWhere) {
   // yaml-cpp never comes to an end with these if asked for all documents.
   EXPECT_NE(complaint(", a"), "");
   EXPECT_NE(complaint("cloth: {}\n]\ndrag: 1"), "");
+}
+
+TEST(Scene, ErrorIsTheDefaultUnlessAMethodOrSubstepsAreNamed) {
+  for (const char* solver : {"{dt: 0.01}", "{error: 0.01}", "{budget: 60}", "{sleep: false}"}) {
+    const SolverSpec read = parse(std::string("cloth: {}\nsolver: ") + solver).solver;
+    EXPECT_EQ(read.method, "line_xpbd") << solver;
+    EXPECT_EQ(read.parameters.at("error"), 0.01) << solver;
+  }
+  const SolverSpec fixed = parse("cloth: {}\nsolver: {substeps: 7}").solver;
+  EXPECT_EQ(fixed.method, "line_xpbd");
+  EXPECT_EQ(fixed.parameters.at("error"), 0.0);
+  EXPECT_EQ(fixed.parameters.at("substeps"), 7.0);
+  const SolverSpec named = parse("cloth: {}\nsolver: {method: line_xpbd}").solver;
+  EXPECT_EQ(named.parameters.at("error"), 0.0);
+  EXPECT_EQ(parse("cloth: {}\nsolver: {method: xpbd}").solver.method, "xpbd");
+}
+
+TEST(Scene, AnOverrideOfTheMethodDropsTheParametersOfOthers) {
+  const std::string pbd = "cloth: {}\nsolver: {method: pbd, iterations: 9, substeps: 3, dt: 0.01}";
+  const Scene scene = parse(pbd, {"solver.method=verlet"});
+  EXPECT_EQ(scene.solver.parameters, (SolverParameters{{"substeps", 3.0}}));
+  EXPECT_EQ(scene.solver.dt, 0.01);
+  EXPECT_EQ(parse(scene.text).solver.parameters, scene.solver.parameters) << "as it is recorded";
+  EXPECT_EQ(parse(pbd, {"solver.method=pbd"}).solver.parameters.at("iterations"), 9.0);
+  EXPECT_THAT(complaint(pbd, {"solver.method=verlet", "solver.iterations=2"}),
+              testing::HasSubstr("solver.iterations: unknown key"));
+  EXPECT_THAT(complaint(pbd + "\n", {"solver.method=leapfrog"}),
+              testing::HasSubstr("solver.method: expected one of"));
 }
 
 TEST(Scene, UnknownMethodNamesTheKnown) {

@@ -79,10 +79,15 @@ struct SleepSettings {
 
 /// The method, and the length of the steps that it takes.
 struct SolverSpec {
-  std::string method = "xpbd";  ///< a name of the registry
-  double dt = 1.0 / 60.0;       ///< length of one simulation step [s], > 0
+  std::string method = "line_xpbd";  ///< a name of the registry
+  double dt = 1.0 / 60.0;            ///< length of one simulation step [s], > 0
   StepGuard guard = StepGuard::kAllow;
-  SolverParameters parameters;                           ///< all parameters of the method
+  /// Parameters of the method; absent ones have its defaults. A scene file that names no method
+  /// has `error` here (docs/scene.md).
+  SolverParameters parameters;
+  /// Present with `budget: real_time`: the budget that a calibration has led to. 0: it is still to
+  /// be found (sim/real_time.h).
+  std::optional<int> realTimeBudget;
   std::optional<SleepSettings> sleep = SleepSettings();  ///< absent: the cloth never sleeps
   std::optional<AutoChoice> choice;  ///< present with `method: auto`, which fills in the rest
 };

@@ -39,7 +39,8 @@ class ResultWatch {
   /// Averages above which there is a warning, by measure: [-], [-], [-], [m/s^2].
   static constexpr std::array<double, kMeasures> kBounds{0.04, 0.085, 0.25, 50.0};
 
-  explicit ResultWatch(const SolverInfo& method) : isSoft_(method.projectsSpringsAlone) {}
+  explicit ResultWatch(const SolverInfo& method)
+      : isSoft_(method.projectsSpringsAlone), usesQuasiStatic_(method.usesQuasiStatic) {}
 
   /// Measures the cloth at the end of a step, if it is time.
   /// \param step    number of the step.
@@ -50,7 +51,9 @@ class ResultWatch {
   /// The largest average of a measure so far.
   double largest(Measure measure) const { return largest_[static_cast<std::size_t>(measure)]; }
   /// One sentence for each measure that has passed its bound, and for a budget that fell short.
-  /// Where strains are unexplained, forces are out of balance too: that needs no second sentence.
+  /// Where strains are unexplained, forces are out of balance too: that needs no second sentence. A
+  /// sentence ends with a hint at `quasi_static` if that would help the method, and clamps were
+  /// pulling slowly at a slow cloth when the bound was passed.
   std::vector<ResultWarning> warnings() const;
 
  private:
@@ -68,21 +71,29 @@ class ResultWatch {
     double dt = 0.0;  ///< since the last measurement [s]
   };
 
+  /// The largest strains that forces do not explain [-].
+  struct Strains {
+    double excess = 0.0;
+    double softness = 0.0;
+  };
+
   bool isFirst(const State& state) const;
   void begin(std::uint64_t step, const Model& model, const State& state);
   void measureStrains(const Model& model, const State& state, const Surroundings& around);
-  void addSprings(const Model& model, const State& state);
-  double addInertia(const Model& model, const State& state, const Vec3& gravity, double dt);
+  double findInertia(const Model& model, const State& state, const Vec3& gravity, double dt);
+  Strains addSprings(const Model& model, const State& state, double force, double h);
+  void addSpring(const Spring& spring, const Vec3& d, double length, double tension);
+  void addInertia();
   void ignoreHeld(const Controls& controls);
   void takeContacts(const State& state, const Contacts& contacts);
   void updateImbalance(double weight);
-  double findExcess(const Model& model, const State& state, double force) const;
-  double findSoftness(const Model& model, const State& state, double h) const;
-  void note(Measure measure, double average, double time);
+  void note(Measure measure, double average, const State& state, const Controls& controls);
 
-  bool isSoft_;  ///< whether the method projects each spring by itself
+  bool isSoft_;           ///< whether the method projects each spring by itself
+  bool usesQuasiStatic_;  ///< whether declared quasi-static motion would help the method
   std::array<double, kMeasures> largest_{};
   std::array<std::optional<double>, kMeasures> since_;  ///< when the bound was first passed [s]
+  std::array<bool, kMeasures> isSlowPull_{};            ///< whether clamps pulled slowly then
   std::optional<ErrorEstimate> shortfall_;  ///< of a budget that does not keep the error asked for
   double excess_ = 0.0;                     ///< averaged [-]
   double softness_ = 0.0;                   ///< averaged [-]
@@ -93,6 +104,7 @@ class ResultWatch {
   std::uint64_t began_ = 0;                 ///< step at which the averages began
   std::uint64_t revision_ = 0;              ///< of the state's arrays at the last measurement
   std::vector<Vec3f> velocity_;             ///< by particle, at the last measurement [m/s]
+  std::vector<Vec3f> inertia_;              ///< by particle, m (g - a) [N]
   std::vector<Vec3f> force_;                ///< by particle, springs and inertia [N]
   std::vector<Vec3f> imbalance_;            ///< by particle, averaged [-]
   /// By particle, largest stiffness times length [N]; 0: ignored.

@@ -21,7 +21,7 @@ class StateError : public std::runtime_error {
 };
 
 /// Version of the contents. Raised whenever their list changes; other versions are refused.
-constexpr std::uint32_t kStateVersion = 5;
+constexpr std::uint32_t kStateVersion = 6;
 
 /// Returns a simulation's state as bytes, header included.
 std::string saveParts(const SimulationParts& parts);

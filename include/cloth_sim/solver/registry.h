@@ -39,6 +39,8 @@ struct SolverInfo {
   /// Whether each spring is projected by itself, once in a substep of length h. A spring of tension
   /// T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
   bool projectsSpringsAlone = false;
+  /// Whether its forces are more accurate where a scene declares quasi-static motion.
+  bool usesQuasiStatic = false;
   /// Stability limit: the largest omega h at which an undamped oscillator of angular frequency
   /// omega stays bounded in substeps of length h. Infinity: unconditionally stable; 0: never
   /// stable.
