@@ -339,21 +339,26 @@ void FacePairs::shortenApart(const Pair& pair, const Truncation& now) const {
   for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, now);
 }
 
+/// Whether a pair has to be checked again after a pass that changed motion: it failed, or a vertex
+/// of it was moved; unless its own motion was scaled.
+bool FacePairs::mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const {
+  const Pair& pair = pairs_[k];
+  return !pair.isFixed && (fails_[k] != 0 || hasTruncated(pair, truncated));
+}
+
 /// Lists the pairs that do not stay apart in the substep.
-/// \param isFirst  whether no motion has been shortened yet; otherwise only pairs with such a vertex
-///                 can fail, and those whose own motion was shortened do not.
+/// \param isFirst  whether no motion has been changed yet.
 void FacePairs::findFailing(bool isFirst, SubstepMotion motion,
                             const std::vector<std::uint8_t>& truncated) {
   constexpr std::int32_t kGrain = 512;
-  fails_.resize(pairs_.size());
+  fails_.resize(pairs_.size());  // outcome of the pass before
   parallelFor(static_cast<std::int32_t>(pairs_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
                 for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                      ++k) {
                   Pair& pair = pairs_[k];
                   if (isFirst) pair.isFixed = false;
-                  const bool isDue = isFirst ? travel_ >= pair.due
-                                             : !pair.isFixed && hasTruncated(pair, truncated);
+                  const bool isDue = isFirst ? travel_ >= pair.due : mayFail(k, truncated);
                   fails_[k] = isDue && !isProven(pair, motion) ? 1 : 0;
                 }
               });

@@ -67,6 +67,7 @@ class FacePairs {
   bool separates(Pair& pair, SubstepMotion motion) const;
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
   static bool hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated);
+  bool mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const;
   void findFailing(bool isFirst, SubstepMotion motion, const std::vector<std::uint8_t>& truncated);
   bool isProven(Pair& pair, SubstepMotion motion) const;
   static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);

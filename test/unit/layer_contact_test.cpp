@@ -135,7 +135,9 @@ TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
     const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end}, mass, truncated});
     EXPECT_EQ(outcome.unproven, 0);
     changed += outcome.changed ? 1 : 0;
-    if (!outcome.changed) EXPECT_EQ(pair.end, wanted);
+    if (!outcome.changed) {
+      EXPECT_EQ(pair.end, wanted);
+    }
     std::vector<Vec3> x(6);
     for (int part = 0; part <= 64; ++part) {
       const double t = part / 64.0;
@@ -208,7 +210,7 @@ std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
 
 TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
   ClothSpec cloth;
-  cloth.columns = cloth.rows = 33;
+  cloth.columns = cloth.rows = 21;
   cloth.fabric = fabricPreset("cotton");
   const Model model = buildModel(cloth);
   EXPECT_TRUE(searchPairs(model, rolled(model, 10.0, 0.0)).empty()) << "nearly flat";
@@ -230,7 +232,7 @@ TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
       }
     }
   }
-  EXPECT_GT(meeting, 50);
+  EXPECT_GT(meeting, 20);
 }
 
 }  // namespace
