@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "cloth_sim/contact/collider.h"
 #include "linalg/vector_operations.h"
 
 namespace cloth_sim {
@@ -33,6 +34,26 @@ void Substep::addWind(const Wind& wind) {
         wind.density * wind.dragCoefficient * std::abs(along) * along / 12.0 * normal;
     for (const std::size_t k : p) force.set(k, force.at(k) + third);
   }
+}
+
+bool Substep::isBlocked(const VectorArray& end) const {
+  for (const ContactCandidates& candidates : contacts.candidates) {
+    for (const VertexId v : candidates.vertices) {
+      const auto k = static_cast<std::size_t>(particles.slotOf[v]);
+      if (particles.mass[k] > 0.0 && candidates.collider->gap(end.at(k), time) < 0.0) return true;
+    }
+  }
+  return false;
+}
+
+bool Substep::isFlightBlocked() {
+  if (contacts.empty()) return false;
+  VectorArray& ahead = scratch;
+  ahead.resize(particles.mass.size());
+  const Vec3 fall = h * h * controls.gravity;
+  forFreeCandidates(
+      [&](std::size_t k) { ahead.set(k, particles.x.at(k) + h * particles.v.at(k) + fall); });
+  return isBlocked(ahead);
 }
 
 void Substep::enforceContacts() {

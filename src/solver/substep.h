@@ -33,6 +33,12 @@ struct Substep {
   void placeKinematic() { kinematic.place(fraction, particles); }
   /// Adds the pressure of the wind on every face, and forces on single particles, to `force`.
   void addLoads();
+  /// Whether an obstacle is in the way of a free particle that moves from `start` to `end` [m] in
+  /// the substep. Where obstacles are, and no more, is looked at: a path through a thin one and out
+  /// of it counts as free.
+  bool isBlocked(const VectorArray& end) const;
+  /// Whether an obstacle is in the way of a free particle that flies on with its velocity.
+  bool isFlightBlocked();
   /// Pushes particles out of obstacles. Velocities change by the displacement over h.
   void enforceContacts();
   /// Takes from velocities what would carry particles into obstacles in the next h, and the slip
