@@ -248,11 +248,11 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertEqual(sorted(os.listdir(self.folder.name)), ['cut.bag', 'cut.json', 'quick.yaml'])
 
     def test_signal_ends_a_long_step(self):
-        """A step of a stiff cloth takes minutes; the run ends within a second of the signal."""
+        """A step takes many seconds; the run ends within a second of the signal."""
         summary = self.path('long.json')
         process = subprocess.Popen(
             [CLOTH_RUN, BENCH, '--duration', '100', '--summary', summary, '--set',
-             'solver={method: verlet, dt: 1.0, substeps: 1000000}'],
+             'solver={method: verlet, dt: 1.0, substeps: 100000}'],
             stderr=subprocess.PIPE, text=True)
         self.wait_until_it_steps(process)
         sent = time.monotonic()
@@ -268,6 +268,7 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         end = time.monotonic() + 30.0
         while True:
             with open('/proc/%d/status' % process.pid) as status:
+                self.assertIsNone(process.poll(), 'the run has ended')
                 caught = [line for line in status if line.startswith('SigCgt')][0]
             if int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1:
                 return
