@@ -34,7 +34,7 @@ namespace {
 
 constexpr int kBadInput = 2;
 constexpr int kStepCutShort = 1;
-constexpr std::chrono::milliseconds kStopWithin{700};  ///< from a signal to the end of the step
+constexpr std::chrono::milliseconds kStopWithin{500};  ///< from a signal to the end of the step
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not block other services
 
 /// Ends the node on SIGTERM as ROS does on SIGINT, so that `kill` is as clean as Ctrl-C.
