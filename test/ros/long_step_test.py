@@ -4,9 +4,8 @@ import os
 import signal
 import sys
 import time
-import xmlrpc.client
+from xmlrpc.client import ServerProxy
 
-import rosnode
 import rospy
 import rostest
 
@@ -38,8 +37,7 @@ class LongStepTest(ServiceTest):
 
     @staticmethod
     def pid_of_node():
-        uri = rosnode.get_api_uri(rospy.get_master(), '/cloth')
-        return xmlrpc.client.ServerProxy(uri).getPid('/test')[2]
+        return ServerProxy(rospy.get_master().lookupNode('/cloth')[2]).getPid('/test')[2]
 
     @staticmethod
     def is_running(pid):
