@@ -141,7 +141,7 @@ void Collider::project(const std::vector<VertexId>& vertices, const ParticleView
   ColliderSubstep substep;
   substep.position = poseAt(time).position;
   substep.carry = obstacle_.velocity * h;
-  substep.friction = obstacle_.friction.value_or(properties.friction);
+  substep.friction = friction(cloth);
   substep.keep = std::exp(-obstacle_.tangentialDecay * h);
   substep.rise = kDepenetrationSpeed * h;
   const Vec3 moment = visitGeometry(

@@ -6,7 +6,11 @@
 
 namespace cloth_sim {
 
-ros::Time clockTime(double time) { return std::max(ros::Time(time), ros::TIME_MIN); }
+/// ros::Time ends at 2^32 s, and throws beyond: from there on, the clock stands still.
+ros::Time clockTime(double time) {
+  if (!(time < ros::TIME_MAX.toSec())) return ros::TIME_MAX;
+  return std::max(ros::Time(std::max(time, 0.0)), ros::TIME_MIN);
+}
 
 ClockPublisher::ClockPublisher(ros::NodeHandle& node, bool enabled) {
   if (enabled) publisher_ = node.advertise<rosgraph_msgs::Clock>("/clock", 10, true);

@@ -8,8 +8,13 @@
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <csignal>
+#include <cstdlib>
 #include <iostream>
+#include <mutex>
+#include <thread>
 
 #include "actions.h"
 #include "clamp_ports.h"
@@ -30,10 +35,43 @@ namespace cloth_sim {
 namespace {
 
 constexpr int kBadInput = 2;
+constexpr int kStepCutShort = 1;
+constexpr std::chrono::milliseconds kStopWithin{500};  ///< from a signal to the end of the step
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not block other services
 
 /// Ends the node on SIGTERM as ROS does on SIGINT, so that `kill` is as clean as Ctrl-C.
 void onTerminate(int /*signal*/) { ros::requestShutdown(); }
+
+/// Ends the process if the step that is under way does not let it end in time.
+class ShutdownDeadline {
+ public:
+  explicit ShutdownDeadline(std::chrono::milliseconds allowed)
+      : thread_([this, allowed] { await(allowed); }) {}
+  ~ShutdownDeadline() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      met_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+  ShutdownDeadline(const ShutdownDeadline&) = delete;
+  ShutdownDeadline& operator=(const ShutdownDeadline&) = delete;
+
+ private:
+  void await(std::chrono::milliseconds allowed) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (changed_.wait_for(lock, allowed, [this] { return met_; })) return;
+    std::cerr << "cloth_node: the step under way took too long; ended in the middle of it"
+              << std::endl;
+    std::_Exit(kStepCutShort);
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool met_ = false;
+  std::thread thread_;  // last: starts when everything above is there
+};
 
 Scene loadNodeScene(const NodeParameters& parameters) {
   CalibrationSettings settings;
@@ -158,6 +196,7 @@ int runNode(int argc, char** argv) {
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
     ros::waitForShutdown();
+    const ShutdownDeadline deadline(kStopWithin);
     node.stop();
     return 0;
   } catch (const std::exception& error) {

@@ -9,6 +9,10 @@ namespace {
 /// Number of letters that are compared. It bounds the work for long text that somebody pastes.
 constexpr std::size_t kLongestCompared = 60;
 
+constexpr std::size_t kLongestName = 100;  ///< of clamps, obstacles, phases and cloths
+constexpr std::size_t kLongestShown = 40;  ///< of what somebody sent
+constexpr std::size_t kMostListed = 10;    ///< names in a message
+
 /// Levenshtein's distance, computed row by row.
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -30,11 +34,22 @@ bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
 }  // namespace
 
+std::string shownName(const std::string& name) {
+  std::string result = name.substr(0, kLongestShown);
+  for (char& c : result) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20 || code >= 0x7f) c = '?';
+  }
+  return name.size() > kLongestShown ? result + "..." : result;
+}
+
 std::string joinNames(const std::vector<std::string>& names) {
   if (names.empty()) return "none";
-  std::string result = names.front();
-  for (std::size_t i = 1; i < names.size(); ++i) result += ", " + names[i];
-  return result;
+  std::string result = shownName(names.front());
+  const std::size_t listed = std::min(names.size(), kMostListed);
+  for (std::size_t i = 1; i < listed; ++i) result += ", " + shownName(names[i]);
+  if (listed == names.size()) return result;
+  return result + " and " + std::to_string(names.size() - listed) + " more";
 }
 
 std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
@@ -53,10 +68,14 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known) {
-  return "unknown " + what + " '" + name + "' (known: " + joinNames(known) + ")";
+  return "unknown " + what + " '" + shownName(name) + "' (known: " + joinNames(known) + ")";
 }
 
 std::string nameError(const std::string& name) {
+  if (name.size() > kLongestName) {
+    return "expected a name of at most " + std::to_string(kLongestName) + " characters (got " +
+           std::to_string(name.size()) + ")";
+  }
   const bool good = !name.empty() && isLetter(name[0]) &&
                     std::all_of(name.begin(), name.end(),
                                 [](char c) { return isLetter(c) || isDigit(c) || c == '_'; });

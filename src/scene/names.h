@@ -6,7 +6,10 @@
 
 namespace cloth_sim {
 
-/// Returns "left, right", or "none" for an empty list.
+/// Returns a name as messages show it: its first 40 characters, and ? for what is not ASCII.
+std::string shownName(const std::string& name);
+
+/// Returns "left, right", or "none" for an empty list; after ten names "and 5 more".
 std::string joinNames(const std::vector<std::string>& names);
 
 /// Returns the known name with the smallest edit distance (Levenshtein) to `name`. Returns ""
@@ -17,8 +20,8 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known);
 
-/// Returns "" if `name` consists of letters, digits and _ and begins with a letter; otherwise the
-/// error.
+/// Returns "" if `name` consists of at most 100 letters, digits and _ and begins with a letter;
+/// otherwise the error.
 std::string nameError(const std::string& name);
 
 /// Returns "" if a clamp, its topics and its frame can have this name; otherwise the error.

@@ -17,13 +17,31 @@ constexpr std::size_t kLongestShown = 40;
 std::string printable(const std::string& text) {
   std::string result = text.substr(0, kLongestShown);
   for (char& c : result) {
-    if (std::iscntrl(static_cast<unsigned char>(c)) != 0) c = ' ';
+    const auto code = static_cast<unsigned char>(c);
+    if (code >= 0x80) c = '?';  // it may be no UTF-8, or be cut in the middle of a character
+    if (std::iscntrl(code) != 0) c = ' ';
   }
   return text.size() > kLongestShown ? result + "..." : result;
 }
 
 std::string at(const std::string& path, const std::string& key) {
   return path.empty() ? printable(key) : path + "." + printable(key);
+}
+
+/// Largest number that any key takes, in SI units [-]: far beyond what cloth is made of and what
+/// happens to it, and far from where squares and products of what a scene says would overflow.
+constexpr double kLargest = 1e9;
+/// Smallest number that a key takes that must be positive.
+constexpr double kSmallest = 1e-12;
+
+/// Returns what a number that is in the range of its key should be instead; empty if it is within
+/// the physical bounds of all keys.
+std::string boundError(double value, const Range& range) {
+  if (std::isinf(value)) return "";
+  if (std::abs(value) > kLargest) return "a number of at most 1e9 in size";
+  const bool isPositive = range.openMinimum && range.minimum >= 0.0;
+  if (isPositive && value < kSmallest) return "a number of at least 1e-12";
+  return "";
 }
 
 /// A number of YAML: decimal, whatever the locale of the process; .inf and .nan.
@@ -80,7 +98,7 @@ std::string shown(const YamlValue& value) {
       break;
   }
   const bool bare = parseNumber(value) || parseBoolean(value);
-  return (bare ? value.text : "'" + printable(value.text) + "'") + suffix;
+  return (bare ? printable(value.text) : "'" + printable(value.text) + "'") + suffix;
 }
 
 }  // namespace
@@ -176,6 +194,8 @@ std::vector<SceneNode> SceneNode::exactly(std::size_t count, const Range& range)
 double SceneNode::number(const Range& range) const {
   const std::optional<double> value = parseNumber(*value_);
   if (!value || !range.contains(*value)) expected(range.text());
+  const std::string bound = boundError(*value, range);
+  if (!bound.empty()) expected(bound);
   return *value;
 }
 
@@ -202,7 +222,9 @@ bool SceneNode::boolean() const {
 }
 
 std::string SceneNode::word(const std::string& what) const {
+  constexpr std::size_t kLongest = 4096;  // a path may be that long
   if (!isScalar() || value_->text.empty()) expected(what);
+  if (value_->text.size() > kLongest) expected("at most 4096 characters");
   return value_->text;
 }
 

@@ -1,5 +1,7 @@
 #include "cloth_sim/sim/simulation.h"
 
+#include <cstdio>
+
 #include "snapshot_parts.h"
 
 namespace cloth_sim {
@@ -8,6 +10,21 @@ namespace {
 /// Whether a command that was carried out ends the rest of the cloth.
 bool wakesUp(Wakes wakes, const SimulationParts& parts) {
   return wakes == Wakes::kAlways || (wakes == Wakes::kIfSomethingMoves && !parts.isStill());
+}
+
+/// One line: when a step diverged, and why the step guard could not save it or what would.
+std::string describeDivergence(const SimulationParts& parts) {
+  const SolverSpec& solver = parts.scene.solver;
+  const std::string start =
+      solver.method + " diverged in the step from t = " + std::to_string(parts.state.t) + " s";
+  if (solver.guard == StepGuard::kAllow) return start + ": take more substeps or a softer fabric";
+  char reason[160];
+  std::snprintf(reason, sizeof reason,
+                " with %d substeps, the most that step_guard tries, too: springs are stretched to "
+                "%.3g times their length there",
+                parts.solver.guard().finest * parts.solver.substeps(),
+                maxStretch(parts.model, parts.state));
+  return start + reason;
 }
 
 template <typename SomeCommand>
@@ -56,9 +73,7 @@ void Simulation::sleepThrough() {
 double Simulation::solveFrom(double done) {
   const double dt = parts_.dt();
   if (!parts_.solver.advance({dt, 1.0, done}, parts_.steppedCloth())) {
-    parts_.failure = scene().solver.method +
-                     " diverged in the step from t = " + std::to_string(time()) +
-                     " s: take more substeps or a softer fabric";
+    parts_.failure = describeDivergence(parts_);
     return done;
   }
   const StepReport& report = lastReport();

@@ -1,6 +1,9 @@
 #include "cloth_sim/sim/surgery.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <set>
 
 #include "cloth_sim/surgery/refine.h"
@@ -16,6 +19,30 @@ constexpr double kMinEdgeFraction = 0.05;
 constexpr double kLipDistance = 2e-6;
 /// Largest number of strides that the tip of a tear takes in a step.
 constexpr int kMaxStrides = 16;
+
+/// Mesh edges that a stroke may cross: finding and cutting them takes a second on a slow core.
+constexpr double kMostCrossings = 20000.0;
+
+/// Estimates how many mesh edges a stroke crosses, at most: the way of the blade past the box
+/// around the cloth, over the mean length of an edge, and one for every move of the blade there.
+double estimateCrossings(const Stroke& stroke, const Model& model, const State& state) {
+  if (stroke.poses.empty() || model.mesh.faceCount() == 0) return 0.0;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : state.x) box.extend(x);
+  const double diagonal = box.diagonal().norm();
+  const double edge = std::sqrt(model.mesh.totalRestArea() / model.mesh.faceCount());
+  double crossings = 0.0;
+  for (std::size_t k = 1; k < stroke.poses.size(); ++k) {
+    const Blade& from = stroke.poses[k - 1];
+    const Blade& to = stroke.poses[k];
+    Eigen::AlignedBox3d swept(from.heel, from.heel);
+    swept.extend(from.tip).extend(to.heel).extend(to.tip);
+    if (!swept.intersects(box)) continue;
+    const double way = std::max((to.tip - from.tip).norm(), (to.heel - from.heel).norm());
+    crossings += 1.0 + std::min(way, diagonal) / edge;
+  }
+  return crossings;
+}
 
 SurgeryLimits limitsFor(const SurgerySettings& settings, const TriangleMesh& mesh) {
   SurgeryLimits limits;
@@ -67,6 +94,15 @@ Surgery::Surgery(const SurgerySettings& settings, const TearingSettings& tearing
       pieces_(connectedComponents(model.mesh)) {}
 
 SurgeryResult Surgery::cutAlong(const Stroke& stroke, const EditedCloth& cloth) {
+  const double crossings = estimateCrossings(stroke, cloth.model, cloth.state);
+  if (crossings > kMostCrossings) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the stroke is too long for this mesh: expected at most %.0f edges in its way "
+                  "(about %.3g)",
+                  kMostCrossings, crossings);
+    throw TooManyParticles(text);
+  }
   CutPlan plan;
   plan.paths = findPaths(stroke, cloth.model.mesh, cloth.state.x);
   plan.refine = settings_.refineCuts;

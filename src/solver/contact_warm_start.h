@@ -14,8 +14,9 @@ namespace cloth_sim {
 /// force is found anew: contact or not, sticking or slipping is decided for the accumulated
 /// impulse, not for the increment (Catto, Iterative Dynamics with Temporal Coherence, 2005).
 ///
-/// Each substep forgets 5 % of a force, so that a force whose contact has ended dies out even where
-/// stiff springs keep its particle from moving.
+/// Each substep forgets 5 % of a force (half of it, near an obstacle with a friction above 1), so
+/// that a force whose contact has ended dies out even where stiff springs keep its particle from
+/// moving.
 class ContactWarmStart {
  public:
   /// Begins a step: keeps the forces on particles that may touch an obstacle in it. A step that
@@ -51,6 +52,7 @@ class ContactWarmStart {
   std::vector<std::int32_t>
       indexOf_;              ///< index in now_ by slot, while a step begins; otherwise kNone
   double startTime_ = -1.0;  ///< [s]
+  double keep_ = 1.0;        ///< fraction of a force that the next substep begins with [-]
 };
 
 }  // namespace cloth_sim

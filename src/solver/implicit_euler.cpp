@@ -18,9 +18,7 @@ class ImplicitEuler final : public SubstepMethod {
   void advance(Substep& now) override {
     now.markStart();
     velocity_ = now.particles.v;
-    newton_.solve(now, {now.h, now.fraction, now.particles.start, velocity_});
-    now.kinematic.addForces(now.h, now.force);
-    now.enforceContacts();
+    newton_.advanceBackward(now, velocity_);
   }
 
  private:

@@ -41,6 +41,9 @@ class KinematicParticles {
   void addImpulseAt(std::size_t slot, const Vec3& impulse) {
     if (targetOf_[slot] != kNone) addImpulse(targetOf_[slot], impulse);
   }
+  /// Impulses so far [N s], by target, and taking a substep's share of them back.
+  const std::vector<Vec3>& impulses() const { return impulses_; }
+  void setImpulses(const std::vector<Vec3>& impulses) { impulses_ = impulses; }
   /// Adds what forces [N], by slot, do to the targets in the time h [s].
   void addForces(double h, const VectorArray& force);
   /// Finds the mean forces that holders bear in the time dt [s]: impulses over dt, weight and

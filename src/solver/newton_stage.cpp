@@ -73,6 +73,12 @@ void NewtonStage::solve(Substep& now, const ImplicitStage& stage) {
   }
 }
 
+void NewtonStage::advanceBackward(Substep& now, const VectorArray& velocity) {
+  solve(now, {now.h, now.fraction, now.particles.start, velocity});
+  now.kinematic.addForces(now.h, now.force);
+  now.enforceContacts();
+}
+
 /// residual = m (fromV - v) + tau (f + m (g - drag v)) [N s].
 /// \return its root mean square as an acceleration [m/s^2].
 double NewtonStage::findResidual(Substep& now, const ImplicitStage& stage) {

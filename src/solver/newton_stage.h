@@ -33,6 +33,9 @@ class NewtonStage {
   /// Solves a stage, starting from the velocities in `now.particles`. Leaves positions and
   /// velocities there and forces in `now.force`.
   void solve(Substep& now, const ImplicitStage& stage);
+  /// Advances a whole substep by backward Euler and enforces contacts.
+  /// \param velocity  at the start of the substep, as is `now.particles.start` [m/s].
+  void advanceBackward(Substep& now, const VectorArray& velocity);
   /// `now.force` = springs, dashpots, bending and loads at the present positions and velocities.
   void evaluateForces(Substep& now);
 

@@ -1,8 +1,10 @@
 #include "substep.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "cloth_sim/contact/collider.h"
 #include "linalg/vector_operations.h"
 
 namespace cloth_sim {
@@ -18,6 +20,21 @@ void Substep::addLoads() {
 }
 
 void Substep::addWind(const Wind& wind) {
+  sumWind(wind);
+  for (std::size_t k = 0; k < windSpeeds.size(); ++k) {
+    const Vec3 blown = scratch.at(k);
+    const double most = windSpeeds[k] * particles.mass[k] / h;
+    const double size = blown.norm();
+    const bool isLimited = particles.mass[k] > 0.0 && size > most;
+    force.set(k, force.at(k) + (isLimited ? most / size : 1.0) * blown);
+  }
+}
+
+/// Finds the force of the wind on each particle, in `scratch`, and the largest speed of the air
+/// along the normals of its faces.
+void Substep::sumWind(const Wind& wind) {
+  setZero(particles.mass.size(), scratch);
+  windSpeeds.assign(particles.mass.size(), 0.0);
   const VectorArray& x = particles.x;
   const VectorArray& v = particles.v;
   for (const Face& face : model.mesh.faces()) {
@@ -31,8 +48,31 @@ void Substep::addWind(const Wind& wind) {
     const double along = relative.dot(normal) / length;
     const Vec3 third =
         wind.density * wind.dragCoefficient * std::abs(along) * along / 12.0 * normal;
-    for (const std::size_t k : p) force.set(k, force.at(k) + third);
+    for (const std::size_t k : p) {
+      scratch.set(k, scratch.at(k) + third);
+      windSpeeds[k] = std::max(windSpeeds[k], std::abs(along));
+    }
   }
+}
+
+bool Substep::isBlocked(const VectorArray& end) const {
+  for (const ContactCandidates& candidates : contacts.candidates) {
+    for (const VertexId v : candidates.vertices) {
+      const auto k = static_cast<std::size_t>(particles.slotOf[v]);
+      if (particles.mass[k] > 0.0 && candidates.collider->gap(end.at(k), time) < 0.0) return true;
+    }
+  }
+  return false;
+}
+
+bool Substep::isFlightBlocked() {
+  if (contacts.empty()) return false;
+  VectorArray& ahead = scratch;
+  ahead.resize(particles.mass.size());
+  const Vec3 fall = h * h * controls.gravity;
+  forFreeCandidates(
+      [&](std::size_t k) { ahead.set(k, particles.x.at(k) + h * particles.v.at(k) + fall); });
+  return isBlocked(ahead);
 }
 
 void Substep::enforceContacts() {

@@ -56,8 +56,8 @@ void SubstepSolver::load(StateReader& archive, const Model& model) {
 const StepReport& SubstepSolver::step(const Model& model, State& state, const Controls& controls,
                                       Contacts& contacts, const StepLength& length) {
   const Division division = divide(length);
-  Substep now{model,      controls, contacts, particles_, springs_,
-              kinematic_, force_,   scratch_, division.h};
+  Substep now{model,      controls, contacts, particles_,  springs_,
+              kinematic_, force_,   scratch_, windSpeeds_, division.h};
   particles_.load(state);
   begin(now, state.t + division.dt, division.dt);
   const int done = advance(now, division, state.t);

@@ -48,6 +48,7 @@ class SubstepSolver final : public Solver {
   SpringConstraints springs_;
   KinematicParticles kinematic_;
   VectorArray force_, scratch_;
+  ScalarArray windSpeeds_;
   std::vector<Limit> limits_;
   bool isNewModel_ = true;
   StepReport report_;

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "linalg/vector_operations.h"
 #include "methods.h"
 #include "newton_stage.h"
 #include "substep_solver.h"
@@ -17,6 +18,11 @@ const double kWeight = 0.25 * std::sqrt(2.0);  ///< of the forces at the start a
 ///
 /// Second order, one step, stable at any step, and damps only what is fast (Bank et al. 1985;
 /// Hosea & Shampine 1996, with gamma = 2 - sqrt(2), so that both stages have the same matrix).
+///
+/// A substep in which an obstacle is in the way is one of backward Euler. The trapezoidal rule
+/// begins with the forces at the start, and those of springs that an obstacle has just strained are
+/// no smooth continuation of anything: cloth on an obstacle pumped itself up (26 g of cotton on a
+/// sphere had 1,250 J with a friction of 10).
 class TrBdf2 final : public SubstepMethod {
  public:
   explicit TrBdf2(const SolverParameters& parameters) : newton_(parameters) {}
@@ -24,8 +30,16 @@ class TrBdf2 final : public SubstepMethod {
   void begin(Substep& now) override { newton_.begin(now); }
   void advance(Substep& now) override {
     now.markStart();
+    velocity_ = now.particles.v;
+    if (now.isFlightBlocked()) return newton_.advanceBackward(now, velocity_);
+    if (!now.contacts.empty()) impulses_ = now.kinematic.impulses();
+    advanceFreely(now);
+    if (now.isBlocked(now.particles.x)) advanceAgain(now);
+  }
+
+ private:
+  void advanceFreely(Substep& now) {
     const Particles& p = now.particles;
-    velocity_ = p.v;
     const double tau = kTau * now.h;
     newton_.evaluateForces(now);
     now.kinematic.addForces(kWeight * now.h, now.force);
@@ -37,11 +51,16 @@ class TrBdf2 final : public SubstepMethod {
     combine(p.v, velocity_, fromV_);
     newton_.solve(now, {tau, now.fraction, fromX_, fromV_});
     now.kinematic.addForces(kTau * now.h, now.force);
-    now.enforceContacts();
-    now.enforceContactVelocities();
   }
 
- private:
+  /// Does the substep again from its start, with an obstacle in the way.
+  void advanceAgain(Substep& now) {
+    copy(now.particles.start, now.particles.x);
+    copy(velocity_, now.particles.v);
+    now.kinematic.setImpulses(impulses_);
+    newton_.advanceBackward(now, velocity_);
+  }
+
   /// Finds the explicit half of the trapezoidal rule.
   void setTrapezoid(const Substep& now, double tau) {
     const Particles& p = now.particles;
@@ -65,8 +84,9 @@ class TrBdf2 final : public SubstepMethod {
   }
 
   NewtonStage newton_;
-  VectorArray velocity_;       ///< at the start of the substep [m/s]
-  VectorArray fromX_, fromV_;  ///< what a stage starts from [m], [m/s]
+  VectorArray velocity_;        ///< at the start of the substep [m/s]
+  VectorArray fromX_, fromV_;   ///< what a stage starts from [m], [m/s]
+  std::vector<Vec3> impulses_;  ///< on kinematic particles, at the start of the substep [N s]
 };
 
 }  // namespace
@@ -76,7 +96,8 @@ SolverInfo trBdf2Info() {
   info.name = "tr_bdf2";
   info.title = "TR-BDF2";
   info.reference = "Hosea & Shampine, Applied Numerical Mathematics 20 (1996)";
-  info.limitations = "two solves in a substep; contact follows them and is of first order";
+  info.limitations =
+      "two solves in a substep; a substep of backward Euler, of first order, where cloth touches";
   info.order = 2;
   info.noLayers = "its stages move cloth after contact";
   info.parameters = implicitParameters();

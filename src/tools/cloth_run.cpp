@@ -1,5 +1,8 @@
 /// \file cloth_run: runs a scene without a ROS master, as fast as it can. See docs/cloth_run.md.
 
+#include <sys/time.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <csignal>
@@ -56,7 +59,40 @@ class BadInput : public std::runtime_error {
 
 volatile std::sig_atomic_t caughtSignal = 0;
 
-void onSignal(int signal) { caughtSignal = signal; }
+/// Time that a step under way has to end after a signal [us].
+constexpr suseconds_t kStopWithin = 700000;
+
+/// Ends the process in the middle of a step. Calls only what a signal handler may.
+void onDeadline(int /*signal*/) {
+  constexpr char kLine[] =
+      "cloth_run: interrupted in the middle of a long step; no output was written\n";
+  const ssize_t written = write(STDERR_FILENO, kLine, sizeof kLine - 1);
+  _exit(written < 0 ? kOutputLost : kSignalBase + caughtSignal);
+}
+
+void setDeadline(suseconds_t microseconds) {
+  itimerval timer{};
+  timer.it_value.tv_usec = microseconds;
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+/// The run ends after the step under way, or in the middle of it if that takes too long.
+void onSignal(int signal) {
+  caughtSignal = signal;
+  setDeadline(kStopWithin);
+}
+
+void listenToSignals() {
+  std::signal(SIGALRM, onDeadline);
+  std::signal(SIGINT, onSignal);
+  std::signal(SIGTERM, onSignal);
+}
+
+/// Lets the outputs take their time.
+void stopListening() {
+  std::signal(SIGALRM, SIG_IGN);
+  setDeadline(0);
+}
 
 /// Adds the options of the command line, whose values go to `options`.
 void addOptions(CLI::App& app, Options& options) {
@@ -413,8 +449,7 @@ class Run {
 
   /// Runs to the end and writes the outputs. \return the exit code.
   int execute() {
-    std::signal(SIGINT, onSignal);
-    std::signal(SIGTERM, onSignal);
+    listenToSignals();
     Progress progress(options_.duration);
     if (recorder_) recorder_->update(*simulation_, 0.0);
     const auto afterStep = [&] { return observeStep(progress); };
@@ -428,6 +463,7 @@ class Run {
         afterStep();
       }
     }
+    stopListening();
     const double wallTime = progress.wallTime();
     progress.finish(*simulation_);
     writeOutputs(wallTime);

@@ -247,6 +247,34 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
             self.assertGreater(opened.get_message_count('/cloth/frame'), 1)
         self.assertEqual(sorted(os.listdir(self.folder.name)), ['cut.bag', 'cut.json', 'quick.yaml'])
 
+    def test_signal_ends_a_long_step(self):
+        """A step takes many seconds; the run ends within a second of the signal."""
+        summary = self.path('long.json')
+        process = subprocess.Popen(
+            [CLOTH_RUN, BENCH, '--duration', '100', '--summary', summary, '--set',
+             'solver={method: verlet, dt: 1.0, substeps: 100000}'],
+            stderr=subprocess.PIPE, text=True)
+        self.wait_until_it_steps(process)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=30)
+        self.assertLess(time.monotonic() - sent, 3.0)  # 0.7 s, and a loaded machine
+        self.assertEqual(process.returncode, 128 + signal.SIGTERM, errors)
+        self.assertRegex(errors, 'interrupted in the middle of a long step')
+        self.assertFalse(os.path.exists(summary))
+
+    def wait_until_it_steps(self, process):
+        """Waits until the process catches SIGTERM, as it does from the first step on."""
+        end = time.monotonic() + 30.0
+        while True:
+            with open('/proc/%d/status' % process.pid) as status:
+                self.assertIsNone(process.poll(), 'the run has ended')
+                caught = [line for line in status if line.startswith('SigCgt')][0]
+            if int(caught.split()[1], 16) >> (signal.SIGTERM - 1) & 1:
+                return
+            self.assertLess(time.monotonic(), end, 'the run does not begin')
+            time.sleep(0.01)
+
 
 if __name__ == '__main__':
     rosunit.unitrun('cloth_sim', 'cloth_run_test', ClothRunTest)

@@ -49,6 +49,10 @@ class Collider {
   double margin() const;
   /// Contact properties by cloth.
   const std::vector<ContactProperties>& properties() const { return properties_; }
+  /// Coulomb coefficient for a cloth [-]: the obstacle's own, else the cloth's.
+  double friction(std::size_t cloth) const {
+    return obstacle_.friction.value_or(properties_[cloth].friction);
+  }
   /// The pose at `time` [s], extrapolated with the velocity from the last `place`.
   Pose poseAt(double time) const;
   /// Sets the pose that holds at `time` [s], and the velocity with which it changes from there.
