@@ -13,6 +13,10 @@ function(cloth_sim_compile_options target)
   if(CLOTH_SIM_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
+  if(CLOTH_SIM_FUZZ)  # counts branches for libFuzzer, whose main() only its own programs get
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+    target_link_options(${target} PUBLIC -fsanitize=fuzzer-no-link)
+  endif()
   if(CLOTH_SIM_SANITIZE)
     # GCC reports uninitialised values in the code that sanitizers add (GCC bug 105562 and others);
     # clang does not know the option.

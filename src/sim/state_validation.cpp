@@ -10,7 +10,10 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kLongest = 1e9;  ///< latest time of a state [s]
+constexpr double kLongest = 1e9;    ///< latest time of a state [s]
+constexpr double kFarthest = 1e9;   ///< position [m]
+constexpr double kFastest = 1e5;    ///< of a particle: ten times what ends a step [m/s]
+constexpr double kRounding = 1e-6;  ///< of sums of masses [-]
 constexpr std::size_t kLongestText = 1000;
 /// How far material coordinates may be outside of those of the undamaged cloth, over its size.
 constexpr double kOutside = 1e-6;
@@ -62,9 +65,18 @@ std::string bendingError(const Model& model, const Model& undamaged) {
   return isWhole ? "" : "a bending element is not one of the mesh";
 }
 
-std::string massError(const Model& model) {
+/// Edits divide masses and areal densities, and average them: none leaves the range of the scene.
+std::string massError(const Model& model, const Model& undamaged) {
   if (!fits(model.mass, model.mesh) || !fits(model.arealDensity, model.mesh)) {
     return "masses are not one for each particle";
+  }
+  const double whole = (1.0 + kRounding) * totalMass(undamaged);
+  const double densest = (1.0 + kRounding) * *std::max_element(undamaged.arealDensity.begin(),
+                                                               undamaged.arealDensity.end());
+  const auto exceeds = [](double limit) { return [limit](double it) { return it > limit; }; };
+  if (std::any_of(model.mass.begin(), model.mass.end(), exceeds(whole)) ||
+      std::any_of(model.arealDensity.begin(), model.arealDensity.end(), exceeds(densest))) {
+    return "a particle is heavier than in the scene";
   }
   const bool areMasses =
       std::all_of(model.mass.begin(), model.mass.end(), isPositive) &&
@@ -102,7 +114,7 @@ std::string validationError(const Model& model, const Model& undamaged) {
   std::string error = validationError(model.mesh);
   if (!error.empty()) return error;
   if (!liesWithin(model.mesh, undamaged.mesh)) return "the cloth is larger than that of the scene";
-  error = massError(model);
+  error = massError(model, undamaged);
   if (error.empty()) error = model.springs.validationError(model.mesh, undamaged.springs);
   return error.empty() ? bendingError(model, undamaged) : error;
 }
@@ -110,6 +122,13 @@ std::string validationError(const Model& model, const Model& undamaged) {
 std::string validationError(const State& state, const Model& model) {
   if (!fits(state.x, model.mesh) || !fits(state.v, model.mesh)) {
     return "positions are not one for each particle";
+  }
+  const auto isIn = [](double limit) {
+    return [limit](const Vec3& it) { return it.cwiseAbs().maxCoeff() <= limit; };
+  };
+  if (!std::all_of(state.x.begin(), state.x.end(), isIn(kFarthest)) ||
+      !std::all_of(state.v.begin(), state.v.end(), isIn(kFastest))) {
+    return "a particle is farther away or faster than any cloth";
   }
   return std::abs(state.t) <= kLongest ? "" : "its time is not one of a simulation";
 }
