@@ -108,7 +108,7 @@ class FilesTest(ScratchTest):
                 [CLOTH_RUN, self.scene, '--duration', '0.05', '--summary', '-'], stdout=full,
                 stderr=subprocess.PIPE, text=True, timeout=60)
         self.assertEqual(result.returncode, 1, result.stderr)
-        for limit in (0, 1000, 30000):
+        for limit in (0, 1000, 20000):
             for option in ('--save-state', '--bag'):
                 self.limited(limit, option)
         left = set(os.listdir(self.folder.name)) - {'scene.yaml', 'device7', 'a--bag.active'}
