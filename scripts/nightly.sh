@@ -67,7 +67,7 @@ run_row() {
 # drive_node <mode> <minutes>: a node with a master of its own on the loopback.
 drive_node() {
   prepare build run
-  build_workspace "$repo_root/.ws" "cloth_node" -DCMAKE_BUILD_TYPE=Release
+  build_workspace "$repo_root/.ws" "cloth_node" -DCMAKE_BUILD_TYPE=Release -DCLOTH_SIM_SANITIZE=
   enter_workspace "$repo_root/.ws"
   ROS_HOME=$repo_root/.ws/ros_home /usr/bin/python3 "$repo_root/scripts/lib/drive_node.py" \
     "$1" --minutes "$2"
