@@ -55,8 +55,8 @@ class Files : public testing::Test {
   }
   static void put(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
   static std::string contents(const std::string& path) { return readInputFile(path, {}); }
-  /// Returns a character device: 3 is /dev/null, 7 is /dev/full. It is one of the folder's own where
-  /// the system lets us make one, so that an error here cannot destroy that of the machine.
+  /// Returns a character device: 3 is /dev/null, 7 is /dev/full. It is one of the folder's own
+  /// where the system lets us make one, so that an error here cannot destroy that of the machine.
   std::string device(unsigned minor) const {
     const std::string own = path("device" + std::to_string(minor));
     if (::mknod(own.c_str(), S_IFCHR | 0600, makedev(1, minor)) == 0 &&
