@@ -13,6 +13,11 @@ function(cloth_sim_compile_options target)
   if(CLOTH_SIM_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
+  if(CLOTH_SIM_FUZZ)  # counts branches; only the programs of libFuzzer get its main()
+    # Loops that count their branches are not vectorised.
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link -Wno-pass-failed)
+    target_link_options(${target} PUBLIC -fsanitize=fuzzer-no-link)
+  endif()
   if(CLOTH_SIM_SANITIZE)
     # GCC reports uninitialised values in the code that sanitizers add (GCC bug 105562 and others);
     # clang does not know the option.

@@ -57,7 +57,7 @@ function(cloth_sim_unit_tests folder library)
 endfunction()
 
 if(GMOCK_FOUND)
-  foreach(folder unit verify surgery determinism allocation)
+  foreach(folder unit verify surgery determinism allocation fuzz)
     cloth_sim_unit_tests(${folder} cloth_core)
   endforeach()
   # GCC 12 takes the empty std::optional<Seam> of the tearing settings for uninitialised memory where

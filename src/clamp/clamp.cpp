@@ -199,4 +199,21 @@ void Clamp::addReactions(const std::vector<KinematicTarget>& targets,
   }
 }
 
+std::string Clamp::validationError(std::int32_t vertices) const {
+  for (const Pose& pose : {pose_, target_.pose}) {
+    const std::string error = cloth_sim::validationError(pose);
+    if (!error.empty()) return error;
+  }
+  if (state_ < ClampState::kOpen || state_ > ClampState::kClosed) return "it has no state";
+  if (!isPositive(gap_)) return "it has no gap";
+  if (speedLimit_ && !isPositive(*speedLimit_)) return "its speed limit is not positive";
+  if (held_.size() != grips_.size()) return "its lists of particles differ";
+  for (std::size_t k = 0; k < grips_.size(); ++k) {
+    const VertexId v = grips_[k].vertex;
+    if (v < 0 || v >= vertices || v != held_[k]) return "it holds a particle that does not exist";
+    if (k > 0 && v <= held_[k - 1]) return "its particles are not in order";
+  }
+  return "";
+}
+
 }  // namespace cloth_sim

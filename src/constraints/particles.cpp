@@ -21,6 +21,9 @@ int packedColumn(int i, int columns) {
   return place;
 }
 
+/// Slots that may be empty because their particles were taken away: more than any run leaves.
+constexpr std::int32_t kMostEmpty = 1 << 22;
+
 /// Counts instead of leaving early, so that it can be vectorised.
 CLOTH_SIM_VECTOR_CLONES
 bool partIsSlower(std::size_t first, std::size_t count, const VectorArray& x, const VectorArray& v,
@@ -127,6 +130,18 @@ ParticleView particleView(VectorArray& x, const VectorArray& start, const double
   view.startZ = start.z.data();
   view.mass = mass;
   return view;
+}
+
+std::string Particles::validationError(std::int32_t vertices) const {
+  if (count() != vertices) return "the layout is that of another number of particles";
+  if (slots < vertices || slots - vertices > kMostEmpty) return "the layout has no such slots";
+  std::vector<bool> isTaken(static_cast<std::size_t>(slots), false);
+  for (const std::int32_t slot : slotOf) {
+    if (slot < 0 || slot >= slots) return "a particle has a slot that does not exist";
+    if (isTaken[static_cast<std::size_t>(slot)]) return "two particles have one slot";
+    isTaken[static_cast<std::size_t>(slot)] = true;
+  }
+  return "";
 }
 
 }  // namespace cloth_sim

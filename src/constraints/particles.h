@@ -1,6 +1,8 @@
 #pragma once
 /// \file The particles of a solver: a structure of arrays in an order that suits sweeps.
 
+#include <string>
+
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/contacts.h"
 #include "cloth_sim/solver/solver.h"
@@ -32,6 +34,11 @@ struct Particles {
   void serialize(Archive& archive) {
     archive(slotOf, slots);
   }
+
+  /// Checks a layout that was read from a file.
+  /// \param vertices  number of vertices of the cloth.
+  /// \return one sentence about the first error; empty if there is none.
+  std::string validationError(std::int32_t vertices) const;
 
   /// Chooses slots and sizes every array.
   void layOut(const Model& model);

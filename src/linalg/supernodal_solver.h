@@ -2,6 +2,7 @@
 /// \file Triangular solves with a sparse factor, in single precision.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "vector_array.h"
@@ -41,6 +42,12 @@ struct SparseFactor {
     archive(columns, row, value, diagonal);
   }
 };
+
+/// Checks that a factor which was read from a file is one: columns have their entries to
+/// themselves, rows ascend below the diagonal, and the rows of a column are among those of its
+/// parent, as elimination leaves them. Solvers and updates follow these indices. \return one
+/// sentence about the first error; empty if there is none.
+std::string validationError(const SparseFactor& factor);
 
 /// Solver for A x = b, given A = P^T L D L^T P, with a supernodal copy of L.
 ///

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "support/vector_clones.h"
@@ -324,10 +325,35 @@ void UpdatableFactor::listEntries(std::vector<std::int32_t>& row, std::vector<st
   }
 }
 
+/// Checks P, L and D that were read from a file. \throws std::invalid_argument
+void UpdatableFactor::checkFactor() const {
+  const std::string error = validationError(factor_);
+  if (!error.empty()) throw std::invalid_argument("the factorisation: " + error);
+  std::vector<bool> isTaken(rows(), false);
+  bool isPermutation = permutation_.size() == rows();
+  for (const std::int32_t k : permutation_) {
+    const auto at = static_cast<std::size_t>(k);
+    isPermutation = isPermutation && k >= 0 && at < rows() && !isTaken[at];
+    if (!isPermutation) throw std::invalid_argument("the factorisation permutes no rows");
+    isTaken[at] = true;
+  }
+  if (!isPermutation || updates_ < 0) throw std::invalid_argument("the factorisation has no rows");
+}
+
 /// Makes A from its entries and resets all that is not saved.
 void UpdatableFactor::readEntries(const std::vector<std::int32_t>& row,
                                   const std::vector<std::int32_t>& column,
                                   const std::vector<double>& value) {
+  if (row.size() != value.size() || column.size() != value.size()) {
+    throw std::invalid_argument("the matrix of a factorisation has no such entries");
+  }
+  const auto isRow = [this](std::int32_t k) {
+    return k >= 0 && static_cast<std::size_t>(k) < rows();
+  };
+  if (!std::all_of(row.begin(), row.end(), isRow) ||
+      !std::all_of(column.begin(), column.end(), isRow)) {
+    throw std::invalid_argument("the matrix of a factorisation has no such rows");
+  }
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t k = 0; k < value.size(); ++k) {
     entries.emplace_back(row[k], column[k], value[k]);

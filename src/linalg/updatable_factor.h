@@ -44,14 +44,18 @@ class UpdatableFactor {
   /// P: row i of A is row permutation()[i] of L.
   const std::vector<std::int32_t>& permutation() const { return permutation_; }
 
-  /// \tparam Archive StateWriter or StateReader
+  /// \tparam Archive StateWriter or StateReader; reading throws std::invalid_argument if the bytes
+  ///                 are not those of a factorisation
   template <class Archive>
   void serialize(Archive& archive) {
     std::vector<std::int32_t> row, column;
     std::vector<double> value;
     if constexpr (Archive::is_saving::value) listEntries(row, column, value);
     archive(factor_, permutation_, computedEntries_, updates_, row, column, value);
-    if constexpr (Archive::is_loading::value) readEntries(row, column, value);
+    if constexpr (Archive::is_loading::value) {
+      checkFactor();
+      readEntries(row, column, value);
+    }
   }
 
  private:
@@ -82,6 +86,7 @@ class UpdatableFactor {
   void growColumn(SparseFactor::Column& column);
   void addPath(std::int32_t j);
   bool updateColumn(std::int32_t j, Alphas& alpha);
+  void checkFactor() const;
   void listEntries(std::vector<std::int32_t>& row, std::vector<std::int32_t>& column,
                    std::vector<double>& value) const;
   void readEntries(const std::vector<std::int32_t>& row, const std::vector<std::int32_t>& column,

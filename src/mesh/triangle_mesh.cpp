@@ -273,7 +273,16 @@ ConnectedComponents connectedComponents(const TriangleMesh& mesh) {
   return components;
 }
 
+bool TriangleMesh::hasCompleteTables() const {
+  if (boundaryBits_.size() != faces_.size() || generation_.size() != faces_.size()) return false;
+  if (incident_.size() != material_.size()) return false;
+  std::size_t listed = 0;
+  for (VertexId v = 0; v < vertexCount(); ++v) listed += facesAround(v).size();
+  return listed == 3 * faces_.size();
+}
+
 std::string validationError(const TriangleMesh& mesh) {
+  if (!mesh.hasCompleteTables()) return "its tables of faces and vertices do not fit each other";
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     const std::string error = faceError(mesh, f);
     if (!error.empty()) return error;

@@ -3,10 +3,10 @@
 #include <rosbag/bag.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -14,12 +14,14 @@
 #include "clock_publisher.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
+#include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
 
 constexpr const char* kNodeName = "/cloth";
 constexpr const char* kWorldFrame = "world";
+constexpr OutputRules kOnlyRegular{Links::kFollowed, true};  ///< rosbag seeks in its file
 
 /// Returns a connection header that marks the topic as latched; rosbag play then latches it, too.
 template <typename Message>
@@ -33,16 +35,26 @@ boost::shared_ptr<ros::M_string> latchedHeader() {
   return header;
 }
 
+/// Returns the system's word for an error, or if it has none, that of rosbag.
+std::string reason(int code, const std::exception& error) {
+  return code == 0 ? error.what() : std::strerror(code);
+}
+
 }  // namespace
 
 struct BagWriter::Impl {
   Impl(const std::string& path, std::string text)
-      : file(path), active(path + ".active"), scene(std::move(text)) {
+      : place(path, kOnlyRegular), active(place.target() + ".active"), scene(std::move(text)) {
+    // Nothing else than a bag that was not completed may stand there either.
+    OutputFile(active, {Links::kRefused, true});
+    errno = 0;
     try {
       bag->open(active, rosbag::bagmode::Write);
-    } catch (...) {
+    } catch (const rosbag::BagException& error) {
+      const int code = errno;
       static_cast<void>(bag.release());  // see close()
-      throw;
+      unlink(active.c_str());
+      throw FileError(path + ": cannot be written (" + reason(code, error) + ")", code);
     }
   }
   ~Impl() {
@@ -69,9 +81,11 @@ struct BagWriter::Impl {
     errno = 0;
     try {
       action();
+    } catch (const FileError&) {
+      throw;
     } catch (const std::exception& error) {
-      const std::string reason = errno == 0 ? error.what() : std::strerror(errno);
-      throw std::runtime_error(active + ": cannot be written (" + reason + ")");
+      const int code = errno;
+      throw FileError(active + ": cannot be written (" + reason(code, error) + ")", code);
     }
   }
 
@@ -92,8 +106,8 @@ struct BagWriter::Impl {
   void writeFailures(const Snapshot& snapshot, const std::vector<FailureEvent>& events);
   void writeClamps(const Snapshot& snapshot);
 
-  std::string file;
-  std::string active;
+  OutputFile place;
+  std::string active;  ///< where it grows
   std::string scene;
   std::optional<double> repeated;  ///< time of the last latched messages [s]
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
@@ -107,13 +121,8 @@ struct BagWriter::Impl {
   MarkerBuilder markers{MarkerStyle()};
 };
 
-BagWriter::BagWriter(const std::string& file, const std::string& scene) {
-  try {
-    impl_ = std::make_unique<Impl>(file, scene);
-  } catch (const rosbag::BagException& error) {
-    throw std::runtime_error(file + ": cannot be written (" + error.what() + ")");
-  }
-}
+BagWriter::BagWriter(const std::string& file, const std::string& scene)
+    : impl_(std::make_unique<Impl>(file, scene)) {}
 
 BagWriter::~BagWriter() = default;
 
@@ -146,7 +155,7 @@ void BagWriter::write(const CommandRecord& command) {
 void BagWriter::close() {
   impl_->attempt([&] {
     impl_->close();
-    std::filesystem::rename(impl_->active, impl_->file);
+    impl_->place.take(impl_->active);
   });
 }
 

@@ -19,11 +19,13 @@ constexpr double kRepeatPeriod = 5.0;
 /// /cloth/scene_markers, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated time; time 0 is
 /// stamped 1 ns, since a stamp of 0 means "none" in ROS.
 ///
-/// The bag grows as "<file>.active" and takes its name when it is complete.
+/// The bag grows as "<file>.active" and takes its name when it is complete. rosbag seeks in its
+/// file, so only a regular file, or nothing, may stand at the name; a link stays, and its target is
+/// replaced.
 class BagWriter {
  public:
   /// \param scene  text of the scene.
-  /// \throws std::runtime_error if the file cannot be written.
+  /// \throws FileError if the file cannot be written.
   BagWriter(const std::string& file, const std::string& scene);
   /// Leaves the ".active" file if `close` was not called.
   ~BagWriter();
@@ -33,14 +35,14 @@ class BagWriter {
   /// Writes an observation.
   /// \param events  springs that failed since the last call, in order.
   /// \param grips   events of grasps since the last call, in order.
-  /// \throws std::runtime_error if the disk refuses it.
+  /// \throws FileError if the disk refuses it.
   void write(const Observation& observation, const std::vector<FailureEvent>& events,
              const std::vector<GripEvent>& grips);
-  /// Writes a command. \throws std::runtime_error if the disk refuses it.
+  /// Writes a command. \throws FileError if the disk refuses it.
   void write(const CommandRecord& command);
 
   /// Completes the bag and gives it its name.
-  /// \throws std::runtime_error
+  /// \throws FileError
   void close();
 
  private:

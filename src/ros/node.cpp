@@ -30,6 +30,7 @@
 #include "scene/names.h"
 #include "scene_path.h"
 #include "services.h"
+#include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
@@ -187,6 +188,7 @@ int runNode(int argc, char** argv) {
   try {
     ros::init(argc, argv, "cloth");
     std::signal(SIGTERM, onTerminate);
+    reportOutputErrors();
     ros::NodeHandle handle;
     ros::NodeHandle privateHandle("~");
     const NodeParameters parameters = readParameters(privateHandle);

@@ -13,11 +13,13 @@
 #include "cloth_sim/sim/saved_state.h"
 #include "sim/command_text.h"
 #include "support/hash.h"
+#include "support/input_file.h"
 
 namespace cloth_sim {
 namespace {
 
 constexpr const char* kState = "/state";
+constexpr std::uint64_t kMaxBagSize = 1ULL << 40;  ///< [bytes]; it is read in parts
 
 /// Returns the name of the recorded node: "/cloth" for the topic "/cloth/state".
 std::string nodeOf(rosbag::Bag& bag, const std::string& file) {
@@ -81,6 +83,7 @@ class Trace {
 
 Recording readRecording(const std::string& file) {
   Recording recording;
+  checkInputFile(file, {kMaxBagSize, Links::kFollowed});
   try {
     rosbag::Bag bag(file, rosbag::bagmode::Read);
     read(bag, nodeOf(bag, file), recording);

@@ -31,7 +31,11 @@ std::string resolveScene(const std::string& scene) {
     throw SceneError("scene: expected a file or the name of a scene (got nothing)");
   std::error_code ignored;
   if (fs::is_regular_file(scene, ignored)) return scene;
-  if (scene.find('/') != std::string::npos) throw SceneError(scene + ": no such scene file");
+  const bool exists = fs::exists(scene, ignored);  // as a directory or the like: the reader says it
+  if (scene.find('/') != std::string::npos) {
+    if (exists) return scene;
+    throw SceneError(scene + ": no such scene file");
+  }
 
   const std::string package = ros::package::getPath("cloth_sim");
   if (package.empty()) {
@@ -42,6 +46,7 @@ std::string resolveScene(const std::string& scene) {
   for (const fs::path& candidate : {folder / scene, folder / (scene + ".yaml")}) {
     if (fs::is_regular_file(candidate, ignored)) return candidate.string();
   }
+  if (exists) return scene;
   throw SceneError(scene + ": no such scene file, nor a scene of the package (known: " +
                    joinNames(sceneNames(folder)) + ")");
 }

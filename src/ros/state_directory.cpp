@@ -6,6 +6,8 @@
 
 #include "cloth_sim/sim/saved_state.h"
 #include "scene/names.h"
+#include "support/input_file.h"
+#include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
@@ -33,7 +35,7 @@ std::string StateDirectory::write(const std::string& name, const std::string& by
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw StateError(folder_ + ": cannot be made (" + error.message() + ")");
-  writeFileWhole(path(name), bytes);
+  OutputFile(path(name), {Links::kRefused, true}).write(bytes);
   return path(name);
 }
 
@@ -42,7 +44,7 @@ std::string StateDirectory::read(const std::string& name) const {
   if (!fs::exists(fs::symlink_status(path(name), ignored))) {
     throw StateError(unknownName("saved state", name, names()));
   }
-  return readRegularFile(path(name));
+  return readInputFile(path(name), {kMaxStateSize, Links::kRefused});
 }
 
 std::vector<std::string> StateDirectory::names() const {

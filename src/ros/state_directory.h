@@ -13,9 +13,9 @@ class StateDirectory {
   /// \param folder  created by the first `write`; a leading "~/" is the user's home.
   explicit StateDirectory(const std::string& folder);
 
-  /// Writes a state. \return the file. \throws StateError in one line.
+  /// Writes a state. \return the file. \throws StateError or FileError in one line.
   std::string write(const std::string& name, const std::string& bytes) const;
-  /// Reads a state. \throws StateError in one line.
+  /// Reads a state. \throws StateError or FileError in one line.
   std::string read(const std::string& name) const;
   /// Names the saved states, sorted.
   std::vector<std::string> names() const;

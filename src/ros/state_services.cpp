@@ -30,7 +30,7 @@ void saveState(const SaveState::Request& request, SaveState::Response& reply, Se
   try {
     reply.message = "saved as " + services.states().write(request.name, bytes);
     reply.success = true;
-  } catch (const StateError& error) {
+  } catch (const std::runtime_error& error) {
     reply.message = error.what();
   }
 }
@@ -40,7 +40,7 @@ void loadState(const LoadState::Request& request, LoadState::Response& reply, Se
   if (!reply.message.empty()) return;
   try {
     services.execute(Restore{services.states().read(request.name)}, "goes on from there", reply);
-  } catch (const StateError& error) {
+  } catch (const std::runtime_error& error) {
     reply.message = error.what();
   }
   if (!reply.success) return;

@@ -1,6 +1,4 @@
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
@@ -9,6 +7,8 @@
 #include "auto_method.h"
 #include "built_in_auto_table.h"
 #include "support/csv.h"
+#include "support/input_file.h"
+#include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
@@ -16,6 +16,7 @@ namespace {
 using Columns = std::vector<std::string>;
 const Columns kTableColumns{"class", "error",   "solver",    "dt",
                             "scale", "substep", "longest_s", "cost_s"};
+constexpr std::uint64_t kMaxCacheSize = 64 << 20;  // [bytes]
 const Columns kCacheColumns{"scene", "error", "solver", "dt", "parameters"};
 
 void writeHeader(std::ostream& out, const Columns& columns) {
@@ -81,8 +82,8 @@ CacheEntry toCacheEntry(const CsvRow& fields) {
 
 std::vector<CacheEntry> readCache(const std::string& file) {
   std::vector<CacheEntry> entries;
-  std::ifstream in(file);
-  if (!in) return entries;
+  if (!std::filesystem::exists(file)) return entries;
+  std::istringstream in(readInputFile(file, {kMaxCacheSize, Links::kFollowed}));
   try {
     readCsv(in, kCacheColumns,
             [&](const CsvRow& fields) { entries.push_back(toCacheEntry(fields)); });
@@ -146,19 +147,14 @@ void AutoCache::add(const std::string& key, double error, const SolverSpec& solv
   std::error_code ignored;
   fs::create_directories(fs::path(file_).parent_path(), ignored);
   const std::vector<CacheEntry> before = readCache(file_);
-  const std::string temporary = file_ + ".tmp";
-  std::ofstream out(temporary);
+  std::ostringstream out;
   out << "# Written by cloth_study --advise --cache; see solver.method auto in docs/scene.md.\n";
   writeHeader(out, kCacheColumns);
   for (const CacheEntry& entry : before) {
     if (entry.key != key || entry.error != error) writeEntry(out, entry);
   }
   writeEntry(out, {key, error, solver});
-  out.close();
-  if (!out || std::rename(temporary.c_str(), file_.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw std::runtime_error(file_ + ": cannot be written");
-  }
+  OutputFile(file_).write(out.str());
 }
 
 }  // namespace cloth_sim

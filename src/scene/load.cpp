@@ -1,22 +1,19 @@
 #include "cloth_sim/scene/load.h"
 
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
-#include <sstream>
 
 #include "auto_method.h"
 #include "readers.h"
 #include "section.h"
 #include "support/hash.h"
+#include "support/input_file.h"
 
 namespace cloth_sim {
 
 namespace {
 
-constexpr std::streamoff kMaxFileSize = 16 << 20;  // [bytes]
+constexpr std::uint64_t kMaxFileSize = 16 << 20;  // [bytes]
 
 /// Returns the name of a scene, such as "hang" for "config/scenes/hang.yaml".
 std::string sceneName(const std::string& path) {
@@ -26,21 +23,11 @@ std::string sceneName(const std::string& path) {
 }
 
 std::string readFile(const std::string& path) {
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary | std::ios::ate);
-  if (!stream) {
-    const std::string reason = errno != 0 ? std::strerror(errno) : "not readable";
-    throw SceneError(path + ": cannot read the file (" + reason + ")");
+  try {
+    return readInputFile(path, {kMaxFileSize, Links::kFollowed});
+  } catch (const FileError& error) {
+    throw SceneError(error.what());
   }
-  const std::streamoff size = stream.tellg();
-  if (size < 0 || size > kMaxFileSize) {
-    throw SceneError(path + ": expected a scene file of at most 16 MiB");
-  }
-  std::string text(static_cast<std::size_t>(size), '\0');
-  stream.seekg(0);
-  stream.read(&text[0], size);
-  if (!stream) throw SceneError(path + ": cannot read the file");
-  return text;
 }
 
 /// Keys of the top level, in the order of reading: clamps refer to cloths, and phases to all keys

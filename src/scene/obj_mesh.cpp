@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <sstream>
 
 #include "cloth_sim/scene/load.h"
 #include "mesh/quality.h"
+#include "support/input_file.h"
 
 namespace cloth_sim {
 namespace {
 
 constexpr std::size_t kMaxVertices = 1100000;
-constexpr std::streamoff kMaxMeshSize = 256 << 20;  // [bytes]
+constexpr std::uint64_t kMaxMeshSize = 256 << 20;  // [bytes]
 
 /// A corner of a face: a vertex and a uv of the file, from 0.
 struct Corner {
@@ -218,13 +218,11 @@ ClothMesh parseObj(const std::string& text, const std::string& path, const ObjUn
 }
 
 ClothMesh readObj(const std::string& path, const ObjUnits& units) {
-  std::ifstream stream(path, std::ios::binary | std::ios::ate);
-  if (!stream) throw SceneError(path + ": cannot read the file");
-  if (stream.tellg() > kMaxMeshSize) throw SceneError(path + ": expected at most 256 MiB");
-  stream.seekg(0);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return parseObj(text.str(), path, units);
+  try {
+    return parseObj(readInputFile(path, {kMaxMeshSize, Links::kFollowed}), path, units);
+  } catch (const FileError& error) {
+    throw SceneError(error.what());
+  }
 }
 
 }  // namespace cloth_sim

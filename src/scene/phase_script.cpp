@@ -1,5 +1,6 @@
 #include "cloth_sim/scene/phase_script.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace cloth_sim {
@@ -116,6 +117,19 @@ bool PhaseScript::conditionsHold(const PhaseConditions& until, const PhaseObserv
   if (until.clampsClosed && !now.clampsClosed) return false;
   if (until.piecesAtLeast && now.pieces < *until.piecesAtLeast) return false;
   return !until.brokenAtLeast || now.broken >= *until.brokenAtLeast;
+}
+
+std::string PhaseScript::validationError() const {
+  if (status_ < ScriptStatus::kIdle || status_ > ScriptStatus::kFailed) return "it has no status";
+  if (status_ == ScriptStatus::kIdle) return "";
+  if (index_ >= phases_.size() || history_.empty()) return "it is in a phase that does not exist";
+  const std::vector<std::string> known = names();
+  for (const PhaseRecord& record : history_) {
+    if (std::find(known.begin(), known.end(), record.name) == known.end()) {
+      return "it has been in a phase that does not exist";
+    }
+  }
+  return "";
 }
 
 }  // namespace cloth_sim

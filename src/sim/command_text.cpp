@@ -15,9 +15,8 @@ std::string packCommand(const Command& command) {
 }
 
 Command unpackCommand(const std::string& bytes) {
-  std::istringstream in(bytes, std::ios::binary);
   try {
-    StateReader archive(in);
+    StateReader archive(bytes);
     std::uint32_t version = 0;
     archive(version);
     if (version != kStateVersion) {
@@ -26,6 +25,7 @@ Command unpackCommand(const std::string& bytes) {
     }
     Command command;
     archive(command);
+    if (archive.left() > 0) throw StateError("the command is damaged");
     return command;
   } catch (const cereal::Exception&) {
     throw StateError("the command is damaged");

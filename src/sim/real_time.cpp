@@ -20,6 +20,7 @@
 #include "scene/auto_method.h"
 #include "support/cpu_clock.h"
 #include "support/csv.h"
+#include "support/output_file.h"
 #include "support/user_cache.h"
 
 namespace cloth_sim {
@@ -243,7 +244,7 @@ void CalibrationFile::add(const CalibrationKey& key, const StepCost& cost) const
   rows.push_back({key.text(), cost});
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(file_).parent_path(), ignored);
-  writeFileWhole(file_, textOf(rows));
+  OutputFile(file_).write(textOf(rows));
 }
 
 SceneLoader loaderOf(const std::string& path, const std::vector<std::string>& overrides) {

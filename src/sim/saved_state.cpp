@@ -11,6 +11,7 @@ namespace {
 
 constexpr char kMagic[] = "cloth_sim state\n";
 constexpr std::size_t kMagicLength = sizeof kMagic - 1;
+constexpr std::size_t kMostHeader = 64;  ///< [bytes]
 
 /// The header, which stands between the magic word and the payload.
 struct Header {
@@ -42,11 +43,12 @@ std::string sealState(const std::string& payload) {
 
 std::string unsealState(const std::string& sealed) {
   if (sealed.compare(0, kMagicLength, kMagic) != 0) throw StateError("this is no saved state");
-  std::istringstream in(sealed.substr(kMagicLength), std::ios::binary);
   Header header;
+  std::size_t start = kMagicLength;  // of the payload
   try {
-    StateReader archive(in);
+    StateReader archive(sealed.substr(kMagicLength, kMostHeader));
     archive(header);
+    start += archive.position();
   } catch (const cereal::Exception&) {
     throw StateError("the saved state is cut short");
   }
@@ -54,7 +56,7 @@ std::string unsealState(const std::string& sealed) {
     throw StateError("the saved state is of version " + std::to_string(header.version) +
                      " (expected " + std::to_string(kStateVersion) + ")");
   }
-  const std::string payload = sealed.substr(kMagicLength + static_cast<std::size_t>(in.tellg()));
+  std::string payload = sealed.substr(start);
   if (payload.size() < header.length) throw StateError("the saved state is cut short");
   if (payload.size() > header.length || hashOf(payload) != header.hash) {
     throw StateError("the saved state is damaged: its contents do not match their hash");

@@ -1,11 +1,14 @@
 /// \file The contents of a saved state, in the order in which they are stored.
 
+#include "state_format.h"
+
+#include <algorithm>
 #include <sstream>
 
 #include "archive.h"
 #include "cloth_sim/sim/saved_state.h"
-#include "cloth_sim/sim/simulation_parts.h"
 #include "scene/yaml_tree.h"
+#include "state_validation.h"
 
 namespace cloth_sim {
 namespace {
@@ -51,6 +54,12 @@ struct Touch {
   }
 };
 
+/// What a scene says about its cloths and obstacles, which a saved state cannot change.
+struct Undamaged {
+  Model model;
+  ColliderSet colliders;
+};
+
 }  // namespace
 
 /// Writes and reads the members of all components. To keep old files readable, the order stays as
@@ -80,6 +89,26 @@ class StateFormat {
     if constexpr (Archive::is_loading::value) surgery.failures_.taken_ = taken;
   }
 
+  /// Checks what `serialize` has read, in an order in which no check follows a wrong index.
+  /// \param parts      what was read.
+  /// \throws StateError
+  static void check(const SimulationParts& parts, const Undamaged& undamaged) {
+    const Model& model = parts.model;
+    const Surgery& surgery = parts.surgery;
+    refuseIf(validationError(model, undamaged.model));
+    refuseIf(validationError(parts.state, model));
+    refuseIf(validationError(parts.controls, model));
+    refuseIf(validationError(parts.holders.drag_, parts.holders.pins_, model));
+    refuseIf(validationError(parts.holders.clamps_, model));
+    refuseIf(validationError(parts.holders.gripEvents_));
+    refuseIf(validationError(parts.obstacles.colliders_, undamaged.colliders));
+    refuseIf(touchError(parts.obstacles.contacts_, model));
+    refuseIf(parts.script.validationError());
+    refuseIf(surgery.tearing_.validationError(model));
+    refuseIf(historyError(surgery.failures_));
+    refuseIf(isOneLine(parts.failure) ? "" : "the reason of its failure is no sentence");
+  }
+
   static const Solver& solverOf(const SimulationParts& parts) { return *parts.solver.solver_; }
   static Solver& solverOf(SimulationParts& parts) { return *parts.solver.solver_; }
   static void derive(SimulationParts& parts) {
@@ -88,6 +117,36 @@ class StateFormat {
   }
 
  private:
+  static void refuseIf(const std::string& error) {
+    if (!error.empty()) throw StateError("the saved state contradicts itself: " + error);
+  }
+
+  static std::string touchError(const Contacts& contacts, const Model& model) {
+    for (const ContactCandidates& near : contacts.candidates) {
+      const auto isOutside = [&](VertexId v) { return v < 0 || v >= model.particleCount(); };
+      const std::vector<VertexId>& vertices = near.vertices;
+      if (near.cloth >= model.cloths.size()) return "a cloth touches that does not exist";
+      if (std::any_of(vertices.begin(), vertices.end(), isOutside) ||
+          !std::is_sorted(vertices.begin(), vertices.end())) {
+        return "a particle touches that does not exist";
+      }
+    }
+    return "";
+  }
+
+  static std::string historyError(const FailureHistory& failures) {
+    if (failures.taken_ > failures.events_.size()) return "more springs were told of than failed";
+    for (const FailureEvent& event : failures.events_) {
+      if (event.kind > SpringKind::kBend || event.cause > FailureCause::kCut) {
+        return "a spring has failed that is of no kind";
+      }
+    }
+    const BrokenCounts& counts = failures.counts_;
+    const bool areCounts = counts.total >= 0 && counts.torn >= 0 && counts.cut >= 0 &&
+                           *std::min_element(counts.byKind.begin(), counts.byKind.end()) >= 0;
+    return areCounts ? "" : "fewer than no springs have failed";
+  }
+
   template <class Archive, typename SomeObstacles>
   static void serializeContacts(Archive& archive, SomeObstacles& obstacles) {
     std::vector<Touch> touches;
@@ -102,9 +161,14 @@ class StateFormat {
 
   static void setTouches(std::vector<Touch>& touches, Obstacles& obstacles) {
     obstacles.contacts_.clear();
+    std::vector<Collider>& colliders = obstacles.colliders_.all();
     for (Touch& touch : touches) {
-      Collider& collider = obstacles.colliders_.all().at(touch.collider);
-      ContactCandidates& near = obstacles.contacts_.add(&collider, touch.cloth);
+      if (touch.collider >= colliders.size()) {
+        throw StateError(
+            "the saved state contradicts itself: an obstacle is touched that does "
+            "not exist");
+      }
+      ContactCandidates& near = obstacles.contacts_.add(&colliders[touch.collider], touch.cloth);
       near.vertices = std::move(touch.vertices);
       near.impulse = touch.impulse;
     }
@@ -126,9 +190,8 @@ namespace {
 /// Reads the contents of a saved state in the order in which saveParts writes them.
 class StateContents {
  public:
-  /// \throws StateError unless `bytes` are a saved state of the scene of `like`.
-  StateContents(const std::string& bytes, const SimulationParts& like)
-      : in_(unsealState(bytes), std::ios::binary), archive_(in_) {
+  /// \throws StateError unless `payload` is that of a saved state of the scene of `like`.
+  StateContents(std::string payload, const SimulationParts& like) : archive_(std::move(payload)) {
     Origin origin;
     archive_(origin);
     const Origin own = originOf(like);
@@ -136,16 +199,24 @@ class StateContents {
     sameMethod_ = origin.method == own.method;
   }
 
-  void readAllButMethod(SimulationParts& parts) { StateFormat::serialize(archive_, parts); }
+  void readAllButMethod(const Undamaged& undamaged, SimulationParts& parts) {
+    StateFormat::serialize(archive_, parts);
+    StateFormat::check(parts, undamaged);
+  }
 
-  void readMethod(SimulationParts& parts) {
+  void readMethod(StateHash stateHash, SimulationParts& parts) {
     if (!sameMethod_) refuse();
     StateFormat::solverOf(parts).load(archive_, parts.model);
     std::uint64_t hash = 0;
     archive_(hash);
-    if (hash != stateHash(parts.model, parts.state)) {
+    if (stateHash == StateHash::kIgnored) return;
+    if (hash != cloth_sim::stateHash(parts.model, parts.state)) {
       throw StateError("the saved state does not have the hash that it was saved with");
     }
+  }
+
+  void expectEnd() const {
+    if (archive_.left() > 0) throw StateError("the saved state goes on after its end");
   }
 
  private:
@@ -153,20 +224,26 @@ class StateContents {
     throw StateError("the saved state is of another scene, or of this one with other overrides");
   }
 
-  std::istringstream in_;
   StateReader archive_;
   bool sameMethod_ = false;
 };
 
-/// Reads a saved state with `read(contents, parts)`.
+/// Reads a saved state with `read(contents, undamaged, parts)`. Nothing of it is used before it has
+/// been checked, and `like` stays as it is.
 template <typename Read>
-SimulationParts readParts(const std::string& bytes, const SimulationParts& like, const Read& read) {
+SimulationParts readParts(const std::string& payload, const SimulationParts& like,
+                          const Read& read) {
   SimulationParts loaded(like.scene);
+  const Undamaged undamaged{loaded.model, loaded.obstacles.colliders()};
   try {
-    StateContents contents(bytes, like);
-    read(contents, loaded);
-  } catch (const cereal::Exception&) {
-    throw StateError("the saved state ends too early");
+    StateContents contents(payload, like);
+    read(contents, undamaged, loaded);
+  } catch (const StateError&) {
+    throw;
+  } catch (const cereal::Exception& error) {
+    throw StateError(std::string("the saved state cannot be read: ") + error.what());
+  } catch (const std::exception& error) {  // of a list that is too long, for example
+    throw StateError(std::string("the saved state contradicts itself: ") + error.what());
   }
   StateFormat::derive(loaded);
   return loaded;
@@ -174,18 +251,25 @@ SimulationParts readParts(const std::string& bytes, const SimulationParts& like,
 
 }  // namespace
 
-SimulationParts loadParts(const std::string& bytes, const SimulationParts& like) {
-  return readParts(bytes, like, [](StateContents& contents, SimulationParts& loaded) {
-    contents.readAllButMethod(loaded);
-    contents.readMethod(loaded);
+SimulationParts loadPayload(const std::string& payload, const SimulationParts& like,
+                            StateHash stateHash) {
+  return readParts(payload, like, [stateHash](auto& contents, const auto& undamaged, auto& loaded) {
+    contents.readAllButMethod(undamaged, loaded);
+    contents.readMethod(stateHash, loaded);
+    contents.expectEnd();
   });
 }
 
+SimulationParts loadParts(const std::string& bytes, const SimulationParts& like) {
+  return loadPayload(unsealState(bytes), like, StateHash::kChecked);
+}
+
 SimulationParts adoptParts(const std::string& bytes, const SimulationParts& like) {
-  return readParts(bytes, like, [](StateContents& contents, SimulationParts& loaded) {
-    contents.readAllButMethod(loaded);
-    loaded.solver = GuardedSolver(loaded.scene.solver, loaded.model, loaded.state);
-  });
+  return readParts(unsealState(bytes), like,
+                   [](auto& contents, const auto& undamaged, auto& loaded) {
+                     contents.readAllButMethod(undamaged, loaded);
+                     loaded.solver = GuardedSolver(loaded.scene.solver, loaded.model, loaded.state);
+                   });
 }
 
 }  // namespace cloth_sim

@@ -98,4 +98,15 @@ void ContactWarmStart::enforce(double time, double h, Contacts& contacts, Partic
   }
 }
 
+bool ContactWarmStart::fits(std::size_t slots) const {
+  if (now_.acceleration.size() != now_.slots.size()) return false;
+  std::vector<bool> isTaken(slots, false);
+  for (const std::int32_t slot : now_.slots) {
+    const auto k = static_cast<std::size_t>(slot);
+    if (slot < 0 || k >= slots || isTaken[k]) return false;
+    isTaken[k] = true;
+  }
+  return true;
+}
+
 }  // namespace cloth_sim

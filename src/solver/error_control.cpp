@@ -122,4 +122,13 @@ int ErrorControl::substepsFor(double dt, int configured) const {
       std::clamp(std::ceil(exact - 1e-6), 1.0, static_cast<double>(goal_.budget)));
 }
 
+bool ErrorControl::isPlausible() const {
+  constexpr std::int32_t kMost = 1 << 30;  // they count on
+  for (const std::int32_t count : {calm_, sinceTrial_, sinceRefined_}) {
+    if (count < 0 || count > kMost) return false;
+  }
+  const bool isLevel = level_ >= 0 && level_ <= kFinestLevel;
+  return isLevel && patience_ > 0 && patience_ <= kMostPatience && dt_ >= 0.0 && elapsed_ >= 0.0;
+}
+
 }  // namespace cloth_sim

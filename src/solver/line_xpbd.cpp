@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
+#include "cloth_sim/validation.h"
 #include "constraints/line_projection.h"
 #include "error_control.h"
 #include "linalg/vector_operations.h"
@@ -123,6 +125,12 @@ class AddedInertia {
   }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
+  /// Whether there is a value for each slot, or for fewer: those of new particles follow.
+  bool fits(std::size_t slots) const {
+    return inertia_.size() <= slots && velocity_.size() == inertia_.size() &&
+           acceleration_.size() == inertia_.size() &&
+           std::all_of(inertia_.begin(), inertia_.end(), isNotNegative);
+  }
   /// Slots of the particles with added inertia.
   const std::vector<std::int32_t>& heavier() const { return heavier_; }
 
@@ -172,7 +180,7 @@ class LineXpbd final : public SubstepMethod {
   }
   const ErrorEstimate* error() const override { return &control_.estimate(); }
   void save(StateWriter& archive) const override { archive(inertia_, control_, sinceBending_); }
-  void load(StateReader& archive) override { archive(inertia_, control_, sinceBending_); }
+  void load(StateReader& archive, const Particles& particles) override;
 
  private:
   /// Substeps from one measurement of the added inertia to the next, from the first one of a step;
@@ -198,6 +206,17 @@ class LineXpbd final : public SubstepMethod {
   VectorArray pull_;
   ScalarArray cancelled_;
 };
+
+void LineXpbd::load(StateReader& archive, const Particles& particles) {
+  archive(inertia_, control_, sinceBending_);
+  const auto slots = static_cast<std::size_t>(particles.slots);
+  if (!inertia_.fits(slots)) throw std::invalid_argument("inertia is added to no particle");
+  if (!control_.isPlausible()) throw std::invalid_argument("the control of errors is in no state");
+  constexpr std::int32_t kMost = 1 << 30;  // it counts on
+  if (sinceBending_ < 0 || sinceBending_ > kMost) {
+    throw std::invalid_argument("bending has not acted for no time");
+  }
+}
 
 void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);

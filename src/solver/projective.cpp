@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 
 #include "contact_warm_start.h"
 #include "linalg/bend_matrix.h"
@@ -94,7 +95,7 @@ class Projective final : public SubstepMethod {
   void save(StateWriter& archive) const override {
     archive(h_, drag_, holdWeight_, factor_, warmStart_);
   }
-  void load(StateReader& archive) override { archive(h_, drag_, holdWeight_, factor_, warmStart_); }
+  void load(StateReader& archive, const Particles& particles) override;
 
  private:
   void prepareMatrix(const Substep& now);
@@ -134,6 +135,13 @@ class Projective final : public SubstepMethod {
   VectorArray change_;           ///< of positions [m]
   std::vector<double> squares_;  ///< of the residual, by part
 };
+
+void Projective::load(StateReader& archive, const Particles& particles) {
+  archive(h_, drag_, holdWeight_, factor_, warmStart_);
+  const auto slots = static_cast<std::size_t>(particles.slots);
+  if (factor_.rows() > slots) throw std::invalid_argument("the factorisation has too many rows");
+  if (!warmStart_.fits(slots)) throw std::invalid_argument("contact acts on no particle");
+}
 
 void Projective::begin(Substep& now) {
   if (now.isNewModel && !now.model.bending.empty()) bending_.build(now.model, now.particles);

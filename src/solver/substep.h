@@ -79,7 +79,9 @@ class SubstepMethod {
 
   /// See Solver::save and Solver::load: for methods with a memory beyond `particles`.
   virtual void save(StateWriter& /*archive*/) const {}
-  virtual void load(StateReader& /*archive*/) {}
+  /// \param particles  laid out as when the state was saved.
+  /// \throws std::invalid_argument if what is read contradicts itself or `particles`.
+  virtual void load(StateReader& /*archive*/, const Particles& /*particles*/) {}
 };
 
 }  // namespace cloth_sim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "sim/archive.h"
 #include "step_count.h"
@@ -48,9 +49,11 @@ void SubstepSolver::save(StateWriter& archive) const {
 /// The schedule of the springs follows from the undamaged model and the springs there are now.
 void SubstepSolver::load(StateReader& archive, const Model& model) {
   archive(particles_);
+  const std::string error = particles_.validationError(model.particleCount());
+  if (!error.empty()) throw std::invalid_argument(error);
   particles_.resize();
   applyChanges(model, model.springs.allModified());
-  method_->load(archive);
+  method_->load(archive, particles_);
 }
 
 const StepReport& SubstepSolver::step(const Model& model, State& state, const Controls& controls,

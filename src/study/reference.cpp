@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <ostream>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/scene/build.h"
 #include "support/csv.h"
+#include "support/input_file.h"
 
 namespace cloth_sim {
 namespace {
@@ -21,6 +21,7 @@ constexpr int kStepDivision = 2;
 constexpr double kStepMargin = 0.5;
 /// Relative difference of figures by rounding on another machine.
 constexpr double kSameFigure = 1e-9;
+constexpr std::uint64_t kMaxReferenceSize = 1ULL << 30;  // [bytes]
 
 /// Tells whether a method is explicit and of second order: its limit of omega h is finite, not
 /// zero.
@@ -169,8 +170,7 @@ void writeReference(std::ostream& out, const StudyScene& study, const Reference&
 }
 
 Reference readReference(const std::string& file, const StudyScene& study) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error(file + ": cannot be read");
+  std::istringstream in(readInputFile(file, {kMaxReferenceSize, Links::kFollowed}));
   Reference reference;
   std::vector<double> figures;
   const auto readComment = [&](const std::string& line) {

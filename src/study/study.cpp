@@ -1,9 +1,8 @@
 #include "study.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <fstream>
 #include <mutex>
+#include <sstream>
 #include <stdexcept>
 
 #include "at_size.h"
@@ -12,6 +11,7 @@
 #include "resolution.h"
 #include "scene/names.h"
 #include "stability.h"
+#include "support/output_file.h"
 #include "tables.h"
 
 namespace cloth_sim {
@@ -20,17 +20,12 @@ namespace {
 constexpr ConvergenceGoal kQuickGoal{5e-4, 4};
 constexpr ConvergenceGoal kFullGoal{1e-4, 6};
 
-/// Writes a table completely or not at all: under another name first.
+/// Writes a table completely or not at all.
 template <typename Write>
 void writeTable(const std::string& file, const Write& write) {
-  const std::string temporary = file + ".tmp";
-  std::ofstream out(temporary);
+  std::ostringstream out;
   write(out);
-  out.close();
-  if (!out || std::rename(temporary.c_str(), file.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw std::runtime_error(file + ": cannot be written");
-  }
+  OutputFile(file, {Links::kFollowed, true}).write(out.str());
 }
 
 /// Plans the study as independent jobs, runs them, and writes the tables when all are done.
@@ -271,6 +266,23 @@ class Study {
 };
 
 }  // namespace
+
+std::vector<std::string> tablesOf(const StudyOptions& options) {
+  std::vector<std::string> files;
+  const auto add = [&](const std::string& name) { files.push_back(options.out + "/" + name); };
+  if (options.atSize) add("at_size.csv");
+  if (options.resolution) add("resolution.csv");
+  if (options.stability) {
+    for (const char* name : {"stability.csv", "stability_limits.csv"}) add(name);
+  }
+  if (options.workPrecision) {
+    for (const char* name :
+         {"work_precision.csv", "tearing.csv", "pareto.csv", "references.csv", "skipped.txt"}) {
+      add(name);
+    }
+  }
+  return files;
+}
 
 void runStudy(const StudyOptions& options, StudyProgress& progress) {
   Study(options, progress).run();

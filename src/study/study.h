@@ -33,6 +33,9 @@ class StudyProgress {
   virtual void remark(const std::string& text) = 0;
 };
 
+/// Returns the files that a study with these options writes.
+std::vector<std::string> tablesOf(const StudyOptions& options);
+
 /// Runs the study. \throws SceneError, std::runtime_error if an input is missing or a table cannot
 /// be written.
 void runStudy(const StudyOptions& options, StudyProgress& progress);

@@ -12,6 +12,14 @@ namespace {
 
 /// Number of samples of a path per radius of its neighbourhood.
 constexpr double kSamplesPerRadius = 2.0;
+/// Largest length of a path, in radii: samples take memory.
+constexpr double kLongest = 1e6;
+
+double pathLength(const std::vector<Vec3>& path) {
+  double length = 0.0;
+  for (std::size_t k = 0; k + 1 < path.size(); ++k) length += (path[k + 1] - path[k]).norm();
+  return length;
+}
 
 std::array<Vec3, 3> cornersOf(const Face& face, const VertexData<Vec3>& coordinates) {
   return {coordinates[face[0]], coordinates[face[1]], coordinates[face[2]]};
@@ -27,6 +35,9 @@ std::string validationError(const RefineNear& request) {
   }
   const Refinement& r = request.refinement;
   if (!std::isfinite(r.radius) || r.radius <= 0.0) return "radius: expected a finite number > 0";
+  if (!(pathLength(request.path) <= kLongest * r.radius)) {
+    return "the path is longer than a million radii";
+  }
   if (r.generations < 0 || r.generations > kMostGenerations) {
     return "generations: expected 0 to " + std::to_string(kMostGenerations);
   }

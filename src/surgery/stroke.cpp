@@ -7,6 +7,14 @@
 #include "stroke_segments.h"
 
 namespace cloth_sim {
+namespace {
+
+/// Farthest point of a stroke from the origin along an axis [m]: volumes of its points are finite.
+constexpr double kFarthest = 1e6;
+
+bool isWithinReach(const Vec3& p) { return p.cwiseAbs().maxCoeff() <= kFarthest; }
+
+}  // namespace
 
 Stroke strokeAlong(const std::vector<Vec3>& path, const Vec3& direction, double reach) {
   const Vec3 arm = reach * direction.normalized();
@@ -25,12 +33,15 @@ std::string validationError(const Stroke& stroke) {
     if (!pose.heel.allFinite() || !pose.tip.allFinite()) {
       return "the stroke's poses: expected finite numbers";
     }
+    if (!isWithinReach(pose.heel) || !isWithinReach(pose.tip)) {
+      return "the stroke's poses: expected coordinates of at most 1e6 m";
+    }
     if (!((pose.tip - pose.heel).norm() > 0.0)) return "the blade needs a length";
     moves = moves || pose.heel != first.heel || pose.tip != first.tip;
   }
   if (!moves) return "the stroke needs at least two different poses of the blade";
-  if (!std::isfinite(stroke.halfWidth) || stroke.halfWidth < 0.0) {
-    return "the stroke's half-width: expected a finite number that is not negative";
+  if (!(stroke.halfWidth >= 0.0) || stroke.halfWidth > kFarthest) {
+    return "the stroke's half-width: expected a number from 0 to 1e6 m";
   }
   return "";
 }

@@ -320,4 +320,23 @@ void Tearing::noteTips(const SurgeryResult& result) {
   for (VertexId tip : result.tips) tips_.emplace(tip, kLongAgo);
 }
 
+std::string Tearing::validationError(const Model& model) const {
+  const auto slots = static_cast<std::int32_t>(model.springs.slots().size());
+  const auto isSlot = [slots](std::int32_t slot) { return slot >= 0 && slot < slots; };
+  if (!settings_.seam && !seamSlots_.empty()) return "there are springs of a seam without a seam";
+  if (!std::all_of(seamSlots_.begin(), seamSlots_.end(), isSlot) ||
+      !std::all_of(ineffective_.begin(), ineffective_.end(), isSlot)) {
+    return "a spring is to tear that does not exist";
+  }
+  for (const auto& [tip, time] : tips_) {
+    if (tip < 0 || tip >= model.particleCount()) return "a tip is at no particle";
+  }
+  for (const Advance& advance : advances_) {
+    if (!isSlot(advance.slot)) return "an advance is that of no spring";
+  }
+  const bool areRatios = std::all_of(settings_.ratio.begin(), settings_.ratio.end(),
+                                     [](double ratio) { return ratio > 1.0; });
+  return areRatios ? "" : "springs are to fail that are not stretched";
+}
+
 }  // namespace cloth_sim

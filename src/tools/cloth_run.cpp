@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
@@ -21,6 +20,8 @@
 #include "ros/recording.h"
 #include "ros/scene_path.h"
 #include "status_line.h"
+#include "support/input_file.h"
+#include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
@@ -41,14 +42,14 @@ struct Options {
   std::string scene;
   std::vector<std::string> overrides;
   std::optional<double> duration;  ///< [s]
-  std::string bag;                 ///< "": none
-  double bagRate = 30.0;           ///< of simulated time [Hz]
-  std::string summary;             ///< "": none; "-": standard output
-  std::string loadState;           ///< "": none
-  std::string saveState;           ///< "": none
-  std::string replay;              ///< "": none
-  int threads = 0;                 ///< 0: one per processor
-  bool calibrate = false;          ///< measure again what `solver.budget: real_time` means
+  std::optional<std::string> bag;
+  double bagRate = 30.0;  ///< of simulated time [Hz]
+  std::optional<std::string> summary;
+  std::optional<std::string> loadState;
+  std::optional<std::string> saveState;
+  std::optional<std::string> replay;
+  int threads = 0;         ///< 0: one per processor
+  bool calibrate = false;  ///< measure again what `solver.budget: real_time` means
 };
 
 /// A wrong command line or scene, or an output that cannot be written.
@@ -140,7 +141,7 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   addOptions(app, options);
   try {
     app.parse(argc, argv);
-    if (options.scene.empty() && options.replay.empty()) throw CLI::RequiredError("SCENE");
+    if (options.scene.empty() && !options.replay) throw CLI::RequiredError("SCENE");
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
@@ -289,21 +290,11 @@ class EndOfRun {
   std::optional<double> end_;  ///< [s]
 };
 
-/// Refuses an output that would fail only after a long run.
-void checkWritable(const std::string& file) {
-  if (file.empty() || file == "-") return;
-  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
-  if (access(folder.c_str(), W_OK) != 0 || std::filesystem::is_directory(file)) {
-    throw BadInput(file + ": cannot be written");
-  }
-}
-
-void writeSummary(const std::string& file, const std::string& text) {
-  if (file == "-") {
-    std::cout << text << std::endl;
-  } else {
-    writeFileWhole(file, text + '\n');
-  }
+/// Finds out before a long run whether an output can be written.
+/// \param file  null if the user named none.
+std::optional<OutputFile> placeFor(const std::optional<std::string>& file) {
+  if (!file) return std::nullopt;
+  return OutputFile(*file);
 }
 
 /// Writes a line for each doubt about the result.
@@ -359,7 +350,7 @@ Scene loadForRun(const Options& options) {
 std::unique_ptr<Simulation> buildSimulation(const Options& options,
                                             const std::optional<Recording>& recording) {
   try {
-    Scene scene = recording ? parseScene(recording->scene, options.replay) : loadForRun(options);
+    Scene scene = recording ? parseScene(recording->scene, *options.replay) : loadForRun(options);
     reportChoice(scene.solver);
     return std::make_unique<Simulation>(std::move(scene));
   } catch (const std::exception& error) {
@@ -371,38 +362,31 @@ std::unique_ptr<Simulation> buildSimulation(const Options& options,
 std::vector<CommandRecord> initialCommands(const Options& options,
                                            const std::optional<Recording>& recording) {
   if (recording) return recording->commands;
-  if (options.loadState.empty()) return {};
-  try {
-    return {{0, 0, 0.0, Restore{readRegularFile(options.loadState)}}};
-  } catch (const StateError& error) {
-    throw BadInput(error.what());
-  }
+  if (!options.loadState) return {};
+  const InputRules rules{kMaxStateSize, Links::kFollowed};
+  return {{0, 0, 0.0, Restore{readInputFile(*options.loadState, rules)}}};
 }
 
 /// Goes on from a saved state. \param command  of `initialCommands`.
 void loadState(const Options& options, const CommandRecord& command, Simulation& simulation) {
   const CommandResult loaded = simulation.apply(command.command);
-  if (!loaded.success) throw BadInput(options.loadState + ": " + loaded.message);
+  if (!loaded.success) throw BadInput(*options.loadState + ": " + loaded.message);
 }
 
 /// Opens the bag and writes the commands. \return null if there is no bag.
 std::unique_ptr<Recorder> openBag(const Options& options, const Simulation& simulation,
                                   const std::vector<CommandRecord>& commands) {
-  if (options.bag.empty()) return nullptr;
-  try {
-    auto recorder =
-        std::make_unique<Recorder>(options.bag, options.bagRate, simulation.scene().text);
-    for (const CommandRecord& command : commands) recorder->note(command);
-    return recorder;
-  } catch (const std::exception& error) {
-    throw BadInput(error.what());
-  }
+  if (!options.bag) return nullptr;
+  auto recorder =
+      std::make_unique<Recorder>(*options.bag, options.bagRate, simulation.scene().text);
+  for (const CommandRecord& command : commands) recorder->note(command);
+  return recorder;
 }
 
-std::optional<Recording> openRecording(const std::string& bag) {
-  if (bag.empty()) return std::nullopt;
+std::optional<Recording> openRecording(const std::optional<std::string>& bag) {
+  if (!bag) return std::nullopt;
   try {
-    return readRecording(bag);
+    return readRecording(*bag);
   } catch (const std::runtime_error& error) {
     throw BadInput(error.what());
   }
@@ -418,12 +402,13 @@ int report(const Options& options, const Recording& recording, const Replay& out
     return kSignalBase + caughtSignal;
   }
   if (!outcome.difference.empty()) {
-    std::cerr << "cloth_run: " << options.replay << ": " << outcome.difference << "; " << reproduced
+    std::cerr << "cloth_run: " << *options.replay << ": " << outcome.difference << "; "
+              << reproduced
               << ". Another version of cloth_sim may have recorded them: see CHANGELOG.rst"
               << std::endl;
     return kDiffers;
   }
-  std::cerr << "cloth_run: " << options.replay << ": " << reproduced << ", the last with the hash "
+  std::cerr << "cloth_run: " << *options.replay << ": " << reproduced << ", the last with the hash "
             << recording.states.back().hash << std::endl;
   return kDone;
 }
@@ -442,8 +427,8 @@ class Run {
       loadState(options, commands.front(), *simulation_);
       record_.piecesAtStart = simulation_->pieces();
     }
-    checkWritable(options.summary);
-    checkWritable(options.saveState);
+    summary_ = placeFor(options.summary);
+    saveState_ = placeFor(options.saveState);
     recorder_ = openBag(options, *simulation_, commands);
   }
 
@@ -474,7 +459,7 @@ class Run {
  private:
   /// \return false if the run was interrupted.
   bool observeStep(Progress& progress) {
-    if (!options_.summary.empty()) {
+    if (summary_) {
       simulation_->observeMaxStretch();
       observe(*simulation_, record_);
     }
@@ -485,9 +470,9 @@ class Run {
 
   void writeOutputs(double wallTime) {
     if (recorder_) recorder_->finish(*simulation_, wallTime);
-    if (!options_.saveState.empty()) writeFileWhole(options_.saveState, simulation_->save());
-    if (options_.summary.empty()) return;
-    writeSummary(options_.summary, summaryJson(*simulation_, record_, wallTime, caughtSignal != 0));
+    if (saveState_) saveState_->write(simulation_->save());
+    if (!summary_) return;
+    summary_->write(summaryJson(*simulation_, record_, wallTime, caughtSignal != 0) + '\n');
   }
 
   const Options& options_;
@@ -495,18 +480,31 @@ class Run {
   std::optional<Recording> recording_;  ///< of a replay
   std::unique_ptr<Simulation> simulation_;
   RunRecord record_;
+  std::optional<OutputFile> summary_;
+  std::optional<OutputFile> saveState_;
   std::unique_ptr<Recorder> recorder_;  ///< null without a bag
 };
+
+/// \throws BadInput if the run cannot begin, though not for want of space.
+std::unique_ptr<Run> makeRun(const Options& options) {
+  try {
+    return std::make_unique<Run>(options);
+  } catch (const FileError& error) {
+    if (error.isOutOfSpace()) throw;
+    throw BadInput(error.what());
+  }
+}
 
 }  // namespace
 }  // namespace cloth_sim
 
 int main(int argc, char** argv) {
   using namespace cloth_sim;
+  reportOutputErrors();
   try {
     Options options;
     if (const std::optional<int> code = parse(argc, argv, options)) return *code;
-    return Run(options).execute();
+    return makeRun(options)->execute();
   } catch (const BadInput& error) {
     std::cerr << "cloth_run: " << error.what() << std::endl;
     return kBadInput;

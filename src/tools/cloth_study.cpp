@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
@@ -22,6 +22,8 @@
 #include "study/exact.h"
 #include "study/make_auto_table.h"
 #include "study/study.h"
+#include "support/input_file.h"
+#include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
@@ -30,7 +32,8 @@ namespace fs = std::filesystem;
 
 enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2 };
 
-constexpr double kLinePeriod = 5.0;  ///< between two lines in a log, wall time [s]
+constexpr std::uint64_t kMaxTableSize = 1ULL << 30;  ///< [bytes]
+constexpr double kLinePeriod = 5.0;                  ///< between two lines in a log, wall time [s]
 
 const char* const kWorkPrecision = "work_precision";
 const char* const kStability = "stability";
@@ -188,6 +191,16 @@ void makeFolder(const std::string& folder) {
   }
 }
 
+/// Finds out whether an output can be written, so that it cannot fail only after a long run.
+OutputFile placeFor(const std::string& file, bool onlyRegular = false) {
+  try {
+    return OutputFile(file, {Links::kFollowed, onlyRegular});
+  } catch (const FileError& error) {
+    if (error.isOutOfSpace()) throw;
+    throw BadInput(error.what());
+  }
+}
+
 /// Quotes a text for the shell.
 std::string quoted(const std::string& text) {
   std::string result = "'";
@@ -215,10 +228,10 @@ int makeReferences(const std::string& folder) {
     const StudyScene study = loadStudyScene(packageFolder() / "config" / "study", name);
     if (!study.isSmooth()) continue;
     const std::string file = referenceFile(folder, name);
-    std::ofstream out(file);
+    OutputFile place = placeFor(file);
+    std::ostringstream out;
     writeReference(out, study, integrateExactly(study));
-    out.close();
-    if (!out) throw std::runtime_error(file + ": cannot be written");
+    place.write(out.str());
     std::cout << file << std::endl;
   }
   return kDone;
@@ -261,10 +274,12 @@ int adviseOn(const Options& options) {
   return advice.best ? kDone : kFailed;
 }
 
-std::ifstream openTable(const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw BadInput(file + ": cannot be read");
-  return in;
+std::istringstream openTable(const std::string& file) {
+  try {
+    return std::istringstream(readInputFile(file, {kMaxTableSize, Links::kFollowed}));
+  } catch (const FileError& error) {
+    throw BadInput(error.what());
+  }
 }
 
 int makeAutoTableFrom(const Options& options) {
@@ -272,20 +287,16 @@ int makeAutoTableFrom(const Options& options) {
   for (const std::string& name : studySceneNames()) {
     scenes.push_back(loadStudyScene(packageFolder() / "config" / "study", name));
   }
-  std::ifstream runs = openTable(options.out + "/work_precision.csv");
-  std::ifstream references = openTable(options.out + "/references.csv");
+  OutputFile place = placeFor(options.autoTable);
+  std::istringstream runs = openTable(options.out + "/work_precision.csv");
+  std::istringstream references = openTable(options.out + "/references.csv");
   const AutoTable table = makeAutoTable(scenes, readWorkPrecision(runs), readOwnErrors(references));
-  const std::string temporary = options.autoTable + ".tmp";
-  std::ofstream out(temporary);
+  std::ostringstream out;
   writeAutoTable(out, table,
                  "Choices of solver: {method: auto}; src/scene/auto_method.h documents the\n"
                  "columns. Made by: cloth_study --out DIR --parts work_precision\n"
                  "and cloth_study --out DIR --make-auto-table config/auto_methods.csv");
-  out.close();
-  if (!out || std::rename(temporary.c_str(), options.autoTable.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw std::runtime_error(options.autoTable + ": cannot be written");
-  }
+  place.write(out.str());
   std::cout << options.autoTable << std::endl;
   return kDone;
 }
@@ -308,6 +319,7 @@ int run(const Options& options) {
   study.stability = parts.count(kStability) != 0;
   study.resolution = parts.count(kResolution) != 0;
   study.atSize = parts.count(kAtSize) != 0;
+  for (const std::string& file : tablesOf(study)) placeFor(file, true);
   Progress progress;
   runStudy(study, progress);
   if (options.charts) drawCharts(options.out);
@@ -320,6 +332,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace cloth_sim;
+  reportOutputErrors();
   try {
     Options options;
     if (const std::optional<int> code = parse(argc, argv, options)) return *code;

@@ -7,8 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <functional>
 
 #include "determinism/busy_scene.h"
@@ -16,7 +14,6 @@
 namespace cloth_sim {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing_support::busyScene;
 using testing_support::hashOf;
@@ -193,67 +190,6 @@ TEST(SavedStateRefused, IfOfAnotherScene) {
   EXPECT_THAT(refusal(Simulation(busyScene("verlet", kParticles)).save()),
               HasSubstr("another scene"));
   EXPECT_THAT(refusal(Simulation(busyScene("xpbd", 16)).save()), HasSubstr("another scene"));
-}
-
-/// A test with an empty folder of its own.
-class SavedStateFile : public testing::Test {
- protected:
-  void SetUp() override {
-    const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
-    folder_ = fs::temp_directory_path() / ("cloth_sim_" + test + std::to_string(::getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  std::vector<std::string> names() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) {
-      names.push_back(entry.path().filename());
-    }
-    return names;
-  }
-
-  fs::path folder_;
-};
-
-TEST_F(SavedStateFile, IsWrittenWholeAndReplaced) {
-  const std::string big(3000000, 'x');
-  writeFileWhole(path("a"), "first");
-  writeFileWhole(path("a"), big);
-  EXPECT_EQ(readRegularFile(path("a")), big);
-  EXPECT_THAT(names(), testing::ElementsAre("a"));
-}
-
-TEST_F(SavedStateFile, FollowsNoLink) {
-  writeFileWhole(path("target"), "kept");
-  fs::create_symlink(path("target"), path("link"));
-  EXPECT_THROW(readRegularFile(path("link")), StateError);
-  writeFileWhole(path("link"), "new");
-  EXPECT_EQ(readRegularFile(path("target")), "kept");
-  EXPECT_EQ(readRegularFile(path("link")), "new");
-  EXPECT_FALSE(fs::is_symlink(path("link")));
-}
-
-TEST_F(SavedStateFile, ThatCannotBeWrittenLeavesNothingBehind) {
-  fs::create_directory(path("folder"));
-  writeFileWhole(path("folder/inside"), "kept");
-  EXPECT_THROW(writeFileWhole(path("folder"), "x"), StateError);  // it cannot replace a folder
-  EXPECT_THAT(names(), testing::ElementsAre("folder"));
-  EXPECT_THROW(writeFileWhole(path("nowhere/a"), "x"), StateError);
-  EXPECT_THROW(readRegularFile(path("folder")), StateError);
-  EXPECT_THROW(readRegularFile(path("nothing")), StateError);
-}
-
-/// A file in /proc, which refuses every write, stands for a full disk: RLIMIT_FSIZE would end the
-/// process, and a small file system needs root.
-TEST_F(SavedStateFile, OnAReadOnlyFileSystemIsRefused) {
-  try {
-    writeFileWhole("/proc/cloth_sim", "x");
-    FAIL() << "was written";
-  } catch (const StateError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/proc/cloth_sim: cannot be written"));
-  }
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """Saved states: the run that goes on from one equals the one that was not interrupted."""
 import os
+import random
 import shutil
+import struct
 import sys
 
 import rospy
@@ -16,6 +18,20 @@ from services import ServiceTest  # noqa: E402
 SERVICES = dict(grasp=srv.Grasp, set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step,
                 reset=srv.ResetScene, save_state=srv.SaveState, load_state=srv.LoadState,
                 get_state=srv.GetState)
+
+
+MAGIC = b'cloth_sim state\n'
+HEADER = len(MAGIC) + 1 + 4 + 8 + 8  # the byte order, version, length, hash
+
+
+def forged(state, payload):
+    """The saved state `state` with other contents, whose hash is right (src/support/hash.h)."""
+    value = 0xcbf29ce484222325
+    for at in range(0, len(payload), 8):
+        word = int.from_bytes(payload[at:at + 8], 'little')
+        value = ((value ^ word) * 0x100000001b3) & 0xffffffffffffffff
+        value ^= value >> 32
+    return state[:len(MAGIC) + 5] + struct.pack('<QQ', len(payload), value) + payload
 
 
 class StateTest(ServiceTest):
@@ -103,10 +119,10 @@ class StateTest(ServiceTest):
             with open(outside, 'rb') as file:
                 before = file.read()
             self.accepted('step', 1)
-            self.accepted('save_state', 'link')
+            self.refused('save_state', 'link', says='link')
             with open(outside, 'rb') as file:
                 self.assertEqual(file.read(), before)
-            self.assertFalse(os.path.islink(self.path('link')))
+            self.assertTrue(os.path.islink(self.path('link')))
         finally:
             os.remove(outside)
 
@@ -122,10 +138,42 @@ class StateTest(ServiceTest):
                 file.write(content)
             self.refused('load_state', 'bad', says=says)
         os.remove(self.path('bad'))
+        os.mkfifo(self.path('pipe'))
+        self.refused('load_state', 'pipe', says='is a pipe')
+        self.refused('save_state', 'pipe', says='cannot be written')
         os.mkdir(self.path('folder'))
-        self.refused('load_state', 'folder', says='no regular file')
+        self.refused('load_state', 'folder', says='is a directory')
         self.refused('save_state', 'folder', says='cannot be written')
         self.assertFalse([name for name in os.listdir(self.folder) if '.tmp' in name])
+
+    def test_wrong_contents_with_the_right_hash_leave_the_node_as_it_is(self):
+        """Lengths and indices that are wrong ended the node once (test/fuzz has many more)."""
+        self.accepted('grasp', 'left', True)
+        self.accepted('step', 10)
+        self.accepted('save_state', 'good')
+        with open(self.path('good'), 'rb') as file:
+            good = file.read()
+        payload = good[HEADER:]
+        self.assertEqual(forged(good, payload), good)
+        choose = random.Random(5)
+        refusals = 0
+        for _ in range(60):
+            at = choose.randrange(len(payload) - 8)
+            value = choose.choice((-1, 3, 1 << 20, 1 << 30))
+            changed = payload[:at] + struct.pack('<i', value) + payload[at + 4:]
+            with open(self.path('bad'), 'wb') as file:
+                file.write(forged(good, changed))
+            before = self.state().state_hash
+            reply = self.call['load_state']('bad')
+            self.assertNotIn('\n', reply.message)
+            if reply.success:
+                self.call['step'](2)  # it may fail, with a word
+            else:
+                refusals += 1
+                self.assertEqual(self.state().state_hash, before)
+        self.assertGreater(refusals, 20)
+        self.accepted('load_state', 'good')
+        self.accepted('step', 2)
 
     def test_a_running_simulation_is_saved_between_two_steps(self):
         self.accepted('pause', False)

@@ -158,7 +158,7 @@ inline std::string validateSprings(const Model& model) {
   for (int kind = 0; kind < kSpringKinds; ++kind) {
     if (springs.count(static_cast<SpringKind>(kind)) != count[kind]) return "springs miscounted";
   }
-  return "";
+  return springs.validationError(model.mesh, SpringNetwork());  // what a saved state must pass
 }
 
 /// Checks that a network has the springs that one built from scratch on its mesh has, with the same

@@ -217,15 +217,16 @@ solver: {method: symplectic_euler, substeps: 1, dt: 0.05}
         self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)
         whole = os.path.getsize(bag)
         os.remove(bag)
-        for size, status in ((100, 2), (whole // 4, 1), (whole - 5000, 1), (whole - 1, 1)):
+        for size in (100, whole // 4, whole - 5000, whole - 1):
             result = subprocess.run(
                 [CLOTH_RUN, self.scene, '--bag', bag, '--summary', self.path('run.json')],
                 capture_output=True, text=True, timeout=120, restore_signals=False,
                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)))
-            self.assertEqual(result.returncode, status, result.stderr)
+            self.assertEqual(result.returncode, 1, result.stderr)
             self.assertRegex(result.stderr.splitlines()[-1], 'run.bag[.a-z]*: cannot be written')
             self.assertNotIn('terminate', result.stderr)
-            self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag.active'])
+            left = ['run.bag.active'] if size > 100 else []  # nothing was recorded in the other
+            self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', *left])
         self.assertEqual(self.run_cloth(self.scene, '--bag', bag).returncode, 0)  # now it fits
         self.assertEqual(sorted(os.listdir(self.folder.name)), ['quick.yaml', 'run.bag'])
 

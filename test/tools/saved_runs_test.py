@@ -166,7 +166,7 @@ class SavedRunsTest(ScratchTest):
         without = self.rewrite(bag, lambda topic, _: topic != '/cloth/state')
         self.refused('--replay', without, says='expected the ~state of one cloth')
         self.refused('--replay', self.scene, says='no bag')
-        self.refused('--replay', self.path('none'), says='no bag')
+        self.refused('--replay', self.path('none'), says='cannot be read')
         self.refused('--replay', bag, self.scene, says='SCENE')
 
     def test_every_part_of_a_bag_is_complete(self):

@@ -112,7 +112,7 @@ TEST(IndexLists, ComeBackFromBytes) {
     writer(lists);
   }
   IndexLists read;
-  StateReader reader(bytes);
+  StateReader reader(bytes.str());
   reader(read);
   ASSERT_EQ(read.size(), lists.size());
   for (std::int32_t k = 0; k < 3; ++k) {

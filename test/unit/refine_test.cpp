@@ -340,6 +340,11 @@ TEST(RefineNear, RequestsAreChecked) {
   RefineNear bad = request;
   bad.path.push_back(Vec3(0.0, std::nan(""), 0.0));
   EXPECT_NE(validationError(bad), "");
+  for (const double far : {1e308, 1e9}) {  // it would take samples without number
+    bad = request;
+    bad.path = {Vec3::Zero(), Vec3(far, -far, 0.0)};
+    EXPECT_NE(validationError(bad), "") << far;
+  }
 }
 
 }  // namespace

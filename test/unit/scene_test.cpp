@@ -776,7 +776,7 @@ TEST(Scene, FilesThatCannotBeRead) {
     }
   };
   EXPECT_EQ(message("/nowhere/x.yaml"),
-            "/nowhere/x.yaml: cannot read the file (No such file or directory)");
+            "/nowhere/x.yaml: cannot be read (No such file or directory)");
   EXPECT_THAT(message("/"), testing::StartsWith("/: "));
 }
 

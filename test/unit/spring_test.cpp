@@ -52,7 +52,7 @@ TEST(SpringSlots, HoldWhatWasPutThere) {
   StateWriter writer(file);
   writer(slots);
   SpringSlots read;
-  StateReader reader(file);
+  StateReader reader(file.str());
   reader(read);
   EXPECT_TRUE(std::vector<Spring>(read) == expected);
 }

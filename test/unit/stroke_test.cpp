@@ -43,6 +43,11 @@ TEST(StrokeValidation, NamesWhatIsWrong) {
   stroke = good;
   stroke.poses[1].tip.y() = std::nan("");
   EXPECT_EQ(validationError(stroke), "the stroke's poses: expected finite numbers");
+  for (const double far : {1e308, -1e9, 1.1e6}) {  // volumes overflow: a node crashed
+    stroke = good;
+    stroke.poses[1].heel.x() = far;
+    EXPECT_EQ(validationError(stroke), "the stroke's poses: expected coordinates of at most 1e6 m");
+  }
   EXPECT_EQ(validationError(drawn({{0.0, 0.0}, {1.0, 0.0}}, 0.0)), "the blade needs a length");
   for (double halfWidth : {-1.0, std::numeric_limits<double>::infinity()}) {
     stroke = good;

@@ -224,7 +224,7 @@ TEST(UpdatableFactor, ContinuesFromASavedState) {
   std::stringstream file;
   StateWriter{file}(factor);
   UpdatableFactor loaded;
-  StateReader{file}(loaded);
+  StateReader{file.str()}(loaded);
   for (UpdatableFactor* one : {&factor, &loaded}) {
     network.springs.erase({30, 42});
     ASSERT_TRUE(one->tryUpdate(network.matrix()));

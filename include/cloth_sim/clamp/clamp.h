@@ -180,6 +180,11 @@ class Clamp {
   /// move held particles within the surface.
   void applyChanges(const MeshChanges& changes);
 
+  /// Checks what was read from a file, except for the specification.
+  /// \param vertices  number of vertices of the cloth.
+  /// \return one sentence about the first error; empty if there is none.
+  std::string validationError(std::int32_t vertices) const;
+
  private:
   /// A held particle.
   struct Grip {

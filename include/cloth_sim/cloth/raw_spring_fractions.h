@@ -23,6 +23,9 @@ class RawSpringFractions {
   RawSpringFractions() = default;
   explicit RawSpringFractions(const TriangleMesh& mesh);
 
+  /// Number of faces that hold fractions.
+  std::size_t size() const { return fractions_.size(); }
+
   /// Divides the constants anew on the faces that an edit reshaped.
   void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 

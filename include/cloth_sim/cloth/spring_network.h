@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "cloth_sim/cloth/raw_spring_fractions.h"
 #include "cloth_sim/cloth/spring_calibration.h"
@@ -96,6 +97,13 @@ class SpringNetwork {
   }
   double scale() const { return scale_; }
 
+  /// Checks that every spring stands on the mesh as its kind says, once, and that the tables agree.
+  /// For springs that were read from a file.
+  /// \param mesh       valid.
+  /// \param undamaged  the springs of the same cloths before any edit.
+  /// \return one sentence about the first error; empty if there is none.
+  std::string validationError(const TriangleMesh& mesh, const SpringNetwork& undamaged) const;
+
  private:
   /// The parameters that the springs of one cloth are computed from.
   struct Cloth {
@@ -127,6 +135,7 @@ class SpringNetwork {
   RawSpringFraction rawFraction(const TriangleMesh& mesh, const IndexSpan& on,
                                 const Spring& spring) const;
   const IndexLists& supported() const;
+  std::string tableError(const TriangleMesh& mesh, const SpringNetwork& undamaged) const;
   std::int32_t insert(const Spring& spring);
   void erase(std::int32_t slot);
   void replace(std::int32_t slot, const Spring& spring);

@@ -57,6 +57,10 @@ class TriangleMesh {
   /// Number of bisections between a face of the original mesh and `f`.
   int generation(FaceId f) const { return generation_[f]; }
 
+  /// Whether the tables of faces and vertices have an entry for each, and list each face at its
+  /// corners, so that no index leads astray. For meshes that were read from a file.
+  bool hasCompleteTables() const;
+
   /// Rest area of a face, in material coordinates [m^2].
   double restArea(FaceId f) const;
   /// Sum of all rest areas [m^2].

@@ -68,6 +68,10 @@ class PhaseScript {
   const std::vector<PhaseRecord>& history() const { return history_; }
   std::vector<std::string> names() const;
 
+  /// Checks what was read from a file.
+  /// \return one sentence about the first error; empty if there is none.
+  std::string validationError() const;
+
  private:
   friend class cereal::access;
   /// Saves the position in the script. The phases come from the scene.

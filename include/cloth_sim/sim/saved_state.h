@@ -1,5 +1,5 @@
 #pragma once
-/// \file Saved states of a simulation, their header, and files of them.
+/// \file Saved states of a simulation, and their header.
 ///
 /// A saved state is a header, then everything that the future of a simulation depends on:
 /// topology, springs, masses, positions and velocities, clamps, obstacles, phases, tears, counts,
@@ -22,6 +22,8 @@ class StateError : public std::runtime_error {
 
 /// Version of the contents. Raised whenever their list changes; other versions are refused.
 constexpr std::uint32_t kStateVersion = 6;
+/// Larger files are taken for something else [bytes]: 512 x 512 particles take some 300 MB.
+constexpr std::uint64_t kMaxStateSize = 1ULL << 30;
 
 /// Returns a simulation's state as bytes, header included.
 std::string saveParts(const SimulationParts& parts);
@@ -38,13 +40,5 @@ std::string sealState(const std::string& payload);
 /// Returns the payload that `sealState` was given.
 /// \throws StateError if `sealed` is something else, of another version, cut short or damaged.
 std::string unsealState(const std::string& sealed);
-
-/// Writes a file whole or not at all: under another name first, flushed to the disk, then renamed.
-/// A link of that name is replaced, not followed.
-/// \throws StateError with the system's message.
-void writeFileWhole(const std::string& path, const std::string& bytes);
-/// Returns the contents of a regular file; links, directories and devices are refused.
-/// \throws StateError with the system's message.
-std::string readRegularFile(const std::string& path);
 
 }  // namespace cloth_sim

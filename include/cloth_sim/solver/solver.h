@@ -11,13 +11,12 @@
 
 namespace cereal {
 class PortableBinaryOutputArchive;
-class PortableBinaryInputArchive;
 }  // namespace cereal
 
 namespace cloth_sim {
 
 using StateWriter = cereal::PortableBinaryOutputArchive;  ///< see sim/archive.h
-using StateReader = cereal::PortableBinaryInputArchive;
+class StateReader;
 
 /// Prescribed motion of a particle during a step, by a clamp or a pin: on a straight line from
 /// where the state has it to `position`.

@@ -38,7 +38,8 @@ struct Stroke {
 Stroke strokeAlong(const std::vector<Vec3>& path, const Vec3& direction, double reach);
 
 /// Returns one sentence about what is wrong with a stroke: too few poses, numbers that are not
-/// finite, a blade without length, or a blade that does not move. Empty if nothing is.
+/// finite or beyond 1e6 m, a blade without length, or a blade that does not move. Empty if nothing
+/// is.
 std::string validationError(const Stroke& stroke);
 
 /// A point of the cloth.

@@ -84,6 +84,10 @@ class Tearing {
   /// Updates the data about springs and vertices after an edit of the model.
   void applyChanges(const Model& model, const ModelChanges& changes);
 
+  /// Checks what was read from a file.
+  /// \return one sentence about the first error; empty if there is none.
+  std::string validationError(const Model& model) const;
+
  private:
   /// An advance of a tear in the last plan.
   struct Advance {

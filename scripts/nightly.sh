@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+source "$(dirname "${BASH_SOURCE[0]}")/lib/common.sh"
+
+usage() {
+  cat <<USAGE
+usage: scripts/nightly.sh [--rows a,b,...] [--short] [--out DIR]
+
+Runs what is too slow for every change, and prints one table. Rows:
+
+  tests     scripts/test.sh
+  address   scripts/test.sh --sanitize=address,undefined
+  thread    scripts/test.sh --sanitize=thread
+  fuzz      scripts/fuzz.sh, an hour for each target
+  soak      a node whose cloth is cut, torn, saved, loaded and reset for an hour by one client; its
+            memory must stay flat to 1 % after the first fifth
+  clients   two clients send a node requests and goals, good and bad, for half an hour
+  tidy      scripts/lint.sh over everything
+
+  --rows LIST   only these, separated by commas
+  --short       tests without a master, a minute for each target of fuzz, 5 minutes of soak and 2 of
+                clients, clang-tidy for 10 minutes: to try the script
+  --out DIR     for the logs (default: .ws-nightly)
+  -h, --help    this text
+
+The exit status is 0 only if every row ended well.
+USAGE
+}
+
+readonly all_rows=(tests address thread fuzz soak clients tidy)
+rows=("${all_rows[@]}")
+short=no
+out=$repo_root/.ws-nightly
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    -h | --help) usage && exit 0 ;;
+    --rows) IFS=, read -r -a rows <<<"${2:?--rows needs a list}" && shift ;;
+    --rows=*) IFS=, read -r -a rows <<<"${1#*=}" ;;
+    --short) short=yes ;;
+    --out) out=${2:?--out needs a folder} && shift ;;
+    --out=*) out=${1#*=} ;;
+    *) bad_usage "unknown argument '$1'" ;;
+  esac
+  shift
+done
+for row in "${rows[@]}"; do
+  [[ " ${all_rows[*]} " == *" $row "* ]] ||
+    bad_usage "unknown row '$row' (known: ${all_rows[*]})"
+done
+
+# The commands of the rows; the last line of what each prints goes into the table.
+quick=() fuzz_seconds=3600 soak_minutes=60 client_minutes=30 tidy=()
+if [[ $short == yes ]]; then
+  quick=(--quick) fuzz_seconds=60 soak_minutes=5 client_minutes=2 tidy=(--minutes 10)
+fi
+run_row() {
+  case $1 in
+    tests) bash "$repo_root/scripts/test.sh" "${quick[@]}" ;;
+    address) bash "$repo_root/scripts/test.sh" --sanitize=address,undefined "${quick[@]}" ;;
+    thread) bash "$repo_root/scripts/test.sh" --sanitize=thread "${quick[@]}" ;;
+    fuzz) bash "$repo_root/scripts/fuzz.sh" --seconds "$fuzz_seconds" ;;
+    soak) drive_node soak "$soak_minutes" ;;
+    clients) drive_node clients "$client_minutes" ;;
+    tidy) bash "$repo_root/scripts/lint.sh" "${tidy[@]}" ;;
+  esac
+}
+
+# drive_node <mode> <minutes>: a node with a master of its own on the loopback.
+drive_node() {
+  prepare build run
+  build_workspace "$repo_root/.ws" "cloth_node" -DCMAKE_BUILD_TYPE=Release -DCLOTH_SIM_SANITIZE=
+  enter_workspace "$repo_root/.ws"
+  ROS_HOME=$repo_root/.ws/ros_home /usr/bin/python3 "$repo_root/scripts/lib/drive_node.py" \
+    "$1" --minutes "$2"
+}
+
+# summary_of <row> <log>: the line of the table that says what the row found.
+summary_of() {
+  case $1 in
+    fuzz) grep -E ' runs, ' "$2" | awk '{ runs += $2 } END { printf "%d runs", runs }'
+      grep -q 'harm:' "$2" && printf ', harm: %s' "$(grep -c 'harm:' "$2")" ;;
+    *) tail -n 1 "$2" | cut -c 1-100 ;;
+  esac
+}
+
+mkdir -p "$out"
+table=$out/table.txt
+printf '%-8s  %-6s  %7s  %s\n' row ended minutes found >"$table"
+failed=0
+for row in "${rows[@]}"; do
+  say "$row (log: $out/$row.log)"
+  began=$SECONDS
+  ended=well
+  (run_row "$row") >"$out/$row.log" 2>&1 </dev/null || { ended=BADLY && failed=$((failed + 1)); }
+  printf '%-8s  %-6s  %7.1f  %s\n' "$row" "$ended" \
+    "$(awk -v s=$((SECONDS - began)) 'BEGIN { print s / 60 }')" \
+    "$(summary_of "$row" "$out/$row.log")" >>"$table"
+done
+cat "$table"
+[[ $failed -eq 0 ]]
