@@ -12,9 +12,6 @@ constexpr int kRefreshEvery = 4;
 /// Layers that are nearer than their thickness when a step begins, as after a cut, part at this
 /// speed [m/s].
 constexpr double kPartingSpeed = 0.2;
-/// Part of what layers are too near that a substep takes back. Displacements are velocities: all of
-/// it at once would keep layers at rest in motion.
-constexpr double kRecovery = 0.2;
 /// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
 constexpr double kParallel = 0.05;
 
@@ -220,6 +217,9 @@ void LayerContacts::project(SubstepMotion motion, const std::vector<double>& mas
   if (sinceRefresh_++ % kRefreshEvery == 0) refresh(motion.start);
   active_ = 0;
   for (const Contact& contact : contacts_) projectOne(contact, motion, mass, h);
+  for (auto contact = contacts_.rbegin(); contact != contacts_.rend(); ++contact) {
+    projectOne(*contact, motion, mass, h);
+  }
 }
 
 void LayerContacts::projectOne(const Contact& contact, SubstepMotion motion,
@@ -238,9 +238,7 @@ void LayerContacts::projectOne(const Contact& contact, SubstepMotion motion,
     inertia += w[k] * w[k] * inverse(mass[v[k]]);
   }
   if (!(inertia > 0.0)) return;
-  const double deficit = std::max(0.0, contact.distance - n.dot(before));
-  const double wanted = n.dot(before) + std::min(kRecovery * deficit, kPartingSpeed * h);
-  const double push = std::min(contact.distance, wanted) - gap;
+  const double push = std::min(contact.distance, n.dot(before) + kPartingSpeed * h) - gap;
   if (!(push > 0.0)) return;
   ++active_;
   Vec3 slip = after - before;

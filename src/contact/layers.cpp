@@ -11,6 +11,8 @@
 namespace cloth_sim {
 namespace {
 
+/// Particles that are faster than the cloth on average by more have diverged [m/s].
+constexpr double kFastest = 500.0;
 /// Substeps that a search for pairs allows for, at the speed of the present one.
 constexpr double kSubstepsAhead = 4.0;
 /// Motion that a search allows for at least [m].
@@ -64,6 +66,8 @@ class LayerContact::Impl {
   template <typename Body>
   void forVertices(const Body& body) const;
   void loadEnd(const ParticleView& particles);
+  bool hasAbsurdMotion() const;
+  void giveUp(const ParticleView& particles);
   Vec3 meanMotion(const std::vector<Vec3>& from) const;
   double farthestMotion(const Vec3& common) const;
   bool isAllowed() const;
@@ -80,6 +84,8 @@ class LayerContact::Impl {
   double margin_ = 0.0;                       ///< half of the largest thickness [m]
   FacePairs pairs_;
   LayerContacts contacts_;
+  double most_ = 0.0;                ///< most motion in a substep [m]
+  bool isAbsurd_ = false;            ///< the method has diverged
   bool isFresh_ = false;             ///< pairs are those of this step
   std::vector<Vec3> start_, end_;    ///< of the substep, by vertex [m]
   std::vector<double> mass_;         ///< by vertex [kg]; 0: prescribed motion
@@ -269,8 +275,11 @@ void LayerContact::Impl::search() {
 
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   load(particles);
-  if (!isFresh_) search();
+  most_ = kFastest * h;
+  isAbsurd_ = hasAbsurdMotion();
   report.contacts = 0;
+  if (isAbsurd_) return;
+  if (!isFresh_) search();
   if (pairs_.count() == 0) return;
   contacts_.project({start_, end_}, mass_, h);
   report.contacts = contacts_.active();
@@ -278,10 +287,28 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   store(particles);
 }
 
+/// Whether a particle moves so far that the method has diverged; its motion would meet everything.
+bool LayerContact::Impl::hasAbsurdMotion() const {
+  const Vec3 common = meanMotion(start_);
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    // A comparison that is false for NaN.
+    if (!((end_[v] - start_[v] - common).squaredNorm() <= most_ * most_)) return true;
+  }
+  return false;
+}
+
+/// Tells the method that it has diverged.
+void LayerContact::Impl::giveUp(const ParticleView& particles) {
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+  std::fill(end_.begin(), end_.end(), Vec3::Constant(kNotANumber));
+  store(particles);
+}
+
 /// Shortening a motion may take faces out of what the search allowed: then there is another search,
 /// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
   loadEnd(particles);
+  if (isAbsurd_ || hasAbsurdMotion()) return giveUp(particles);
   report.moves += static_cast<std::int64_t>(end_.size());
   std::fill(truncated_.begin(), truncated_.end(), 0);
   const Truncation now{{start_, end_}, mass_, truncated_};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "cloth_sim/contact/collider.h"
 #include "linalg/vector_operations.h"
@@ -99,7 +100,10 @@ void Substep::enforceContactVelocities() {
     ahead.set(k, p.x.at(k) + h * p.v.at(k));
   });
   forFreeCandidates([&](std::size_t k) { p.x.set(k, ahead.at(k)); });
+  // Layers have been certified where they are; this is only an outlook.
+  LayerContact* const layers = std::exchange(contacts.layers, nullptr);
   contacts.project(p.view(), time, h);
+  contacts.layers = layers;
   VectorArray& velocity = scratch;
   forFreeCandidates([&](std::size_t k) { velocity.set(k, (p.x.at(k) - p.start.at(k)) / h); });
   forFreeCandidates([&](std::size_t k) {

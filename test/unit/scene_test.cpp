@@ -422,9 +422,7 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   EXPECT_EQ(
       complaint(yaml, {"cloth.shaer=true"}),
       "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of name, obj, scale, "
-      "uv_scale, size, particles, pose, random_offset, velocity, fabric, raw_springs, "
-      "particle_mass, shear, "
-      "bending, pins, surgery");
+      "uv_scale, size, particles, pose, random_offset, velocity, fabric and 7 more");
   EXPECT_EQ(complaint(yaml, {"drag"}), "s.yaml: override 'drag': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"drag="}), "s.yaml: override 'drag=': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"=1"}), "s.yaml: override '=1': expected dotted.key=value");
@@ -463,13 +461,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"",
                  "s.yaml: expected a map with keys from cloth, solver, gravity, wind, drag, "
                  "quasi_static, self_contact, layer_friction, "
-                 "obstacles, clamps, tearing, phases, seed (got nothing)"},
+                 "obstacles, clamps and 3 more (got nothing)"},
         BadScene{"seed: 1", "s.yaml:1: cloth: missing, expected a map"},
         BadScene{
             CLOTH "clots: 1",
             "s.yaml:2: clots: unknown key, did you mean 'cloth'? expected one of cloth, "
             "solver, gravity, wind, drag, quasi_static, self_contact, layer_friction, obstacles, "
-            "clamps, tearing, phases, seed"},
+            "clamps and 3 more"},
         BadScene{CLOTH "seed: 1\nseed: 2", "s.yaml:3: key 'seed' stands twice in the same map"},
         BadScene{CLOTH "---\n" CLOTH,
                  "s.yaml: expected one YAML document (got more after its end)"},
