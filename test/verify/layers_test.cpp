@@ -109,10 +109,6 @@ phases:
     clamps: {left: {move_by: [-0.2, 0, 0], speed: 1}, right: {move_by: [0.2, 0, 0], speed: 1}}
     until: {pieces: 2}
     timeout: 2
-  - name: meet
-    clamps: {left: {move_by: [0.4, 0, 0], speed: 1}, right: {move_by: [-0.4, 0, 0], speed: 1}}
-    timeout: 0.6
-    on_timeout: continue
 )";
   Simulation simulation(parseScene(yaml, "torn"));
   for (int step = 0; step < 200 && simulation.script().status() != ScriptStatus::kDone; ++step) {
