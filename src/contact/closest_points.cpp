@@ -143,8 +143,7 @@ SeparatingDirection separateAtVertex(const std::array<Vec3, 2>& a, const std::ar
     const double length = point.norm();
     if (!(length > 1e-12)) continue;
     const Vec3 n = point / length;
-    const double apart =
-        std::min({n.dot(a[0]), n.dot(a[1]), -n.dot(b[0]), -n.dot(b[1])});
+    const double apart = std::min({n.dot(a[0]), n.dot(a[1]), -n.dot(b[0]), -n.dot(b[1])});
     if (apart > best.distance) best = {n, apart};
   }
   return best;

@@ -38,8 +38,8 @@ SeparatingDirection separate(const Corners& a, const Corners& b);
 /// It exists, by the theorem of separating cones, if the triangles touch in that vertex only.
 SeparatingDirection separateAtVertex(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b);
 
-/// The same for two triangles with a common edge, each with one more corner: a unit vector normal to
-/// the edge. All vectors start from one end of the edge.
+/// The same for two triangles with a common edge, each with one more corner: a unit vector normal
+/// to the edge. All vectors start from one end of the edge.
 SeparatingDirection separateHinge(const Vec3& edge, const Vec3& a, const Vec3& b);
 
 }  // namespace cloth_sim

@@ -73,21 +73,19 @@ void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>
   least_ = least;
   pairs_.clear();
   travel_ = 0.0;
-  for (const FaceIds& ids : near) {
-    Pair pair;
-    pair.a = faces[ids.first];
-    pair.b = faces[ids.second];
-    pair.shared = sortShared(pair.a, pair.b);
-    pairs_.push_back(pair);
-  }
+  for (const FaceIds& ids : near) pairs_.push_back(pairOf(faces[ids.first], faces[ids.second]));
 }
 
-bool FacePairs::areApart(const Face& a, const Face& b, const std::vector<Vec3>& x) {
+FacePairs::Pair FacePairs::pairOf(const Face& a, const Face& b) {
   Pair pair;
   pair.a = a;
   pair.b = b;
   pair.shared = sortShared(pair.a, pair.b);
-  return bestDirection(pair, x).distance > 0.0;
+  return pair;
+}
+
+bool FacePairs::areApart(const Face& a, const Face& b, const std::vector<Vec3>& x) {
+  return bestDirection(pairOf(a, b), x).distance > 0.0;
 }
 
 bool FacePairs::hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated) {
@@ -116,7 +114,8 @@ double FacePairs::separationOf(const Pair& pair, const std::vector<Vec3>& x) {
 SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector<Vec3>& x) {
   if (pair.shared == 0) return separate(cornersOf(pair.a, x), cornersOf(pair.b, x));
   const Vec3& at = x[pair.a[2]];
-  if (pair.shared == 2) return separateHinge(x[pair.a[1]] - at, x[pair.a[0]] - at, x[pair.b[0]] - at);
+  if (pair.shared == 2)
+    return separateHinge(x[pair.a[1]] - at, x[pair.a[0]] - at, x[pair.b[0]] - at);
   return separateAtVertex({x[pair.a[0]] - at, x[pair.a[1]] - at},
                           {x[pair.b[0]] - at, x[pair.b[1]] - at});
 }
@@ -140,8 +139,8 @@ bool FacePairs::isProven(Pair& pair, SubstepMotion motion) const {
 
 /// Whether a plane that turns from one direction to another keeps the pair apart. With a normal
 /// n(t) = n0 + t (n1 - n0) and a vertex at x(t) = x0 + t (x1 - x0), relative to a point that moves
-/// alike, n(t).x(t) = (1 - t) q0 + t q1 - t (1 - t) d with d = (n1 - n0).(x1 - x0), which is positive
-/// if q0 and q1 are and d < (sqrt(q0) + sqrt(q1))^2.
+/// alike, n(t).x(t) = (1 - t) q0 + t q1 - t (1 - t) d with d = (n1 - n0).(x1 - x0), which is
+/// positive if q0 and q1 are and d < (sqrt(q0) + sqrt(q1))^2.
 bool FacePairs::staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion) {
   const Vec3 turn = n1 - n0;
   const auto passes = [](double q0, double q1, double d) {
@@ -163,7 +162,7 @@ bool FacePairs::staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, Sub
     const Vec3 edge = x1[pair.a[1]] - x0[pair.a[1]] - common;
     tilt = kMostTilt * std::abs(turn.dot(edge));
   }
-  for (int k = 0; k < std::min(3, 3 - pair.shared); ++k) {
+  for (int k = 0; k < 3 - pair.shared; ++k) {
     for (const double side : {1.0, -1.0}) {
       const VertexId v = side > 0.0 ? pair.a[k] : pair.b[k];
       const double d = side * turn.dot(x1[v] - x0[v] - common) + tilt;
@@ -232,16 +231,15 @@ bool FacePairs::separates(Pair& pair, SubstepMotion motion) const {
   return true;
 }
 
-/// Moves the vertices of a pair that would not stay apart to where it does, along its direction; they
-/// keep the motion that they have in common. Other pairs may fail then, or this one again.
+/// Moves the vertices of a pair that would not stay apart to where it does, along its direction;
+/// they keep the motion that they have in common. Other pairs may fail then, or this one again.
 /// \return whether it was apart at the start.
 bool FacePairs::slide(Pair& pair, const Truncation& now) const {
   const SeparatingDirection before = bestDirection(pair, now.motion.start);
   if (!(before.distance > 0.0)) return false;
   const std::vector<Vec3>& end = now.motion.end;
   const Vec3 n = endDirection(pair, before.direction, end);
-  const double keep =
-      std::max(kKeepSliding * before.distance, std::min(before.distance, least_));
+  const double keep = std::max(kKeepSliding * before.distance, std::min(before.distance, least_));
   if (pair.shared == 0) {
     const double high = leastOf(pair.a, n, end);
     const double low = mostOf(pair.b, n, end);
@@ -283,9 +281,9 @@ double FacePairs::shareOf(const Pair& pair, const std::vector<double>& mass) {
   return b == 0.0 ? 0.0 : a / (a + b);
 }
 
-/// Shortens the motion of the vertices of a pair that would not stay apart. It stays apart from then
-/// on in this substep, however motion is shortened further.
-/// \return whether it was apart at the start; if not, its vertices stay.
+/// Shortens the motion of the vertices of a pair that would not stay apart. It stays apart from
+/// then on in this substep, however motion is shortened further. \return whether it was apart at
+/// the start; if not, its vertices stay.
 bool FacePairs::shorten(Pair& pair, const Truncation& now) const {
   pair.isFixed = true;
   pair.due = 0.0;
@@ -352,16 +350,15 @@ void FacePairs::findFailing(bool isFirst, SubstepMotion motion,
                             const std::vector<std::uint8_t>& truncated) {
   constexpr std::int32_t kGrain = 512;
   fails_.resize(pairs_.size());  // outcome of the pass before
-  parallelFor(static_cast<std::int32_t>(pairs_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
-                     ++k) {
-                  Pair& pair = pairs_[k];
-                  if (isFirst) pair.isFixed = false;
-                  const bool isDue = isFirst ? travel_ >= pair.due : mayFail(k, truncated);
-                  fails_[k] = isDue && !isProven(pair, motion) ? 1 : 0;
-                }
-              });
+  parallelFor(
+      static_cast<std::int32_t>(pairs_.size()), kGrain, [&](std::int32_t first, std::int32_t last) {
+        for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
+          Pair& pair = pairs_[k];
+          if (isFirst) pair.isFixed = false;
+          const bool isDue = isFirst ? travel_ >= pair.due : mayFail(k, truncated);
+          fails_[k] = isDue && !isProven(pair, motion) ? 1 : 0;
+        }
+      });
   failing_.clear();
   for (std::size_t k = 0; k < fails_.size(); ++k) {
     if (fails_[k] != 0) failing_.push_back(static_cast<std::uint32_t>(k));

@@ -44,8 +44,8 @@ class FacePairs {
   void clear() { pairs_.clear(); }
   std::size_t count() const { return pairs_.size(); }
 
-  /// Changes the motion of vertices so that no pair touches or passes through itself, neither at the
-  /// end of the substep nor on the way there.
+  /// Changes the motion of vertices so that no pair touches or passes through itself, neither at
+  /// the end of the substep nor on the way there.
   PairOutcome keepApart(const Truncation& now);
   /// Takes all motion back.
   static void stop(const Truncation& now);
@@ -61,6 +61,7 @@ class FacePairs {
     double due = 0.0;               ///< value of `travel_` from which n is to be checked again [m]
   };
 
+  static Pair pairOf(const Face& a, const Face& b);
   static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
@@ -82,7 +83,7 @@ class FacePairs {
   std::vector<Pair> pairs_;
   std::vector<std::uint8_t> fails_;     ///< scratch: 1 for pairs that are not proven
   std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven
-  double least_ = 0.0;   ///< see `assign` [m]
+  double least_ = 0.0;                  ///< see `assign` [m]
   double travel_ = 0.0;  ///< sum over substeps of how far two vertices may have approached [m]
 };
 

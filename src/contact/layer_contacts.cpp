@@ -15,10 +15,6 @@ constexpr double kPartingSpeed = 0.2;
 /// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
 constexpr double kParallel = 0.05;
 
-bool contains(const Face& face, VertexId v) {
-  return face[0] == v || face[1] == v || face[2] == v;
-}
-
 bool areAdjacent(const Face& a, const Face& b) {
   return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
 }
@@ -79,8 +75,7 @@ void LayerContacts::addEdges(const std::array<VertexId, 4>& v, const std::vector
                              double reach, const Layers& layers) {
   if (v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3]) return;
   const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
-  const Vec3 apart =
-      x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]]);
+  const Vec3 apart = x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]]);
   if (apart.squaredNorm() > reach * reach) return;
   candidates_.push_back({v, kNone, layers.thickness, layers.friction});
 }

@@ -55,8 +55,8 @@ class LayerContacts {
   /// The closest points of a candidate.
   struct Closest {
     Contact contact;
-    double apart = 0.0;        ///< [m]
-    bool isInside = false;     ///< inside the face, or inside both edges
+    double apart = 0.0;     ///< [m]
+    bool isInside = false;  ///< inside the face, or inside both edges
   };
 
   void addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,
@@ -72,15 +72,15 @@ class LayerContacts {
   Layers layersOf(FaceId f, FaceId g) const;
 
   std::vector<Face> faces_;
-  std::vector<Vec2> material_;             ///< by vertex [m]
-  std::vector<std::uint8_t> clothOfFace_;  ///< by face
-  std::vector<FaceId> firstFace_;          ///< by vertex
+  std::vector<Vec2> material_;                    ///< by vertex [m]
+  std::vector<std::uint8_t> clothOfFace_;         ///< by face
+  std::vector<FaceId> firstFace_;                 ///< by vertex
   std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
   std::vector<LayerProperties> byCloth_;
   std::vector<Candidate> candidates_;
-  std::vector<Candidate> sorted_;  ///< scratch
+  std::vector<Candidate> sorted_;    ///< scratch
   std::vector<std::int32_t> first_;  ///< scratch: by vertex
-  std::vector<Closest> closest_;  ///< by candidate
+  std::vector<Closest> closest_;     ///< by candidate
   std::vector<Contact> contacts_;
   int sinceRefresh_ = 0;
   int active_ = 0;

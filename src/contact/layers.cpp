@@ -21,7 +21,6 @@ constexpr double kLeastAllowance = 2e-4;
 constexpr double kLeastTurn = 0.2;
 /// Most motion that a search allows for, unless a single substep takes more [m].
 constexpr double kMostAllowance = 5e-3;
-
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
 
@@ -85,7 +84,6 @@ class LayerContact::Impl {
   FacePairs pairs_;
   LayerContacts contacts_;
   double most_ = 0.0;                ///< most motion in a substep [m]
-  bool isAbsurd_ = false;            ///< the method has diverged
   bool isFresh_ = false;             ///< pairs are those of this step
   std::vector<Vec3> start_, end_;    ///< of the substep, by vertex [m]
   std::vector<double> mass_;         ///< by vertex [kg]; 0: prescribed motion
@@ -276,9 +274,8 @@ void LayerContact::Impl::search() {
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   load(particles);
   most_ = kFastest * h;
-  isAbsurd_ = hasAbsurdMotion();
   report.contacts = 0;
-  if (isAbsurd_) return;
+  if (hasAbsurdMotion()) return;
   if (!isFresh_) search();
   if (pairs_.count() == 0) return;
   contacts_.project({start_, end_}, mass_, h);
@@ -308,7 +305,7 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
 /// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
   loadEnd(particles);
-  if (isAbsurd_ || hasAbsurdMotion()) return giveUp(particles);
+  if (hasAbsurdMotion()) return giveUp(particles);
   report.moves += static_cast<std::int64_t>(end_.size());
   std::fill(truncated_.begin(), truncated_.end(), 0);
   const Truncation now{{start_, end_}, mass_, truncated_};
@@ -339,9 +336,7 @@ LayerContact::~LayerContact() = default;
 
 void LayerContact::onModelChanged(const Model& model) { impl_->build(model); }
 
-LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) {
-  return impl_->findOverlap(x);
-}
+LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) { return impl_->findOverlap(x); }
 
 void LayerContact::beginStep() { impl_->beginStep(); }
 

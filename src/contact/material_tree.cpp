@@ -157,8 +157,8 @@ void MaterialTree::placeFaces(const Model& model) {
     entries.emplace_back(levels_.front().node(bucket[0], bucket[2]), f);
     const Vec2 low = origin_ + size_.cwiseProduct(Vec2(bucket[0], bucket[2]));
     const MaterialBox box = materialBox(model.mesh, f);
-    overhang_ = std::max({overhang_, (low - box.low).maxCoeff(),
-                          (box.high - low - size_).maxCoeff()});
+    overhang_ =
+        std::max({overhang_, (low - box.low).maxCoeff(), (box.high - low - size_).maxCoeff()});
   }
   if (overhang_ < kRounding * size_.minCoeff()) overhang_ = 0.0;
   sortByBucket(entries, levels_.front().boxes.size(), ownedStart_, owned_);

@@ -1,6 +1,6 @@
 #pragma once
-/// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it that
-/// nothing rules out from touching.
+/// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it
+/// that nothing rules out from touching.
 
 #include <cstdint>
 
@@ -50,8 +50,8 @@ struct FaceIds {
   FaceId second = kNone;
 };
 
-/// A quadtree whose leaves, buckets, are rectangles of about two cells by two in the material plane.
-/// Each node knows a box around its faces in the world, and a ball around their gradients.
+/// A quadtree whose leaves, buckets, are rectangles of about two cells by two in the material
+/// plane. Each node knows a box around its faces in the world, and a ball around their gradients.
 class MaterialTree {
  public:
   /// \param cloth  whose faces these are.
@@ -101,7 +101,7 @@ class MaterialTree {
   const FaceId* begin(int bucket) const { return owned_.data() + ownedStart_[bucket]; }
   const FaceId* end(int bucket) const { return owned_.data() + ownedStart_[bucket + 1]; }
 
-  std::vector<FaceId> faces_;  ///< of the cloth, ascending
+  std::vector<FaceId> faces_;   ///< of the cloth, ascending
   Vec2 origin_ = Vec2::Zero();  ///< of the buckets in the material plane [m]
   Vec2 size_ = Vec2::Ones();    ///< of a bucket [m]
   double overhang_ = 0.0;       ///< by which faces reach beyond the bucket that owns them [m]

@@ -9,8 +9,6 @@
 namespace cloth_sim {
 namespace {
 
-bool contains(const Face& face, VertexId v) { return face[0] == v || face[1] == v || face[2] == v; }
-
 /// Returns the corners of `face` after and before `v`.
 std::pair<VertexId, VertexId> around(const Face& face, VertexId v) {
   if (face[0] == v) return {face[1], face[2]};

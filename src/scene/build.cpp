@@ -194,8 +194,8 @@ std::unique_ptr<LayerContact> buildLayers(const Scene& scene, const Model& model
   const double most = thickestLayer(model);
   std::vector<LayerProperties> byCloth;
   for (const ClothSpec& cloth : scene.cloths) {
-    byCloth.push_back(
-        {std::min(cloth.fabric.thickness, most), scene.layerFriction.value_or(cloth.fabric.friction)});
+    byCloth.push_back({std::min(cloth.fabric.thickness, most),
+                       scene.layerFriction.value_or(cloth.fabric.friction)});
   }
   return std::make_unique<LayerContact>(model, std::move(byCloth));
 }

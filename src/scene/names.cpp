@@ -1,6 +1,7 @@
 #include "names.h"
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 
 namespace cloth_sim {
@@ -34,20 +35,21 @@ bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
 }  // namespace
 
-std::string shownName(const std::string& name) {
-  std::string result = name.substr(0, kLongestShown);
+std::string shownText(const std::string& text) {
+  std::string result = text.substr(0, kLongestShown);
   for (char& c : result) {
     const auto code = static_cast<unsigned char>(c);
-    if (code < 0x20 || code >= 0x7f) c = '?';
+    if (code >= 0x80) c = '?';  // it may be no UTF-8, or be cut in the middle of a character
+    if (std::iscntrl(code) != 0) c = ' ';
   }
-  return name.size() > kLongestShown ? result + "..." : result;
+  return text.size() > kLongestShown ? result + "..." : result;
 }
 
 std::string joinNames(const std::vector<std::string>& names) {
   if (names.empty()) return "none";
-  std::string result = shownName(names.front());
+  std::string result = shownText(names.front());
   const std::size_t listed = std::min(names.size(), kMostListed);
-  for (std::size_t i = 1; i < listed; ++i) result += ", " + shownName(names[i]);
+  for (std::size_t i = 1; i < listed; ++i) result += ", " + shownText(names[i]);
   if (listed == names.size()) return result;
   return result + " and " + std::to_string(names.size() - listed) + " more";
 }
@@ -68,7 +70,7 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known) {
-  return "unknown " + what + " '" + shownName(name) + "' (known: " + joinNames(known) + ")";
+  return "unknown " + what + " '" + shownText(name) + "' (known: " + joinNames(known) + ")";
 }
 
 std::string nameError(const std::string& name) {

@@ -6,8 +6,9 @@
 
 namespace cloth_sim {
 
-/// Returns a name as messages show it: its first 40 characters, and ? for what is not ASCII.
-std::string shownName(const std::string& name);
+/// Returns what somebody wrote as messages show it: its first 40 characters, on one line, with ?
+/// for what is not ASCII.
+std::string shownText(const std::string& text);
 
 /// Returns "left, right", or "none" for an empty list; after ten names "and 5 more".
 std::string joinNames(const std::vector<std::string>& names);

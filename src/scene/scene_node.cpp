@@ -7,25 +7,14 @@
 #include <sstream>
 
 #include "cloth_sim/scene/load.h"
+#include "names.h"
 
 namespace cloth_sim {
 
 namespace {
 
-constexpr std::size_t kLongestShown = 40;
-
-std::string printable(const std::string& text) {
-  std::string result = text.substr(0, kLongestShown);
-  for (char& c : result) {
-    const auto code = static_cast<unsigned char>(c);
-    if (code >= 0x80) c = '?';  // it may be no UTF-8, or be cut in the middle of a character
-    if (std::iscntrl(code) != 0) c = ' ';
-  }
-  return text.size() > kLongestShown ? result + "..." : result;
-}
-
 std::string at(const std::string& path, const std::string& key) {
-  return path.empty() ? printable(key) : path + "." + printable(key);
+  return path.empty() ? shownText(key) : path + "." + shownText(key);
 }
 
 /// Largest number that any key takes, in SI units [-]: far beyond what cloth is made of and what
@@ -98,7 +87,7 @@ std::string shown(const YamlValue& value) {
       break;
   }
   const bool bare = parseNumber(value) || parseBoolean(value);
-  return (bare ? printable(value.text) : "'" + printable(value.text) + "'") + suffix;
+  return (bare ? shownText(value.text) : "'" + shownText(value.text) + "'") + suffix;
 }
 
 }  // namespace

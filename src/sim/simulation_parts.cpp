@@ -11,9 +11,10 @@ namespace {
 /// Number of the warning about thick layers, beyond those of ResultWatch.
 constexpr std::size_t kThickLayer = 100;
 
-/// Refuses cloth that touches itself at the start, and warns of cloth that is too thick for its
-/// mesh.
+/// Refuses a method that cannot hold layers apart and cloth that touches itself at the start, and
+/// warns of cloth that is too thick for its mesh.
 void prepareLayers(SimulationParts& parts) {
+  checkLayers(findSolver(parts.scene.solver.method));
   const LayerOverlap overlap = parts.layers->findOverlap(parts.state.x.values());
   if (overlap.pairs > 0) {
     std::ostringstream text;

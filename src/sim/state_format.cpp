@@ -54,7 +54,7 @@ struct Touch {
   }
 };
 
-/// What a scene says about its cloths and obstacles, which a saved state cannot change.
+/// Facts of a scene about its cloths and obstacles, which a saved state cannot change.
 struct Undamaged {
   Model model;
   ColliderSet colliders;

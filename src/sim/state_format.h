@@ -7,7 +7,7 @@
 
 namespace cloth_sim {
 
-/// What to do with the hash of the positions, velocities and faces at the end of a saved state.
+/// Treatment of the hash of the positions, velocities and faces at the end of a saved state.
 enum class StateHash : std::uint8_t {
   kChecked,
   kIgnored,  ///< for tests: a changed payload is judged by its contents

@@ -8,7 +8,7 @@
 
 namespace cloth_sim {
 
-/// What is accepted as an input.
+/// Restrictions on an input.
 struct InputRules {
   std::uint64_t maxSize = 1ULL << 30;  ///< [bytes]
   Links links = Links::kFollowed;

@@ -8,7 +8,7 @@
 
 namespace cloth_sim {
 
-/// What is accepted as the place of an output.
+/// Restrictions on the place of an output.
 struct OutputRules {
   Links links = Links::kFollowed;
   bool onlyRegular = false;  ///< refuse devices and pipes, too: for a writer that seeks (rosbag)

@@ -1,6 +1,6 @@
 #pragma once
-/// \file What is fed with arbitrary bytes. The tests of this folder and the programs of libFuzzer
-/// (libfuzzer/) share these functions: each returns if the program behaves, and throws
+/// \file Functions that take arbitrary bytes. The tests of this folder and the programs of
+/// libFuzzer (libfuzzer/) share these functions: each returns if the program behaves, and throws
 /// Misbehaviour, crashes or hangs if it does not.
 
 #include <stdexcept>

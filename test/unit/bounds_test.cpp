@@ -66,12 +66,17 @@ TEST(Bounds, MessagesAreASCII) {
   }
 }
 
-TEST(Bounds, AScribbleBeyondReasonIsRefusedBeforeTheWork) {
+/// A square metre of cotton with `side` particles along each side.
+Scene squareOf(int side) {
   Scene scene;
-  scene.cloths[0] = clothOf(128, 128, 1.0 / 127, fabricPreset("cotton"));
+  scene.cloths[0] = clothOf(side, side, 1.0 / (side - 1), fabricPreset("cotton"));
   scene.solver.method = "verlet";
   scene.solver.parameters = completeParameters(findSolver("verlet"), {});
-  Simulation simulation(scene);
+  return scene;
+}
+
+TEST(Bounds, AScribbleBeyondReasonIsRefusedBeforeTheWork) {
+  Simulation simulation(squareOf(128));
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.5, 0.5);
   std::vector<Vec3> path;
@@ -87,11 +92,7 @@ TEST(Bounds, AScribbleBeyondReasonIsRefusedBeforeTheWork) {
 }
 
 TEST(Bounds, ALongStrokeBesideTheClothIsNotCounted) {
-  Scene scene;
-  scene.cloths[0] = clothOf(32, 32, 1.0 / 31, fabricPreset("cotton"));
-  scene.solver.method = "verlet";
-  scene.solver.parameters = completeParameters(findSolver("verlet"), {});
-  Simulation simulation(scene);
+  Simulation simulation(squareOf(32));
   std::vector<Vec3> path;
   for (int k = 0; k < 5000; ++k) path.emplace_back(k % 2 == 0 ? -5.0 : 5.0, 3.0, 0.0);
   EXPECT_TRUE(simulation.apply(CutAlong{strokeAlong(path, Vec3::UnitZ(), 0.5)}).success);

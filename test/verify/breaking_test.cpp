@@ -170,14 +170,9 @@ Outcome massRatio(const std::string& method) {
 /// (It may lie in folds, for nothing keeps cloth from lying in itself.)
 Outcome yankedClamp(const std::string& method) {
   Scene scene = uprightScene(method, 9, 0.2, fabricPreset("interlock"));
-  ClampSpec hand;
-  hand.name = "hand";
-  hand.patch = ClampPatch{4, 8, 2};
-  hand.pose.position.z() = -0.02;
-  hand.pose.orientation = scene.cloths[0].pose.orientation;
+  ClampSpec hand = quickHand(scene, {4, 8, 2}, -0.02);
   hand.maxLinearSpeed = 50.0;
   hand.maxLinearAcceleration = 1e5;
-  hand.closingSpeed = 10.0;
   scene.clamps = {hand};
   Simulation simulation(scene);
   simulation.apply(SetGrasp{"hand", true});
@@ -302,14 +297,9 @@ Outcome tornByShock(const std::string& method) {
   pinUpperRow(scene);
   scene.tearing.enabled = true;
   scene.tearing.ratio = {1.3, 1.3, 1.5};
-  ClampSpec hand;
-  hand.name = "hand";
-  hand.patch = ClampPatch{4, 1, 1};
-  hand.pose.position.z() = -0.18;
-  hand.pose.orientation = scene.cloths[0].pose.orientation;
+  ClampSpec hand = quickHand(scene, {4, 1, 1}, -0.18);
   hand.maxLinearSpeed = 20.0;
   hand.maxLinearAcceleration = 1e5;
-  hand.closingSpeed = 10.0;
   scene.clamps = {hand};
   Simulation simulation(scene);
   const double mass = totalMass(simulation.model());

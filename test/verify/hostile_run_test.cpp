@@ -54,15 +54,9 @@ void squeeze(Simulation& simulation) {
 }
 
 void addHand(Scene& scene) {
-  ClampSpec hand;
-  hand.name = "hand";
-  hand.patch = ClampPatch{4, 1, 2};
-  hand.pose.position.z() = -0.075;
-  hand.pose.orientation = scene.cloths[0].pose.orientation;
-  hand.maxLinearSpeed = 1e4;
-  hand.maxLinearAcceleration = 1e8;
-  hand.closingSpeed = 10.0;
-  scene.clamps = {hand};
+  scene.clamps = {quickHand(scene, {4, 1, 2}, -0.075)};
+  scene.clamps[0].maxLinearSpeed = 1e4;
+  scene.clamps[0].maxLinearAcceleration = 1e8;
 }
 
 void addBalls(Scene& scene) {

@@ -31,11 +31,10 @@ inline bool passesThrough(const Vec3& p, const Vec3& q, const std::array<Vec3, 3
 
 /// Whether an edge of face `f` passes through face `g`; edges with a corner of `g` do not count.
 inline bool pierces(const Face& f, const Face& g, const std::vector<Vec3>& x) {
-  const auto isCorner = [&](VertexId v) { return std::find(g.begin(), g.end(), v) != g.end(); };
   for (int k = 0; k < 3; ++k) {
     const VertexId a = f[k];
     const VertexId b = f[(k + 1) % 3];
-    if (isCorner(a) || isCorner(b)) continue;
+    if (contains(g, a) || contains(g, b)) continue;
     if (passesThrough(x[a], x[b], {x[g[0]], x[g[1]], x[g[2]]})) return true;
   }
   return false;

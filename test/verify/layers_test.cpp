@@ -127,21 +127,23 @@ std::string stackOf(int layers, const std::string& rest) {
   std::string yaml = "cloth:\n";
   for (int k = 0; k < layers; ++k) {
     const double half = 0.05 * k;
-    yaml += "  - {name: c" + std::to_string(k) + ", size: [" +
-            std::to_string(0.24 - 0.04 * k) + ", " + std::to_string(0.24 - 0.04 * k) +
-            "], particles: [17, 17], " +
+    yaml += "  - {name: c" + std::to_string(k) + ", size: [" + std::to_string(0.24 - 0.04 * k) +
+            ", " + std::to_string(0.24 - 0.04 * k) + "], particles: [17, 17], " +
             "fabric: cotton, thickness: 0.001, pose: {position: [0, 0, " +
             std::to_string(0.0005 + 0.0013 * k) + "], orientation: [0, 0, " +
             std::to_string(std::sin(half)) + ", " + std::to_string(std::cos(half)) + "]}}\n";
   }
-  return yaml + "drag: 2\nself_contact: true\nsolver: {method: line_xpbd, error: 0.01, "
-                "sleep: false}\n" + rest;
+  return yaml +
+         "drag: 2\nself_contact: true\nsolver: {method: line_xpbd, error: 0.01, "
+         "sleep: false}\n" +
+         rest;
 }
 
 double meanHeight(const Simulation& simulation, std::size_t cloth) {
   const ClothPart& part = simulation.model().cloths[cloth];
   double sum = 0.0;
-  for (VertexId v = 0; v < part.vertices; ++v) sum += simulation.state().x[part.firstVertex + v].z();
+  for (VertexId v = 0; v < part.vertices; ++v)
+    sum += simulation.state().x[part.firstVertex + v].z();
   return sum / part.vertices;
 }
 
@@ -213,8 +215,7 @@ TEST(Layers, ClothThatIsTooThickForItsMeshIsThinnedWithAWord) {
       "self_contact: true\n";
   const Simulation simulation(parseScene(yaml, "thick"));
   ASSERT_EQ(simulation.warnings().size(), 1U);
-  EXPECT_NE(simulation.warnings()[0].text.find("its layers keep 0.0125 m apart"),
-            std::string::npos)
+  EXPECT_NE(simulation.warnings()[0].text.find("its layers keep 0.0125 m apart"), std::string::npos)
       << simulation.warnings()[0].text;
 }
 

@@ -67,10 +67,13 @@ const std::vector<Start>& matrixStarts() {
       {"drape_sphere", 0.5},        // lies on the sphere, and its borders fall
       {"explicit_blows_up", 0.0},   // begins to fall
       {"explicit_hang", 0.0},       // begins to fall
+      {"fold_towel", 0.6},          // the clamps lift it
       {"hang", 0.0},                // takes up its weight
+      {"pile", 0.3},                // the lower cloths have met
       {"robot_tear", 0.1},          // the hand has closed
       {"rod", 0.3},                 // falls over the rod
       {"round_tablecloth", 0.3},    // its border falls
+      {"stack", 0.2},               // lies a thickness apart
       {"strip", 0.0},               // lies at rest
       {"table_edge", 0.1},          // the part beside the table falls
       {"tear_seam", 0.5},           // hits the table

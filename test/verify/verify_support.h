@@ -7,6 +7,7 @@
 #include <string>
 
 #include "cloth_sim/cloth/stable_step.h"
+#include "cloth_sim/scene/scene.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim::verify_support {
@@ -20,6 +21,18 @@ inline bool isConsistent(const SolverInfo& info) { return info.order > 0; }
 inline double frequencyBound(const Model& model) {
   const double h = stableStep(model), tau = model.cloths[0].fabric.damping;
   return 2.0 / std::sqrt(h * h + 2.0 * h * tau);
+}
+
+/// A clamp "hand" for a patch of the first cloth, parallel to it at height `z` [m]; it closes at
+/// once.
+inline ClampSpec quickHand(const Scene& scene, const ClampPatch& patch, double z) {
+  ClampSpec hand;
+  hand.name = "hand";
+  hand.patch = patch;
+  hand.pose.position.z() = z;
+  hand.pose.orientation = scene.cloths[0].pose.orientation;
+  hand.closingSpeed = 10.0;
+  return hand;
 }
 
 /// A method with a model and a state of its own.

@@ -52,8 +52,8 @@ TEST_P(WindSpeeds, DoNotMakeASimulationDiverge) {
     for (const Vec3& v : simulation.state().v) fastest = std::max(fastest, v.norm());
   }
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
-  // What is slung at the end of what the wind carries is faster than the wind, but not by much: the
-  // velocities of a method that diverges grow to 10 km/s within a few steps.
+  // A corner that is slung around by cloth in the wind is faster than the wind, but not by much:
+  // the velocities of a method that diverges grow to 10 km/s within a few steps.
   record("fastest_over_wind", fastest / speed);
   EXPECT_LT(fastest, 20.0 * speed);
 }

@@ -17,13 +17,13 @@ struct LayerProperties {
 
 /// Figures of layer contact over one step.
 struct LayerReport {
-  int pairs = 0;                ///< pairs of faces near each other at the end
-  int contacts = 0;             ///< contacts that carried load in the last substep
-  int detections = 0;           ///< searches for pairs
-  std::int64_t truncated = 0;   ///< motions of vertices that were shortened, over all substeps
-  std::int64_t moves = 0;       ///< motions of vertices, over all substeps
-  std::int64_t unproven = 0;    ///< pairs that touched or intersected at the start of a substep
-  int blocked = 0;              ///< held vertices whose motion was shortened in the last substep
+  int pairs = 0;               ///< pairs of faces near each other at the end
+  int contacts = 0;            ///< contacts that carried load in the last substep
+  int detections = 0;          ///< searches for pairs
+  std::int64_t truncated = 0;  ///< motions of vertices that were shortened, over all substeps
+  std::int64_t moves = 0;      ///< motions of vertices, over all substeps
+  std::int64_t unproven = 0;   ///< pairs that touched or intersected at the start of a substep
+  int blocked = 0;             ///< held vertices whose motion was shortened in the last substep
   /// Least distance of two layers in contact [m]; infinite without any.
   double leastDistance = 0.0;
 };

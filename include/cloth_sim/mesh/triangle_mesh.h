@@ -14,6 +14,11 @@ namespace cloth_sim {
 /// The corners of a triangle, counter-clockwise in material coordinates.
 using Face = std::array<VertexId, 3>;
 
+/// Whether `v` is a corner of a face.
+inline bool contains(const Face& face, VertexId v) {
+  return face[0] == v || face[1] == v || face[2] == v;
+}
+
 /// An oriented 2-manifold with boundary: triangles, and the faces around each vertex.
 ///
 /// Only `MeshEditor` changes a mesh after construction; every finished edit increments

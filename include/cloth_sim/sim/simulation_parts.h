@@ -28,9 +28,9 @@ struct SimulationParts {
   Measurements measurements;
   ResultWatch watch;
   std::vector<ResultWarning> sceneWarnings;  ///< about the scene as it was loaded
-  std::uint64_t stepCount = 0;  ///< steps since the start or the last reset
-  std::string failure;          ///< why the simulation stopped; "" while it goes on
-  std::uint64_t startHash = 0;  ///< stateHash before the first step
+  std::uint64_t stepCount = 0;               ///< steps since the start or the last reset
+  std::string failure;                       ///< why the simulation stopped; "" while it goes on
+  std::uint64_t startHash = 0;               ///< stateHash before the first step
 
   double dt() const { return scene.solver.dt; }  ///< length of a step [s]
   double time() const { return state.t; }        ///< [s]
