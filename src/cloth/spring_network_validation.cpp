@@ -103,11 +103,12 @@ std::string SpringNetwork::tableError(const TriangleMesh& mesh,
   const std::size_t fractions = anyRaw_ ? static_cast<std::size_t>(mesh.faceCount()) : 0;
   if (rawFractions_.size() != fractions) return "raw springs are not divided among the faces";
   if (supported_.size() == 0) return "";
-  if (supported_.size() != static_cast<std::size_t>(mesh.vertexCount())) {
+  // Lists end at the last vertex that supports a spring, if they were made after a removal.
+  if (supported_.size() > static_cast<std::size_t>(mesh.vertexCount())) {
     return "the springs by vertex are not those of the mesh";
   }
   std::size_t listed = 0;
-  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
+  for (VertexId v = 0; v < static_cast<VertexId>(supported_.size()); ++v) {
     const IndexSpan here = supported_[v];
     listed += here.size();
     for (const std::int32_t slot : here) {

@@ -353,6 +353,8 @@ std::unique_ptr<Simulation> buildSimulation(const Options& options,
     Scene scene = recording ? parseScene(recording->scene, *options.replay) : loadForRun(options);
     reportChoice(scene.solver);
     return std::make_unique<Simulation>(std::move(scene));
+  } catch (const std::invalid_argument& error) {  // of the simulation, which knows no files
+    throw BadInput((recording ? *options.replay : options.scene) + ": " + error.what());
   } catch (const std::exception& error) {
     throw BadInput(error.what());
   }
