@@ -109,7 +109,7 @@ class Reader {
       const std::string nearest = nearestName(name, known_);
       ROS_WARN_STREAM("unknown parameter "
                       << full << " has no effect"
-                      << (nearest.empty() ? "; known are: " + joinNames(known_)
+                      << (nearest.empty() ? "; known are: " + joinNames(known_, kAllNames)
                                           : "; did you mean " + nearest + "?"));
     }
   }

@@ -48,7 +48,7 @@ std::string resolveScene(const std::string& scene) {
   }
   if (exists) return scene;
   throw SceneError(scene + ": no such scene file, nor a scene of the package (known: " +
-                   joinNames(sceneNames(folder)) + ")");
+                   joinNames(sceneNames(folder), kAllNames) + ")");
 }
 
 }  // namespace cloth_sim

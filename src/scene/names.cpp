@@ -12,7 +12,6 @@ constexpr std::size_t kLongestCompared = 60;
 
 constexpr std::size_t kLongestName = 100;  ///< of clamps, obstacles, phases and cloths
 constexpr std::size_t kLongestShown = 40;  ///< of what somebody sent
-constexpr std::size_t kMostListed = 10;    ///< names in a message
 
 /// Levenshtein's distance, computed row by row.
 std::size_t editDistance(const std::string& a, const std::string& b) {
@@ -45,10 +44,10 @@ std::string shownText(const std::string& text) {
   return text.size() > kLongestShown ? result + "..." : result;
 }
 
-std::string joinNames(const std::vector<std::string>& names) {
+std::string joinNames(const std::vector<std::string>& names, std::size_t most) {
   if (names.empty()) return "none";
   std::string result = shownText(names.front());
-  const std::size_t listed = std::min(names.size(), kMostListed);
+  const std::size_t listed = std::min(names.size(), most);
   for (std::size_t i = 1; i < listed; ++i) result += ", " + shownText(names[i]);
   if (listed == names.size()) return result;
   return result + " and " + std::to_string(names.size() - listed) + " more";

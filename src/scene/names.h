@@ -1,6 +1,8 @@
 #pragma once
 /// \file Names in error messages: lists, suggestions and rules.
 
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,8 +12,10 @@ namespace cloth_sim {
 /// for what is not ASCII.
 std::string shownText(const std::string& text);
 
-/// Returns "left, right", or "none" for an empty list; after ten names "and 5 more".
-std::string joinNames(const std::vector<std::string>& names);
+/// Returns "left, right", or "none" for an empty list; after `most` names "and 5 more". Lists that
+/// the package itself bounds may be shown whole: pass kAllNames.
+constexpr std::size_t kAllNames = std::numeric_limits<std::size_t>::max();
+std::string joinNames(const std::vector<std::string>& names, std::size_t most = 10);
 
 /// Returns the known name with the smallest edit distance (Levenshtein) to `name`. Returns ""
 /// unless that distance is at most two, or at most half of the length of `name`.
