@@ -49,12 +49,22 @@ void Contacts::splitByCloth(std::size_t cloths,
   unsplit_.clear();
 }
 
+/// Obstacles come first, so that layers meet what carries them; and again, because layers push
+/// others into obstacles.
 void Contacts::project(const ParticleView& particles, double time, double h) {
-  if (layers != nullptr) layers->project(particles, h);
+  if (layers != nullptr) layers->load(particles);
+  projectObstacles(particles, time, h);
+  if (layers == nullptr) return;
+  layers->project(particles, h);
+  projectObstacles(particles, time, h);
+  layers->settle(particles, h);
+  layers->certify(particles);
+}
+
+void Contacts::projectObstacles(const ParticleView& particles, double time, double h) {
   for (ContactCandidates& entry : candidates) {
     entry.collider->project(entry.vertices, particles, time, h, entry.impulse, entry.cloth);
   }
-  if (layers != nullptr) layers->certify(particles);
 }
 
 }  // namespace cloth_sim

@@ -142,10 +142,12 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
     out.isInside = at.s > 0.0 && at.s < 1.0 && at.t > 0.0 && at.t < 1.0;
     if (!out.isInside) return false;
     contact.weight = {1.0 - at.s, at.s, at.t - 1.0, -at.t};
+    contact.corners = 2;
   } else {
     const std::array<double, 3> w = closestOnTriangle(x[v[0]], {x[v[1]], x[v[2]], x[v[3]]});
     out.isInside = w[0] > 0.0 && w[1] > 0.0 && w[2] > 0.0;
     contact.weight = {1.0, -w[0], -w[1], -w[2]};
+    contact.corners = 1;
   }
   Vec3 apart = Vec3::Zero();
   Vec2 atRest = Vec2::Zero();
@@ -208,41 +210,102 @@ void LayerContacts::refresh(const std::vector<Vec3>& x) {
 }
 
 void LayerContacts::project(SubstepMotion motion, const std::vector<double>& mass, double h) {
+  active_ = 0;
   if (candidates_.empty()) return;
   if (sinceRefresh_++ % kRefreshEvery == 0) refresh(motion.start);
-  active_ = 0;
-  for (const Contact& contact : contacts_) projectOne(contact, motion, mass, h);
+  for (Contact& contact : contacts_) {
+    contact.load = 0.0;
+    contact.drag.setZero();
+    projectFreely(contact, motion, mass, h);
+  }
   for (auto contact = contacts_.rbegin(); contact != contacts_.rend(); ++contact) {
-    projectOne(*contact, motion, mass, h);
+    if (projectFreely(*contact, motion, mass, h)) ++active_;
   }
 }
 
-void LayerContacts::projectOne(const Contact& contact, SubstepMotion motion,
-                               const std::vector<double>& mass, double h) {
+void LayerContacts::settle(SubstepMotion motion, const std::vector<double>& mass, double h,
+                           std::vector<std::uint8_t>& supported) {
+  constexpr int kMostLevels = 32;
+  for (int level = 0; level < kMostLevels; ++level) {
+    raised_.clear();
+    for (Contact& contact : contacts_) settleOne(contact, motion, mass, h, supported);
+    for (auto contact = contacts_.rbegin(); contact != contacts_.rend(); ++contact) {
+      settleOne(*contact, motion, mass, h, supported);
+    }
+    if (raised_.empty()) return;
+    for (const VertexId v : raised_) supported[v] = 1;
+  }
+}
+
+/// Projects a contact with one side that is supported and another that is not.
+void LayerContacts::settleOne(Contact& contact, SubstepMotion motion,
+                              const std::vector<double>& mass, double h,
+                              const std::vector<std::uint8_t>& supported) {
+  const auto isSupported = [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      if (contact.weight[k] != 0.0 && supported[contact.v[k]] == 0) return false;
+    }
+    return true;
+  };
+  const bool first = isSupported(0, contact.corners);
+  if (first == isSupported(contact.corners, 4)) return;
+  const int begin = first ? contact.corners : 0;
+  const int end = first ? 4 : contact.corners;
+  // The mobility is that of the whole side, also where a part of it is supported: the rest would
+  // be thrown far to make up for it.
+  std::array<double, 4> share{};
+  double mobility = 0.0;
+  for (int k = begin; k < end; ++k) {
+    const double w = contact.weight[k] * inverse(mass[contact.v[k]]);
+    mobility += contact.weight[k] * w;
+    if (supported[contact.v[k]] == 0) share[k] = w;
+  }
+  if (!projectOne(contact, motion, share, mobility, h)) return;
+  for (int k = begin; k < end; ++k) raised_.push_back(contact.v[k]);
+}
+
+/// Projects a contact that moves all its vertices.
+bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion,
+                                  const std::vector<double>& mass, double h) {
+  std::array<double, 4> share{};
+  double mobility = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    share[k] = contact.weight[k] * inverse(mass[contact.v[k]]);
+    mobility += contact.weight[k] * share[k];
+  }
+  return projectOne(contact, motion, share, mobility, h);
+}
+
+/// Pushes the sides of a contact apart, or lets them come nearer by what it pushed before, and
+/// brings friction within its bound.
+/// \param share     displacement of each vertex per load [1/kg].
+/// \param mobility  displacement of the sides against each other per load [1/kg].
+/// \return whether it carries load.
+bool LayerContacts::projectOne(Contact& contact, SubstepMotion motion,
+                               const std::array<double, 4>& share, double mobility, double h) {
   const std::array<VertexId, 4>& v = contact.v;
   const std::array<double, 4>& w = contact.weight;
   const Vec3& n = contact.normal;
   Vec3 after = Vec3::Zero();
   for (int k = 0; k < 4; ++k) after += w[k] * motion.end[v[k]];
   const double gap = n.dot(after);
-  if (gap >= contact.distance) return;
+  if (gap >= contact.distance && contact.load == 0.0) return false;
+  if (!(mobility > 0.0)) return contact.load > 0.0;
   Vec3 before = Vec3::Zero();
-  double inertia = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    before += w[k] * motion.start[v[k]];
-    inertia += w[k] * w[k] * inverse(mass[v[k]]);
-  }
-  if (!(inertia > 0.0)) return;
-  const double push = std::min(contact.distance, n.dot(before) + kPartingSpeed * h) - gap;
-  if (!(push > 0.0)) return;
-  ++active_;
+  for (int k = 0; k < 4; ++k) before += w[k] * motion.start[v[k]];
+  const double aim = std::min(contact.distance, n.dot(before) + kPartingSpeed * h);
+  const double load = std::max(0.0, contact.load + (aim - gap) / mobility);
   Vec3 slip = after - before;
   slip -= n.dot(slip) * n;
-  const double length = slip.norm();
-  const double stopped = contact.friction * push;
-  const Vec3 back = length <= stopped ? slip : Vec3(stopped / length * slip);
-  const Vec3 move = (push * n - back) / inertia;
-  for (int k = 0; k < 4; ++k) motion.end[v[k]] += w[k] * inverse(mass[v[k]]) * move;
+  Vec3 drag = contact.drag - slip / mobility;
+  drag -= n.dot(drag) * n;
+  const double bound = contact.friction * load;
+  if (drag.squaredNorm() > bound * bound) drag *= bound / drag.norm();
+  const Vec3 move = (load - contact.load) * n + drag - contact.drag;
+  contact.load = load;
+  contact.drag = drag;
+  for (int k = 0; k < 4; ++k) motion.end[v[k]] += share[k] * move;
+  return load > 0.0;
 }
 
 }  // namespace cloth_sim

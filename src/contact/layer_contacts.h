@@ -10,8 +10,8 @@
 namespace cloth_sim {
 
 /// Contacts between vertices and faces, and between edges, of layers near each other. Each substep
-/// projects those that are too near, one after the other, with Coulomb friction as displacements,
-/// as obstacles do (contact/contacts.h).
+/// projects them one after the other (projected Gauss-Seidel, Jean 1999), with Coulomb friction: the
+/// sum of what a contact has pushed never pulls, and bounds the sum of its friction.
 class LayerContacts {
  public:
   /// Thickness and friction of the layers of a pair of faces.
@@ -29,6 +29,13 @@ class LayerContacts {
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   /// \param mass  by vertex [kg]; 0: prescribed motion.
   void project(SubstepMotion motion, const std::vector<double>& mass, double h);
+  /// Takes up what is left of the load, layer by layer away from what supports the cloth, with
+  /// layers that are supported at rest (shock propagation: Guendelman et al. 2003). Without it a
+  /// stack sinks into itself and creeps on slopes, because sweeps carry a load by one layer each.
+  /// \param supported  by vertex: 1 if an obstacle or a holder has stopped it; vertices above are
+  ///     added.
+  void settle(SubstepMotion motion, const std::vector<double>& mass, double h,
+              std::vector<std::uint8_t>& supported);
 
   /// Contacts that were too near in the last substep.
   int active() const { return active_; }
@@ -51,6 +58,9 @@ class LayerContacts {
     Vec3 normal = Vec3::Zero();
     double distance = 0.0;  ///< to keep along the normal [m]
     double friction = 0.0;
+    std::int32_t corners = 0;  ///< vertices on the first side: 1 or 2
+    double load = 0.0;  ///< sum of pushes in this substep, mass times displacement [kg m], >= 0
+    Vec3 drag = Vec3::Zero();  ///< sum of friction in this substep [kg m]
   };
   /// The closest points of a candidate.
   struct Closest {
@@ -67,8 +77,12 @@ class LayerContacts {
   void refresh(const std::vector<Vec3>& x);
   bool find(const Candidate& candidate, const std::vector<Vec3>& x, Closest& out) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
-  void projectOne(const Contact& contact, SubstepMotion motion, const std::vector<double>& mass,
-                  double h);
+  static bool projectFreely(Contact& contact, SubstepMotion motion,
+                            const std::vector<double>& mass, double h);
+  static bool projectOne(Contact& contact, SubstepMotion motion,
+                         const std::array<double, 4>& share, double mobility, double h);
+  void settleOne(Contact& contact, SubstepMotion motion, const std::vector<double>& mass, double h,
+                 const std::vector<std::uint8_t>& supported);
   Layers layersOf(FaceId f, FaceId g) const;
 
   std::vector<Face> faces_;
@@ -82,6 +96,7 @@ class LayerContacts {
   std::vector<std::int32_t> first_;  ///< scratch: by vertex
   std::vector<Closest> closest_;     ///< by candidate
   std::vector<Contact> contacts_;
+  std::vector<VertexId> raised_;  ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
   int active_ = 0;
   double least_ = 0.0;

@@ -54,13 +54,15 @@ class LayerContact::Impl {
   void build(const Model& model);
   LayerOverlap findOverlap(const std::vector<Vec3>& x);
   void beginStep();
+  void load(const ParticleView& particles);
   void project(const ParticleView& particles, double h);
+  void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
 
   LayerReport report;
 
  private:
-  void load(const ParticleView& particles);
+  void loadSupported(const ParticleView& particles);
   void store(const ParticleView& particles) const;
   template <typename Body>
   void forVertices(const Body& body) const;
@@ -93,6 +95,7 @@ class LayerContact::Impl {
   std::vector<Box> boxes_;           ///< by face
   std::vector<FaceIds> near_;
   std::vector<std::uint8_t> truncated_;  ///< by vertex
+  std::vector<std::uint8_t> supported_;  ///< by vertex; see LayerContacts::settle
 };
 
 void LayerContact::Impl::build(const Model& model) {
@@ -116,6 +119,7 @@ void LayerContact::Impl::build(const Model& model) {
   mass_.resize(vertices);
   allowance_.resize(vertices);
   truncated_.resize(vertices);
+  supported_.resize(vertices);
   balls_.resize(faces_.size());
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
@@ -160,6 +164,17 @@ void LayerContact::Impl::load(const ParticleView& particles) {
     start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
     end_[v] = Vec3(particles.x[k], particles.y[k], particles.z[k]);
     mass_[v] = particles.mass[k];
+    supported_[v] = mass_[v] == 0.0 ? 1 : 0;
+  });
+}
+
+/// Loads the ends of a substep, and marks vertices that were moved since they were stored.
+void LayerContact::Impl::loadSupported(const ParticleView& particles) {
+  forVertices([&](std::size_t v) {
+    const auto k = slotOf(particles, v);
+    const Vec3 moved(particles.x[k], particles.y[k], particles.z[k]);
+    if (moved != end_[v]) supported_[v] = 1;
+    end_[v] = moved;
   });
 }
 
@@ -272,7 +287,7 @@ void LayerContact::Impl::search() {
 }
 
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
-  load(particles);
+  loadSupported(particles);
   most_ = kFastest * h;
   report.contacts = 0;
   if (hasAbsurdMotion()) return;
@@ -281,6 +296,13 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   contacts_.project({start_, end_}, mass_, h);
   report.contacts = contacts_.active();
   report.leastDistance = contacts_.leastDistance();
+  store(particles);
+}
+
+void LayerContact::Impl::settle(const ParticleView& particles, double h) {
+  if (report.contacts == 0) return;
+  loadSupported(particles);
+  contacts_.settle({start_, end_}, mass_, h, supported_);
   store(particles);
 }
 
@@ -340,8 +362,14 @@ LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) { return impl
 
 void LayerContact::beginStep() { impl_->beginStep(); }
 
+void LayerContact::load(const ParticleView& particles) { impl_->load(particles); }
+
 void LayerContact::project(const ParticleView& particles, double h) {
   impl_->project(particles, h);
+}
+
+void LayerContact::settle(const ParticleView& particles, double h) {
+  impl_->settle(particles, h);
 }
 
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }

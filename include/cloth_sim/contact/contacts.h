@@ -77,6 +77,7 @@ class Contacts {
   void project(const ParticleView& particles, double time, double h);
 
  private:
+  void projectObstacles(const ParticleView& particles, double time, double h);
   void keepBuffer(std::vector<VertexId>& vertices);
 
   std::vector<std::vector<VertexId>> spare_;  ///< empty buffers for entries to come

@@ -59,8 +59,13 @@ class LayerContact {
   LayerOverlap findOverlap(const std::vector<Vec3>& x);
   /// Prepares for a step.
   void beginStep();
+  /// Reads where a substep leads before obstacles stop it.
+  void load(const ParticleView& particles);
   /// Moves layers apart, as displacements at the end of a substep of `h` [s].
   void project(const ParticleView& particles, double h);
+  /// Takes up the load that is left, from the particles that obstacles have moved since `load`
+  /// upwards.
+  void settle(const ParticleView& particles, double h);
   /// Shortens motions that would make faces intersect. Nothing may move particles afterwards in the
   /// same substep.
   void certify(const ParticleView& particles);
