@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "threads/parallel_for.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -14,9 +16,19 @@ constexpr int kRefreshEvery = 4;
 constexpr double kPartingSpeed = 0.2;
 /// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
 constexpr double kParallel = 0.05;
+/// Edges keep this share of the thickness: so vertices and faces alone carry flat layers, and edges
+/// only what rests on ridges.
+constexpr double kEdgeShare = 0.993;
 
 bool areAdjacent(const Face& a, const Face& b) {
   return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
+}
+
+bool areParallel(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x) {
+  const Vec3 a = x[v[1]] - x[v[0]];
+  const Vec3 b = x[v[3]] - x[v[2]];
+  return a.cross(b).squaredNorm() <
+         kParallel * kParallel * a.squaredNorm() * b.squaredNorm();
 }
 
 /// Inverse mass of a vertex [1/kg]; 0 if its motion is prescribed.
@@ -47,7 +59,9 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
 void LayerContacts::clear() {
   candidates_.clear();
   contacts_.clear();
+  touching_.clear();
   sinceRefresh_ = 0;
+  travel_ = 0.0;
   active_ = 0;
   least_ = std::numeric_limits<double>::infinity();
 }
@@ -108,7 +122,8 @@ void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<V
     }
   }
   sortByVertex();
-  closest_.resize(candidates_.size());
+  constexpr double kUnknown = -std::numeric_limits<double>::infinity();
+  due_.assign(candidates_.size(), kUnknown);
 }
 
 /// Brings the faces near each vertex together, in the order of vertices; edges come last. Otherwise
@@ -125,7 +140,8 @@ void LayerContacts::sortByVertex() {
   candidates_.swap(sorted_);
 }
 
-/// Finds the closest points of a candidate. \return false if they cannot carry a contact.
+/// Finds the closest points of a candidate. \return false if they cannot carry a contact; its
+/// distance is known all the same.
 bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
                          Closest& out) const {
   const std::array<VertexId, 4>& v = candidate.v;
@@ -133,14 +149,8 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   contact.v = v;
   contact.friction = candidate.friction;
   if (candidate.areEdges()) {
-    const Vec3 a = x[v[1]] - x[v[0]];
-    const Vec3 b = x[v[3]] - x[v[2]];
-    if (a.cross(b).squaredNorm() < kParallel * kParallel * a.squaredNorm() * b.squaredNorm()) {
-      return false;
-    }
     const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
     out.isInside = at.s > 0.0 && at.s < 1.0 && at.t > 0.0 && at.t < 1.0;
-    if (!out.isInside) return false;
     contact.weight = {1.0 - at.s, at.s, at.t - 1.0, -at.t};
     contact.corners = 2;
   } else {
@@ -157,69 +167,106 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   }
   out.apart = apart.norm();
   if (!(out.apart > 0.0)) return false;
+  if (candidate.areEdges() && (!out.isInside || areParallel(v, x))) return false;
   contact.normal = apart / out.apart;
+  const double share = candidate.areEdges() ? kEdgeShare : 1.0;
   // Points that are near each other in the cloth laid flat are not pushed apart.
-  contact.distance = std::min(candidate.thickness, 0.9 * atRest.norm());
+  contact.distance = std::min(share * candidate.thickness, 0.9 * atRest.norm());
   return true;
 }
 
-/// Whether no face next to that of candidate `at` is closer to the same vertex.
+/// Whether no face next to that of `closest_[at]` is closer to the same vertex, of those in
+/// [first, last).
 bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size_t at) const {
   const Closest& self = closest_[at];
   if (self.isInside) return true;
-  for (std::size_t other = first; other < last; ++other) {
-    if (other == at || closest_[other].apart < 0.0) continue;
-    const bool isCloser =
-        closest_[other].apart < self.apart ||
-        (closest_[other].apart == self.apart && candidates_[other].face < candidates_[at].face);
-    if (isCloser && areAdjacent(faces_[candidates_[other].face], faces_[candidates_[at].face])) {
-      return false;
-    }
+  for (std::size_t k = first; k < last; ++k) {
+    const Closest& other = closest_[k];
+    if (k == at) continue;
+    const bool isCloser = other.apart < self.apart ||
+                          (other.apart == self.apart && other.face < self.face);
+    if (isCloser && areAdjacent(faces_[other.face], faces_[self.face])) return false;
   }
   return true;
 }
 
-/// Finds the closest points of all candidates, and of each vertex only the faces that are locally
-/// closest.
-void LayerContacts::refresh(const std::vector<Vec3>& x) {
-  constexpr double kNear = 4.0;  // thicknesses
+/// Finds the closest points of the candidates that are within `ahead` [m] of a contact.
+void LayerContacts::findClosest(const std::vector<Vec3>& x, double ahead) {
+  closest_.clear();
+  Closest closest;
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    if (due_[k] - travel_ > ahead) continue;
+    const Candidate& candidate = candidates_[k];
+    const bool holds = find(candidate, x, closest);
+    due_[k] = travel_ + closest.apart - candidate.thickness;
+    if (!holds || due_[k] - travel_ > ahead) continue;
+    closest.face = candidate.face;
+    closest.thickness = candidate.thickness;
+    closest_.push_back(closest);
+  }
+}
+
+/// Lists the contacts that may touch until the next time, and of each vertex only those with the
+/// faces that are locally closest.
+/// \param motion  largest motion of a vertex in the substep [m].
+void LayerContacts::refresh(const std::vector<Vec3>& x, double motion) {
+  // At one and a half times the speed, and a little.
+  findClosest(x, 3.0 * kRefreshEvery * motion + 1e-4);
   contacts_.clear();
   least_ = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    if (!find(candidates_[k], x, closest_[k])) closest_[k].apart = -1.0;
-  }
-  for (std::size_t first = 0; first < candidates_.size();) {
+  for (std::size_t first = 0; first < closest_.size();) {
     std::size_t last = first + 1;
-    const bool areEdges = candidates_[first].areEdges();
-    while (!areEdges && last < candidates_.size() && !candidates_[last].areEdges() &&
-           candidates_[last].v[0] == candidates_[first].v[0]) {
+    const bool areEdges = closest_[first].face == kNone;
+    while (!areEdges && last < closest_.size() && closest_[last].face != kNone &&
+           closest_[last].contact.v[0] == closest_[first].contact.v[0]) {
       ++last;
     }
     for (std::size_t k = first; k < last; ++k) {
       const Closest& closest = closest_[k];
-      if (closest.apart < 0.0) continue;
       if (!areEdges && !isClosestFace(first, last, k)) continue;
-      if (closest.contact.distance > 0.5 * candidates_[k].thickness) {
+      if (closest.contact.distance > 0.5 * closest.thickness) {
         least_ = std::min(least_, closest.apart);
       }
-      if (closest.apart > kNear * candidates_[k].thickness + 2e-3) continue;
       contacts_.push_back(closest.contact);
     }
     first = last;
   }
 }
 
-void LayerContacts::project(SubstepMotion motion, const std::vector<double>& mass, double h) {
+void LayerContacts::project(SubstepMotion motion, const std::vector<double>& mass, double h,
+                            double farthest) {
   active_ = 0;
   if (candidates_.empty()) return;
-  if (sinceRefresh_++ % kRefreshEvery == 0) refresh(motion.start);
-  for (Contact& contact : contacts_) {
-    contact.load = 0.0;
-    contact.drag.setZero();
-    projectFreely(contact, motion, mass, h);
+  if (sinceRefresh_++ % kRefreshEvery == 0) refresh(motion.start, farthest);
+  travel_ += 2.0 * farthest;
+  findTouching(motion.end);
+  for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, mass, h);
+  for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
+    if (projectFreely(contacts_[*k], motion, mass, h)) ++active_;
   }
-  for (auto contact = contacts_.rbegin(); contact != contacts_.rend(); ++contact) {
-    if (projectFreely(*contact, motion, mass, h)) ++active_;
+}
+
+/// Lists the contacts that are too near at the end of the substep, or nearly so: sweeps over the
+/// others would do nothing.
+void LayerContacts::findTouching(const std::vector<Vec3>& x) {
+  constexpr double kSlack = 1.003;  // of the distance to keep, because sweeps move their neighbours
+  constexpr std::int32_t kGrain = 4096;
+  isTouching_.resize(contacts_.size());
+  parallelFor(static_cast<std::int32_t>(contacts_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
+                     ++k) {
+                  Contact& contact = contacts_[k];
+                  contact.load = 0.0;
+                  contact.drag.setZero();
+                  Vec3 apart = Vec3::Zero();
+                  for (int i = 0; i < 4; ++i) apart += contact.weight[i] * x[contact.v[i]];
+                  isTouching_[k] = contact.normal.dot(apart) < kSlack * contact.distance ? 1 : 0;
+                }
+              });
+  touching_.clear();
+  for (std::size_t k = 0; k < isTouching_.size(); ++k) {
+    if (isTouching_[k] != 0) touching_.push_back(static_cast<std::uint32_t>(k));
   }
 }
 
@@ -228,9 +275,9 @@ void LayerContacts::settle(SubstepMotion motion, const std::vector<double>& mass
   constexpr int kMostLevels = 32;
   for (int level = 0; level < kMostLevels; ++level) {
     raised_.clear();
-    for (Contact& contact : contacts_) settleOne(contact, motion, mass, h, supported);
-    for (auto contact = contacts_.rbegin(); contact != contacts_.rend(); ++contact) {
-      settleOne(*contact, motion, mass, h, supported);
+    for (const std::uint32_t k : touching_) settleOne(contacts_[k], motion, mass, h, supported);
+    for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
+      settleOne(contacts_[*k], motion, mass, h, supported);
     }
     if (raised_.empty()) return;
     for (const VertexId v : raised_) supported[v] = 1;

@@ -27,8 +27,9 @@ class LayerContacts {
   void assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
               const std::vector<double>& allowance);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
-  /// \param mass  by vertex [kg]; 0: prescribed motion.
-  void project(SubstepMotion motion, const std::vector<double>& mass, double h);
+  /// \param mass      by vertex [kg]; 0: prescribed motion.
+  /// \param farthest  largest motion of a vertex in the substep, against the mean of all [m].
+  void project(SubstepMotion motion, const std::vector<double>& mass, double h, double farthest);
   /// Takes up what is left of the load, layer by layer away from what supports the cloth, with
   /// layers that are supported at rest (shock propagation: Guendelman et al. 2003). Without it a
   /// stack sinks into itself and creeps on slopes, because sweeps carry a load by one layer each.
@@ -65,8 +66,10 @@ class LayerContacts {
   /// The closest points of a candidate.
   struct Closest {
     Contact contact;
-    double apart = 0.0;     ///< [m]
-    bool isInside = false;  ///< inside the face, or inside both edges
+    FaceId face = kNone;     ///< as in Candidate
+    double thickness = 0.0;  ///< as in Layers [m]
+    double apart = 0.0;      ///< [m]
+    bool isInside = false;   ///< inside the face, or inside both edges
   };
 
   void addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,
@@ -74,8 +77,10 @@ class LayerContacts {
   void addEdges(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x, double reach,
                 const Layers& layers);
   void sortByVertex();
-  void refresh(const std::vector<Vec3>& x);
+  void refresh(const std::vector<Vec3>& x, double motion);
+  void findClosest(const std::vector<Vec3>& x, double ahead);
   bool find(const Candidate& candidate, const std::vector<Vec3>& x, Closest& out) const;
+  void findTouching(const std::vector<Vec3>& x);
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
   static bool projectFreely(Contact& contact, SubstepMotion motion,
                             const std::vector<double>& mass, double h);
@@ -94,10 +99,14 @@ class LayerContacts {
   std::vector<Candidate> candidates_;
   std::vector<Candidate> sorted_;    ///< scratch
   std::vector<std::int32_t> first_;  ///< scratch: by vertex
-  std::vector<Closest> closest_;     ///< by candidate
+  std::vector<double> due_;        ///< by candidate: value of `travel_` at which it may touch [m]
+  std::vector<Closest> closest_;   ///< of candidates that may touch soon, in their order
   std::vector<Contact> contacts_;
+  std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
+  std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
   std::vector<VertexId> raised_;  ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
+  double travel_ = 0.0;  ///< sum of how far two vertices may have approached since `assign` [m]
   int active_ = 0;
   double least_ = 0.0;
 };

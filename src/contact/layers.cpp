@@ -67,10 +67,10 @@ class LayerContact::Impl {
   template <typename Body>
   void forVertices(const Body& body) const;
   void loadEnd(const ParticleView& particles);
-  bool hasAbsurdMotion() const;
+  double farthestMotion() const;
   void giveUp(const ParticleView& particles);
   Vec3 meanMotion(const std::vector<Vec3>& from) const;
-  double farthestMotion(const Vec3& common) const;
+  double farthestSinceSearch(const Vec3& common) const;
   bool isAllowed() const;
   void search();
   void allow();
@@ -209,9 +209,21 @@ Vec3 LayerContact::Impl::meanMotion(const std::vector<Vec3>& from) const {
   return end_.empty() ? sum : Vec3(sum / static_cast<double>(end_.size()));
 }
 
+/// The largest motion of a vertex in the substep, against the mean of all [m]; NaN if one is.
+double LayerContact::Impl::farthestMotion() const {
+  const Vec3 common = meanMotion(start_);
+  double square = 0.0;
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    const double moved = (end_[v] - start_[v] - common).squaredNorm();
+    if (!(moved <= square)) square = moved;  // also for NaN, which stays then
+    if (std::isnan(square)) return square;
+  }
+  return std::sqrt(square);
+}
+
 /// The largest distance of a vertex from where the last search would have it, if it had moved like
 /// all on average: such a motion brings nothing together [m].
-double LayerContact::Impl::farthestMotion(const Vec3& common) const {
+double LayerContact::Impl::farthestSinceSearch(const Vec3& common) const {
   double square = 0.0;
   for (std::size_t v = 0; v < end_.size(); ++v) {
     square = std::max(square, (end_[v] - searched_[v] - common).squaredNorm());
@@ -223,7 +235,7 @@ double LayerContact::Impl::farthestMotion(const Vec3& common) const {
 bool LayerContact::Impl::isAllowed() const {
   if (!isFresh_) return false;
   const Vec3 common = meanMotion(searched_);
-  const double farthest = farthestMotion(common);
+  const double farthest = farthestSinceSearch(common);
   if (farthest > kLeastAllowance) {
     const bool areNear = holdsForAll(end_.size(), [&](std::size_t v) {
       return (end_[v] - searched_[v] - common).cwiseAbs().maxCoeff() <= allowance_[v];
@@ -290,10 +302,11 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   loadSupported(particles);
   most_ = kFastest * h;
   report.contacts = 0;
-  if (hasAbsurdMotion()) return;
+  const double farthest = farthestMotion();
+  if (!(farthest <= most_)) return;
   if (!isFresh_) search();
   if (pairs_.count() == 0) return;
-  contacts_.project({start_, end_}, mass_, h);
+  contacts_.project({start_, end_}, mass_, h, farthest);
   report.contacts = contacts_.active();
   report.leastDistance = contacts_.leastDistance();
   store(particles);
@@ -304,16 +317,6 @@ void LayerContact::Impl::settle(const ParticleView& particles, double h) {
   loadSupported(particles);
   contacts_.settle({start_, end_}, mass_, h, supported_);
   store(particles);
-}
-
-/// Whether a particle moves so far that the method has diverged; its motion would meet everything.
-bool LayerContact::Impl::hasAbsurdMotion() const {
-  const Vec3 common = meanMotion(start_);
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    // A comparison that is false for NaN.
-    if (!((end_[v] - start_[v] - common).squaredNorm() <= most_ * most_)) return true;
-  }
-  return false;
 }
 
 /// Tells the method that it has diverged.
@@ -327,7 +330,8 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
 /// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
   loadEnd(particles);
-  if (hasAbsurdMotion()) return giveUp(particles);
+  // A comparison that is false for NaN. The motion would meet everything.
+  if (!(farthestMotion() <= most_)) return giveUp(particles);
   report.moves += static_cast<std::int64_t>(end_.size());
   std::fill(truncated_.begin(), truncated_.end(), 0);
   const Truncation now{{start_, end_}, mass_, truncated_};
