@@ -8,7 +8,7 @@ namespace cloth_sim {
 namespace {
 
 /// Cells along the side of a bucket.
-constexpr double kCells = 2.0;
+constexpr double kCells = 1.0;
 /// Round-off of material coordinates, as a fraction of a bucket.
 constexpr double kRounding = 1e-9;
 
