@@ -97,16 +97,22 @@ void LayerContacts::addEdges(const std::array<VertexId, 4>& v, const std::vector
 /// A vertex takes part as a corner of its first face, an edge as a side of its first face; so no
 /// contact is listed twice.
 void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
-                           const std::vector<double>& allowance) {
+                           const std::vector<Box>& allowed) {
   clear();
-  const auto reachOf = [&](const Face& face) {
-    return std::max({allowance[face[0]], allowance[face[1]], allowance[face[2]]});
+  const auto allowedOf = [&](const Face& face) {
+    Box box = allowed[face[0]];
+    box.add(allowed[face[1]]);
+    box.add(allowed[face[2]]);
+    return box;
   };
   for (const FaceIds& ids : near) {
     const Layers layers = layersOf(ids.first, ids.second);
     const Face& f = faces_[ids.first];
     const Face& g = faces_[ids.second];
-    const double reach = layers.thickness + reachOf(f) + reachOf(g);
+    const Box a = allowedOf(f);
+    const Box b = allowedOf(g);
+    const Vec3 approach = (a.high - b.low).cwiseMax(b.high - a.low);
+    const double reach = layers.thickness + approach.maxCoeff();
     for (const VertexId p : f) {
       if (firstFace_[p] == ids.first) addVertexFace(p, ids.second, x, reach, layers);
     }

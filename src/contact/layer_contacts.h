@@ -25,7 +25,7 @@ class LayerContacts {
   void clear();
   /// Lists what can come into contact, from pairs of faces near each other.
   void assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
-              const std::vector<double>& allowance);
+              const std::vector<Box>& allowed);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   /// \param mass      by vertex [kg]; 0: prescribed motion.
   /// \param farthest  largest motion of a vertex in the substep, against the mean of all [m].

@@ -90,7 +90,7 @@ class LayerContact::Impl {
   std::vector<Vec3> start_, end_;    ///< of the substep, by vertex [m]
   std::vector<double> mass_;         ///< by vertex [kg]; 0: prescribed motion
   std::vector<Vec3> searched_;       ///< positions at the last search, by vertex [m]
-  std::vector<double> allowance_;    ///< motion that it allowed, by vertex [m]
+  std::vector<Box> allowed_;         ///< motion that it allowed, by vertex [m]
   std::vector<GradientBall> balls_;  ///< gradients that it allowed, by face
   std::vector<Box> boxes_;           ///< by face
   std::vector<FaceIds> near_;
@@ -117,7 +117,7 @@ void LayerContact::Impl::build(const Model& model) {
   const auto vertices = static_cast<std::size_t>(model.particleCount());
   for (auto* array : {&start_, &end_, &searched_}) array->resize(vertices);
   mass_.resize(vertices);
-  allowance_.resize(vertices);
+  allowed_.resize(vertices);
   truncated_.resize(vertices);
   supported_.resize(vertices);
   balls_.resize(faces_.size());
@@ -238,7 +238,7 @@ bool LayerContact::Impl::isAllowed() const {
   const double farthest = farthestSinceSearch(common);
   if (farthest > kLeastAllowance) {
     const bool areNear = holdsForAll(end_.size(), [&](std::size_t v) {
-      return (end_[v] - searched_[v] - common).cwiseAbs().maxCoeff() <= allowance_[v];
+      return allowed_[v].contains(end_[v] - searched_[v] - common);
     });
     if (!areNear) return false;
   }
@@ -251,14 +251,21 @@ bool LayerContact::Impl::isAllowed() const {
   });
 }
 
-/// Sets how far vertices and gradients may go until the next search: as in some substeps like this
-/// one, and in this one at least.
+/// Sets where vertices and gradients may go until the next search, seen from the mean of all
+/// vertices: some substeps ahead like this one, or stopped by an obstacle, in this substep at least.
 void LayerContact::Impl::allow() {
   const Vec3 common = meanMotion(start_);
+  const auto aheadOf = [](const Vec3& motion) {
+    const double length = motion.cwiseAbs().maxCoeff();
+    const double most = length > 0.0 ? kMostAllowance / length : kSubstepsAhead;
+    return Vec3(std::max(1.5, std::min(kSubstepsAhead, most)) * motion);
+  };
+  const Vec3 stopped = aheadOf(-common);
   forVertices([&](std::size_t v) {
-    const double moved = (end_[v] - start_[v] - common).cwiseAbs().maxCoeff();
-    const double ahead = std::min(kMostAllowance, kLeastAllowance + kSubstepsAhead * moved);
-    allowance_[v] = std::max(ahead, 1.5 * moved);
+    const Vec3 ahead = aheadOf(end_[v] - start_[v] - common);
+    const Vec3 low = ahead.cwiseMin(stopped).cwiseMin(0.0).array() - kLeastAllowance;
+    const Vec3 high = ahead.cwiseMax(stopped).cwiseMax(0.0).array() + kLeastAllowance;
+    allowed_[v] = {low, high};
   });
   constexpr std::int32_t kGrain = 2048;
   parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
@@ -274,8 +281,8 @@ void LayerContact::Impl::allowFace(FaceId f) {
   ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
   Box box;
   for (const VertexId v : faces_[f]) {
-    const Vec3 reach = Vec3::Constant(allowance_[v] + margin_);
-    box.add({start_[v] - reach, start_[v] + reach});
+    const Vec3 margin = Vec3::Constant(margin_);
+    box.add({start_[v] + allowed_[v].low - margin, start_[v] + allowed_[v].high + margin});
   }
   boxes_[f] = box;
 }
@@ -293,7 +300,7 @@ void LayerContact::Impl::search() {
     }
   }
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(near_, start_, allowance_);
+  contacts_.assign(near_, start_, allowed_);
   isFresh_ = true;
   ++report.detections;
 }

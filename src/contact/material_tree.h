@@ -18,6 +18,9 @@ struct Box {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
+  bool contains(const Vec3& p) const {
+    return (low.array() <= p.array()).all() && (p.array() <= high.array()).all();
+  }
   bool meets(const Box& other) const {
     return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
   }
