@@ -27,8 +27,7 @@ bool areAdjacent(const Face& a, const Face& b) {
 bool areParallel(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x) {
   const Vec3 a = x[v[1]] - x[v[0]];
   const Vec3 b = x[v[3]] - x[v[2]];
-  return a.cross(b).squaredNorm() <
-         kParallel * kParallel * a.squaredNorm() * b.squaredNorm();
+  return a.cross(b).squaredNorm() < kParallel * kParallel * a.squaredNorm() * b.squaredNorm();
 }
 
 /// Inverse mass of a vertex [1/kg]; 0 if its motion is prescribed.
@@ -189,8 +188,8 @@ bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size
   for (std::size_t k = first; k < last; ++k) {
     const Closest& other = closest_[k];
     if (k == at) continue;
-    const bool isCloser = other.apart < self.apart ||
-                          (other.apart == self.apart && other.face < self.face);
+    const bool isCloser =
+        other.apart < self.apart || (other.apart == self.apart && other.face < self.face);
     if (isCloser && areAdjacent(faces_[other.face], faces_[self.face])) return false;
   }
   return true;

@@ -10,8 +10,8 @@
 namespace cloth_sim {
 
 /// Contacts between vertices and faces, and between edges, of layers near each other. Each substep
-/// projects them one after the other (projected Gauss-Seidel, Jean 1999), with Coulomb friction: the
-/// sum of what a contact has pushed never pulls, and bounds the sum of its friction.
+/// projects them one after the other (projected Gauss-Seidel, Jean 1999), with Coulomb friction:
+/// the sum of what a contact has pushed never pulls, and bounds the sum of its friction.
 class LayerContacts {
  public:
   /// Thickness and friction of the layers of a pair of faces.
@@ -82,10 +82,10 @@ class LayerContacts {
   bool find(const Candidate& candidate, const std::vector<Vec3>& x, Closest& out) const;
   void findTouching(const std::vector<Vec3>& x);
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
-  static bool projectFreely(Contact& contact, SubstepMotion motion,
-                            const std::vector<double>& mass, double h);
-  static bool projectOne(Contact& contact, SubstepMotion motion,
-                         const std::array<double, 4>& share, double mobility, double h);
+  static bool projectFreely(Contact& contact, SubstepMotion motion, const std::vector<double>& mass,
+                            double h);
+  static bool projectOne(Contact& contact, SubstepMotion motion, const std::array<double, 4>& share,
+                         double mobility, double h);
   void settleOne(Contact& contact, SubstepMotion motion, const std::vector<double>& mass, double h,
                  const std::vector<std::uint8_t>& supported);
   Layers layersOf(FaceId f, FaceId g) const;
@@ -99,12 +99,12 @@ class LayerContacts {
   std::vector<Candidate> candidates_;
   std::vector<Candidate> sorted_;    ///< scratch
   std::vector<std::int32_t> first_;  ///< scratch: by vertex
-  std::vector<double> due_;        ///< by candidate: value of `travel_` at which it may touch [m]
-  std::vector<Closest> closest_;   ///< of candidates that may touch soon, in their order
+  std::vector<double> due_;          ///< by candidate: value of `travel_` at which it may touch [m]
+  std::vector<Closest> closest_;     ///< of candidates that may touch soon, in their order
   std::vector<Contact> contacts_;
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
-  std::vector<VertexId> raised_;  ///< scratch: vertices that a level of layers supports
+  std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
   double travel_ = 0.0;  ///< sum of how far two vertices may have approached since `assign` [m]
   int active_ = 0;

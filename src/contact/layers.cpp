@@ -252,7 +252,8 @@ bool LayerContact::Impl::isAllowed() const {
 }
 
 /// Sets where vertices and gradients may go until the next search, seen from the mean of all
-/// vertices: some substeps ahead like this one, or stopped by an obstacle, in this substep at least.
+/// vertices: some substeps ahead like this one, or stopped by an obstacle, in this substep at
+/// least.
 void LayerContact::Impl::allow() {
   const Vec3 common = meanMotion(start_);
   const auto aheadOf = [](const Vec3& motion) {
@@ -379,9 +380,7 @@ void LayerContact::project(const ParticleView& particles, double h) {
   impl_->project(particles, h);
 }
 
-void LayerContact::settle(const ParticleView& particles, double h) {
-  impl_->settle(particles, h);
-}
+void LayerContact::settle(const ParticleView& particles, double h) { impl_->settle(particles, h); }
 
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
 
