@@ -16,7 +16,7 @@ constexpr double kFastest = 500.0;
 /// Substeps that a search for pairs allows for, at the speed of the present one.
 constexpr double kSubstepsAhead = 4.0;
 /// Motion that a search allows for at least [m].
-constexpr double kLeastAllowance = 2e-4;
+constexpr double kLeastAllowance = 4e-4;
 /// Change of a face's gradient that a search allows for at least [-].
 constexpr double kLeastTurn = 0.2;
 /// Most motion that a search allows for, unless a single substep takes more [m].
@@ -26,6 +26,17 @@ constexpr double kLeastShare = 0.1;
 
 std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
   return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
+}
+
+/// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do for what all
+/// have in common, so a sample suffices.
+Vec3 meanMotion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+  constexpr std::size_t kSample = 256;
+  const std::size_t stride = std::max<std::size_t>(1, to.size() / kSample);
+  Vec3 sum = Vec3::Zero();
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < to.size(); v += stride, ++count) sum += to[v] - from[v];
+  return count == 0 ? sum : Vec3(sum / static_cast<double>(count));
 }
 
 /// Whether `holds(k)` for all k in [0, count); on several threads where that pays.
@@ -66,12 +77,13 @@ class LayerContact::Impl {
   void store(const ParticleView& particles) const;
   template <typename Body>
   void forVertices(const Body& body) const;
+  void loadStart(const ParticleView& particles);
   void loadEnd(const ParticleView& particles);
   double farthestMotion() const;
   void giveUp(const ParticleView& particles);
-  Vec3 meanMotion(const std::vector<Vec3>& from) const;
-  double farthestSinceSearch(const Vec3& common) const;
-  bool isAllowed() const;
+  bool isAllowed();
+  bool isTurnAllowed(std::size_t f) const;
+  bool isFarFromItself() const { return isFresh_ && pairs_.count() == 0; }
   void search();
   void allow();
   void allowFace(FaceId f);
@@ -80,7 +92,6 @@ class LayerContact::Impl {
   std::vector<LayerProperties> byCloth_;
   std::vector<Face> faces_;
   std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
-  double sharpest_ = 0.0;                     ///< largest norm of these [1/m]
   std::vector<MaterialTree> trees_;           ///< by cloth
   double margin_ = 0.0;                       ///< half of the largest thickness [m]
   FacePairs pairs_;
@@ -90,8 +101,10 @@ class LayerContact::Impl {
   std::vector<Vec3> start_, end_;    ///< of the substep, by vertex [m]
   std::vector<double> mass_;         ///< by vertex [kg]; 0: prescribed motion
   std::vector<Vec3> searched_;       ///< positions at the last search, by vertex [m]
+  std::vector<Vec3> moved_;          ///< motion since then, against the mean, by vertex [m]
   std::vector<Box> allowed_;         ///< motion that it allowed, by vertex [m]
   std::vector<GradientBall> balls_;  ///< gradients that it allowed, by face
+  std::vector<double> turn_;         ///< square of the edges' change within these, by face [m^2]
   std::vector<Box> boxes_;           ///< by face
   std::vector<FaceIds> near_;
   std::vector<std::uint8_t> truncated_;  ///< by vertex
@@ -101,26 +114,25 @@ class LayerContact::Impl {
 void LayerContact::Impl::build(const Model& model) {
   faces_ = model.mesh.faces();
   inverseRest_.resize(faces_.size());
-  sharpest_ = 0.0;
   for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
     const Face& face = faces_[f];
     Eigen::Matrix2d rest;
     rest.col(0) = model.mesh.material(face[1]) - model.mesh.material(face[0]);
     rest.col(1) = model.mesh.material(face[2]) - model.mesh.material(face[0]);
     inverseRest_[f] = rest.inverse();
-    sharpest_ = std::max(sharpest_, inverseRest_[f].norm());
   }
   trees_.resize(model.cloths.size());
   for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
   margin_ = 0.0;
   for (const LayerProperties& cloth : byCloth_) margin_ = std::max(margin_, 0.5 * cloth.thickness);
   const auto vertices = static_cast<std::size_t>(model.particleCount());
-  for (auto* array : {&start_, &end_, &searched_}) array->resize(vertices);
+  for (auto* array : {&start_, &end_, &searched_, &moved_}) array->resize(vertices);
   mass_.resize(vertices);
   allowed_.resize(vertices);
   truncated_.resize(vertices);
   supported_.resize(vertices);
   balls_.resize(faces_.size());
+  turn_.resize(faces_.size());
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
   beginStep();
@@ -159,6 +171,7 @@ void LayerContact::Impl::forVertices(const Body& body) const {
 }
 
 void LayerContact::Impl::load(const ParticleView& particles) {
+  if (isFarFromItself()) return;
   forVertices([&](std::size_t v) {
     const auto k = slotOf(particles, v);
     start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
@@ -175,6 +188,13 @@ void LayerContact::Impl::loadSupported(const ParticleView& particles) {
     const Vec3 moved(particles.x[k], particles.y[k], particles.z[k]);
     if (moved != end_[v]) supported_[v] = 1;
     end_[v] = moved;
+  });
+}
+
+void LayerContact::Impl::loadStart(const ParticleView& particles) {
+  forVertices([&](std::size_t v) {
+    const auto k = slotOf(particles, v);
+    start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
   });
 }
 
@@ -196,22 +216,12 @@ void LayerContact::Impl::store(const ParticleView& particles) const {
 
 Gradient LayerContact::Impl::gradient(FaceId f, const std::vector<Vec3>& x) const {
   const Face& face = faces_[f];
-  Gradient edges;
-  edges.col(0) = x[face[1]] - x[face[0]];
-  edges.col(1) = x[face[2]] - x[face[0]];
-  return edges * inverseRest_[f];
-}
-
-/// Mean displacement of all vertices [m].
-Vec3 LayerContact::Impl::meanMotion(const std::vector<Vec3>& from) const {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t v = 0; v < end_.size(); ++v) sum += end_[v] - from[v];
-  return end_.empty() ? sum : Vec3(sum / static_cast<double>(end_.size()));
+  return Gradient::of(x[face[1]] - x[face[0]], x[face[2]] - x[face[0]], inverseRest_[f]);
 }
 
 /// The largest motion of a vertex in the substep, against the mean of all [m]; NaN if one is.
 double LayerContact::Impl::farthestMotion() const {
-  const Vec3 common = meanMotion(start_);
+  const Vec3 common = meanMotion(start_, end_);
   double square = 0.0;
   for (std::size_t v = 0; v < end_.size(); ++v) {
     const double moved = (end_[v] - start_[v] - common).squaredNorm();
@@ -221,41 +231,33 @@ double LayerContact::Impl::farthestMotion() const {
   return std::sqrt(square);
 }
 
-/// The largest distance of a vertex from where the last search would have it, if it had moved like
-/// all on average: such a motion brings nothing together [m].
-double LayerContact::Impl::farthestSinceSearch(const Vec3& common) const {
-  double square = 0.0;
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    square = std::max(square, (end_[v] - searched_[v] - common).squaredNorm());
-  }
-  return std::sqrt(square);
+/// Whether the end of the substep is within what the last search allowed. Motion that all vertices
+/// have in common does not count: it brings nothing together.
+bool LayerContact::Impl::isAllowed() {
+  if (!isFresh_) return false;
+  const Vec3 common = meanMotion(searched_, end_);
+  const bool areNear = holdsForAll(end_.size(), [&](std::size_t v) {
+    moved_[v] = end_[v] - searched_[v] - common;
+    return allowed_[v].contains(moved_[v]);
+  });
+  return areNear && holdsForAll(faces_.size(), [&](std::size_t f) { return isTurnAllowed(f); });
 }
 
-/// Whether the end of the substep is within what the last search allowed.
-bool LayerContact::Impl::isAllowed() const {
-  if (!isFresh_) return false;
-  const Vec3 common = meanMotion(searched_);
-  const double farthest = farthestSinceSearch(common);
-  if (farthest > kLeastAllowance) {
-    const bool areNear = holdsForAll(end_.size(), [&](std::size_t v) {
-      return allowed_[v].contains(end_[v] - searched_[v] - common);
-    });
-    if (!areNear) return false;
-  }
-  // The columns of a face's edges change by twice the farthest motion at most.
-  if (2.0 * std::sqrt(2.0) * farthest * sharpest_ <= kLeastTurn) return true;
-  return holdsForAll(faces_.size(), [&](std::size_t f) {
-    const GradientBall& ball = balls_[f];
-    const Gradient now = gradient(static_cast<FaceId>(f), end_);
-    return (now - ball.centre).squaredNorm() <= ball.radius * ball.radius;
-  });
+/// Whether the gradient of a face has changed by no more than the last search allowed.
+bool LayerContact::Impl::isTurnAllowed(std::size_t f) const {
+  const Face& face = faces_[f];
+  const Vec3 first = moved_[face[1]] - moved_[face[0]];
+  const Vec3 second = moved_[face[2]] - moved_[face[0]];
+  // The norm of the edges' change bounds that of the gradient.
+  if (first.squaredNorm() + second.squaredNorm() <= turn_[f]) return true;
+  return Gradient::of(first, second, inverseRest_[f]).norm() <= balls_[f].radius;
 }
 
 /// Sets where vertices and gradients may go until the next search, seen from the mean of all
 /// vertices: some substeps ahead like this one, or stopped by an obstacle, in this substep at
 /// least.
 void LayerContact::Impl::allow() {
-  const Vec3 common = meanMotion(start_);
+  const Vec3 common = meanMotion(start_, end_);
   const auto aheadOf = [](const Vec3& motion) {
     const double length = motion.cwiseAbs().maxCoeff();
     const double most = length > 0.0 ? kMostAllowance / length : kSubstepsAhead;
@@ -280,6 +282,7 @@ void LayerContact::Impl::allowFace(FaceId f) {
   ball.centre = gradient(f, start_);
   const double turned = (gradient(f, end_) - ball.centre).norm();
   ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
+  turn_[f] = ball.radius * ball.radius / inverseRest_[f].squaredNorm();
   Box box;
   for (const VertexId v : faces_[f]) {
     const Vec3 margin = Vec3::Constant(margin_);
@@ -307,9 +310,10 @@ void LayerContact::Impl::search() {
 }
 
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
-  loadSupported(particles);
   most_ = kFastest * h;
   report.contacts = 0;
+  if (isFarFromItself()) return;
+  loadSupported(particles);
   const double farthest = farthestMotion();
   if (!(farthest <= most_)) return;
   if (!isFresh_) search();
@@ -338,13 +342,18 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
 /// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
   loadEnd(particles);
+  report.moves += static_cast<std::int64_t>(end_.size());
+  report.blocked = 0;
+  bool isAllowedNow = isAllowed();
+  if (isFarFromItself()) {
+    if (isAllowedNow) return;
+    loadStart(particles);
+  }
   // A comparison that is false for NaN. The motion would meet everything.
   if (!(farthestMotion() <= most_)) return giveUp(particles);
-  report.moves += static_cast<std::int64_t>(end_.size());
   std::fill(truncated_.begin(), truncated_.end(), 0);
   const Truncation now{{start_, end_}, mass_, truncated_};
   constexpr int kMostSearches = 8;
-  bool isAllowedNow = isAllowed();
   for (int searches = 0; searches < kMostSearches; ++searches) {
     if (!isAllowedNow) search();
     const PairOutcome outcome = pairs_.keepApart(now);
@@ -356,7 +365,6 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   report.pairs = static_cast<int>(pairs_.count());
   const auto count = std::count(truncated_.begin(), truncated_.end(), 1);
   report.truncated += count;
-  report.blocked = 0;
   for (std::size_t v = 0; count > 0 && v < mass_.size(); ++v) {
     if (truncated_[v] != 0 && mass_[v] == 0.0) ++report.blocked;
   }

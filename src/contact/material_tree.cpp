@@ -33,13 +33,13 @@ Vec2 centre(const TriangleMesh& mesh, FaceId f) {
   return (mesh.material(face[0]) + mesh.material(face[1]) + mesh.material(face[2])) / 3.0;
 }
 
-/// The smaller singular value of a gradient.
-double leastStretch(const Gradient& g) {
-  const double uu = g.col(0).squaredNorm();
-  const double vv = g.col(1).squaredNorm();
-  const double uv = g.col(0).dot(g.col(1));
-  const double square = 0.5 * (uu + vv - std::hypot(uu - vv, 2.0 * uv));
-  return square > 0.0 ? std::sqrt(square) : 0.0;
+/// Whether both singular values of a gradient are above `least`, >= 0: if the Gram matrix of its
+/// columns is positive definite after that much is taken from its eigenvalues.
+bool isStretchAbove(const Gradient& g, double least) {
+  const double uu = g.u.squaredNorm() - least * least;
+  const double vv = g.v.squaredNorm() - least * least;
+  const double uv = g.u.dot(g.v);
+  return uu > 0.0 && vv > 0.0 && uu * vv > uv * uv;
 }
 
 /// Turns lists of (bucket, face) into faces by bucket, ascending.
@@ -78,20 +78,23 @@ void GradientBall::add(const GradientBall& other) {
     *this = other;
     return;
   }
-  const double apart = (other.centre - centre).norm();
+  const Gradient to = other.centre - centre;
+  const double apart = to.norm();
   if (apart + other.radius <= radius) return;
   if (apart + radius <= other.radius) {
     *this = other;
     return;
   }
   const double grown = 0.5 * (apart + radius + other.radius);
-  centre += (grown - radius) / apart * (other.centre - centre);
+  const double share = (grown - radius) / apart;
+  centre.u += share * to.u;
+  centre.v += share * to.v;
   radius = grown;
 }
 
 bool GradientBall::provesInjective() const {
   constexpr double kMargin = 1e-3;  // far above round-off
-  return !isEmpty() && std::isfinite(radius) && leastStretch(centre) > radius + kMargin;
+  return !isEmpty() && std::isfinite(radius) && isStretchAbove(centre, radius + kMargin);
 }
 
 void MaterialTree::build(const Model& model, std::size_t cloth) {

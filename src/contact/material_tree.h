@@ -2,6 +2,7 @@
 /// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it
 /// that nothing rules out from touching.
 
+#include <cmath>
 #include <cstdint>
 
 #include "closest_points.h"
@@ -26,8 +27,20 @@ struct Box {
   }
 };
 
-/// A deformation gradient: derivatives of the position by the two material coordinates, (3, 2).
-using Gradient = Eigen::Matrix<double, 3, 2>;
+/// A deformation gradient, (3, 2): derivatives of the position by the two material coordinates.
+struct Gradient {
+  Vec3 u = Vec3::Zero();
+  Vec3 v = Vec3::Zero();
+
+  /// Edges of a triangle in the world, multiplied by the inverse of its edges at rest (2, 2).
+  static Gradient of(const Vec3& first, const Vec3& second, const Eigen::Matrix2d& inverseRest) {
+    return {inverseRest(0, 0) * first + inverseRest(1, 0) * second,
+            inverseRest(0, 1) * first + inverseRest(1, 1) * second};
+  }
+  /// Frobenius norm.
+  double norm() const { return std::sqrt(u.squaredNorm() + v.squaredNorm()); }
+  Gradient operator-(const Gradient& other) const { return {u - other.u, v - other.v}; }
+};
 
 /// A ball in the space of deformation gradients, by the Frobenius norm.
 ///
@@ -36,7 +49,7 @@ using Gradient = Eigen::Matrix<double, 3, 2>;
 /// its points u and w, x(u) - x(w) is the integral of the gradient along the segment between them,
 /// and so at least (sigma - radius) |u - w| long.
 struct GradientBall {
-  Gradient centre = Gradient::Zero();
+  Gradient centre;
   double radius = -1.0;  ///< below 0: no gradients; infinite: nothing is known
 
   static GradientBall unknown();

@@ -155,10 +155,8 @@ TEST(GradientBall, GrowsToContainBoth) {
   RandomPoints random(6);
   for (int k = 0; k < 200; ++k) {
     GradientBall a, b;
-    for (int i = 0; i < 6; ++i) {
-      a.centre.data()[i] = random.number();
-      b.centre.data()[i] = random.number();
-    }
+    a.centre = {random.point(), random.point()};
+    b.centre = {random.point(), random.point()};
     a.radius = std::abs(random.number());
     b.radius = std::abs(random.number());
     GradientBall both = a;
@@ -191,14 +189,13 @@ std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
     Box box;
     for (const VertexId v : face) box.add({state.x[v], state.x[v]});
     boxes.push_back(box);
-    Gradient edges;
     Eigen::Matrix2d rest;
     for (int k = 0; k < 2; ++k) {
-      edges.col(k) = state.x[face[k + 1]] - state.x[face[0]];
       rest.col(k) = model.mesh.material(face[k + 1]) - model.mesh.material(face[0]);
     }
     GradientBall ball;
-    ball.centre = edges * rest.inverse();
+    ball.centre = Gradient::of(state.x[face[1]] - state.x[face[0]],
+                               state.x[face[2]] - state.x[face[0]], rest.inverse());
     ball.radius = 0.05;
     balls.push_back(ball);
   }
