@@ -1,5 +1,6 @@
 #include "cloth_sim/ros/conversions.h"
 
+#include <cmath>
 #include <limits>
 
 #include "sim/command_text.h"
@@ -17,6 +18,17 @@ ErrorInfo toErrorInfo(const ErrorEstimate& error) {
   message.largest_position = error.largestPosition;
   message.asked = error.asked;
   message.budget_sufficed = error.sufficed;
+  return message;
+}
+
+ContactInfo toContactInfo(const LayerReport& layers) {
+  ContactInfo message;
+  message.on = true;
+  message.pairs = layers.pairs;
+  message.contacts = layers.contacts;
+  message.truncated = layers.truncatedShare();
+  if (std::isfinite(layers.leastDistance)) message.smallest_distance = layers.leastDistance;
+  message.blocked = layers.blocked;
   return message;
 }
 
@@ -227,6 +239,7 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.mean_speed = figures.meanSpeed;
   message.max_strain = strainOfStretch(figures.maxStretch);
   if (snapshot.error) message.error_estimate = toErrorInfo(*snapshot.error);
+  if (snapshot.layers) message.contact = toContactInfo(*snapshot.layers);
   message.state_hash = hashText(figures.hash);
   message.paused = observation.paused;
   message.failed = snapshot.failed;

@@ -314,6 +314,8 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
   } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
     status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
+  } else if (snapshot.layers && snapshot.layers->blocked > 0) {
+    status.summary(DiagnosticStatus::WARN, "layers of cloth keep held particles from following");
   } else if (!snapshot.warnings.empty()) {
     status.summary(DiagnosticStatus::WARN, joinTexts(snapshot.warnings));
   } else {
@@ -333,6 +335,11 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.add("estimated error of positions over the side", snapshot.error->position);
     status.add("error asked for", snapshot.error->asked);
     status.add("budget sufficed", snapshot.error->sufficed);
+  }
+  if (snapshot.layers) {
+    status.add("contacts between layers", snapshot.layers->contacts);
+    status.add("share of shortened motions", snapshot.layers->truncatedShare());
+    status.add("held particles blocked by layers", snapshot.layers->blocked);
   }
   status.add("phase", snapshot.phase);
   status.add("pieces", figures.pieces.size());

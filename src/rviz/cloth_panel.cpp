@@ -76,6 +76,17 @@ QString errorsText(const ErrorInfo& error) {
       .arg(error.budget_sufficed ? "" : "; the budget of substeps did not suffice");
 }
 
+/// "", or the contact between layers of cloth.
+QString contactText(const ContactInfo& contact) {
+  if (!contact.on) return {};
+  QString text = QString("<br>layers: %1 contacts").arg(contact.contacts);
+  if (contact.contacts > 0) {
+    text += QString(", %1 mm apart at least").arg(1e3 * contact.smallest_distance, 0, 'f', 2);
+  }
+  if (contact.blocked > 0) text += QString("; %1 held particles blocked").arg(contact.blocked);
+  return text;
+}
+
 }  // namespace
 
 ClothPanel::ClothPanel(QWidget* parent)
@@ -218,7 +229,7 @@ void ClothPanel::showFigures(const ClothState& state) {
                        .arg(state.broken_torn)
                        .arg(state.broken_cut)
                        .arg(state.max_strain, 0, 'f', 3) +
-                   errorsText(state.error_estimate));
+                   errorsText(state.error_estimate) + contactText(state.contact));
 }
 
 void ClothPanel::onParameters(const dynamic_reconfigure::Config& config) {

@@ -72,6 +72,7 @@ std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail deta
   showSurroundings(parts, *shot);
   shot->substeps = parts.solver.report().substeps;
   shot->error = parts.solver.report().error;
+  if (parts.layers) shot->layers = parts.layers->report();
   shot->guard = parts.solver.guard();
   shot->failed = parts.failed();
   shot->failure = parts.failure;

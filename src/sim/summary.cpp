@@ -134,10 +134,9 @@ Json errorJson(const std::optional<ErrorEstimate>& error) {
 /// Returns null if layers of cloth do not touch each other.
 Json contactJson(const std::optional<LayerReport>& layers) {
   if (!layers) return nullptr;
-  const double moves = std::max<double>(1.0, static_cast<double>(layers->moves));
   return {{"pairs", layers->pairs},
           {"contacts", layers->contacts},
-          {"truncated", static_cast<double>(layers->truncated) / moves},
+          {"truncated", layers->truncatedShare()},
           {"smallest_distance_m", number(layers->leastDistance)},
           {"blocked", layers->blocked},
           {"detections", layers->detections}};

@@ -1,6 +1,7 @@
 #pragma once
 /// \file Contact between layers of cloth: of one cloth with itself, and of several cloths.
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -25,7 +26,12 @@ struct LayerReport {
   std::int64_t unproven = 0;   ///< pairs that touched or intersected at the start of a substep
   int blocked = 0;             ///< held vertices whose motion was shortened in the last substep
   /// Least distance of two layers in contact [m]; infinite without any.
-  double leastDistance = 0.0;
+  double leastDistance = std::numeric_limits<double>::infinity();
+
+  /// Share of the motions of vertices that were shortened, in [0, 1].
+  double truncatedShare() const {
+    return moves > 0 ? static_cast<double>(truncated) / static_cast<double>(moves) : 0.0;
+  }
 };
 
 /// Faces that touch or intersect each other.

@@ -8,6 +8,7 @@
 
 #include "cloth_sim/clamp/grip_event.h"
 #include "cloth_sim/cloth/strain.h"
+#include "cloth_sim/contact/layers.h"
 #include "cloth_sim/scene/phase_script.h"
 #include "cloth_sim/sim/counts.h"
 #include "cloth_sim/sim/result_warning.h"
@@ -101,6 +102,7 @@ struct Snapshot {
   Tuning tuning;
   int substeps = 0;                    ///< of the last step
   std::optional<ErrorEstimate> error;  ///< after the last step; absent: the method estimates none
+  std::optional<LayerReport> layers;   ///< of the last step; absent: layers do not touch
   GuardRecord guard;                   ///< interventions of the step guard
   bool failed = false;
   std::string failure;                  ///< why the simulation stopped; "" if it did not

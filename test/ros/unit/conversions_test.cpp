@@ -60,6 +60,27 @@ TEST(StateMessage, HasNoPieceOfACompletelyDroppedCloth) {
   EXPECT_TRUE(state.piece.empty());
 }
 
+TEST(StateMessage, SaysWhetherLayersTouchAndHow) {
+  Snapshot snapshot = cutCloth();
+  EXPECT_FALSE(toStateMessage(observe(snapshot), std_msgs::Header()).contact.on);
+  snapshot.layers.emplace();
+  snapshot.layers->pairs = 7;
+  snapshot.layers->truncated = 1;
+  snapshot.layers->moves = 4;
+  snapshot.layers->blocked = 2;
+  ContactInfo contact = toStateMessage(observe(snapshot), std_msgs::Header()).contact;
+  EXPECT_TRUE(contact.on);
+  EXPECT_EQ(contact.pairs, 7U);
+  EXPECT_EQ(contact.truncated, 0.25);
+  EXPECT_EQ(contact.smallest_distance, 0.0) << "infinite without contacts, which stays inside";
+  EXPECT_EQ(contact.blocked, 2U);
+  snapshot.layers->contacts = 3;
+  snapshot.layers->leastDistance = 0.001;
+  contact = toStateMessage(observe(snapshot), std_msgs::Header()).contact;
+  EXPECT_EQ(contact.contacts, 3U);
+  EXPECT_EQ(contact.smallest_distance, 0.001);
+}
+
 TEST(TopologyMessage, SaysWhichParticlesAreOfWhichCloth) {
   Topology topology;
   topology.cloths = {{"scarf", 0, 12, 0.0}, {"banner", 12, 6, 2.0}};
