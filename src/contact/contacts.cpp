@@ -49,15 +49,17 @@ void Contacts::splitByCloth(std::size_t cloths,
   unsplit_.clear();
 }
 
-/// Obstacles come first, so that layers meet what carries them; and again, because layers push
-/// others into obstacles.
+/// Obstacles come first, so that layers meet what carries them; and again if layers touch, because
+/// they push others into obstacles.
 void Contacts::project(const ParticleView& particles, double time, double h) {
   if (layers != nullptr) layers->load(particles);
   projectObstacles(particles, time, h);
   if (layers == nullptr) return;
   layers->project(particles, h);
-  projectObstacles(particles, time, h);
-  layers->settle(particles, h);
+  if (layers->report().contacts > 0) {
+    projectObstacles(particles, time, h);
+    layers->settle(particles, h);
+  }
   layers->certify(particles);
 }
 

@@ -321,11 +321,10 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   contacts_.project({start_, end_}, mass_, h, farthest);
   report.contacts = contacts_.active();
   report.leastDistance = contacts_.leastDistance();
-  store(particles);
+  if (report.contacts > 0) store(particles);
 }
 
 void LayerContact::Impl::settle(const ParticleView& particles, double h) {
-  if (report.contacts == 0) return;
   loadSupported(particles);
   contacts_.settle({start_, end_}, mass_, h, supported_);
   store(particles);
@@ -350,7 +349,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
     loadStart(particles);
   }
   // A comparison that is false for NaN. The motion would meet everything.
-  if (!(farthestMotion() <= most_)) return giveUp(particles);
+  if (!isAllowedNow && !(farthestMotion() <= most_)) return giveUp(particles);
   std::fill(truncated_.begin(), truncated_.end(), 0);
   const Truncation now{{start_, end_}, mass_, truncated_};
   constexpr int kMostSearches = 8;
