@@ -69,6 +69,7 @@ class LayerContact::Impl {
   void project(const ParticleView& particles, double h);
   void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
+  bool isBlocked(std::size_t v) const;
 
   LayerReport report;
 
@@ -83,6 +84,7 @@ class LayerContact::Impl {
   void giveUp(const ParticleView& particles);
   bool isAllowed();
   bool isTurnAllowed(std::size_t f) const;
+  bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   bool isFarFromItself() const { return isFresh_ && pairs_.count() == 0; }
   void search();
   void allow();
@@ -365,9 +367,13 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   const auto count = std::count(truncated_.begin(), truncated_.end(), 1);
   report.truncated += count;
   for (std::size_t v = 0; count > 0 && v < mass_.size(); ++v) {
-    if (truncated_[v] != 0 && mass_[v] == 0.0) ++report.blocked;
+    if (isHeldBack(v)) ++report.blocked;
   }
   if (count > 0) store(particles);
+}
+
+bool LayerContact::Impl::isBlocked(std::size_t v) const {
+  return report.blocked > 0 && isHeldBack(v);
 }
 
 LayerContact::LayerContact(const Model& model, std::vector<LayerProperties> byCloth)
@@ -392,5 +398,9 @@ void LayerContact::settle(const ParticleView& particles, double h) { impl_->sett
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
 
 const LayerReport& LayerContact::report() const { return impl_->report; }
+
+bool LayerContact::isBlocked(VertexId v) const {
+  return impl_->isBlocked(static_cast<std::size_t>(v));
+}
 
 }  // namespace cloth_sim

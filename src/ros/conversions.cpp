@@ -95,6 +95,7 @@ ClampStatus toClampStatus(const ClampSnapshot& clamp) {
   status.held_area = clamp.contents.area;
   status.held_on_obstacle = clamp.contents.onObstacle;
   status.slipping = clamp.slipping;
+  status.blocked = clamp.blocked;
   status.slipped = clamp.slipped;
   status.grip_force = clamp.gripForce.value_or(std::numeric_limits<double>::infinity());
   status.wrench = clampFrameWrench(clamp);

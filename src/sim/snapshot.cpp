@@ -5,6 +5,12 @@
 namespace cloth_sim {
 namespace {
 
+bool isBlocked(const Clamp& clamp, const SimulationParts& parts) {
+  const std::vector<VertexId>& held = clamp.held();
+  return parts.layers && std::any_of(held.begin(), held.end(),
+                                     [&](VertexId v) { return parts.layers->isBlocked(v); });
+}
+
 ClampSnapshot capture(const Clamp& clamp, const SimulationParts& parts) {
   ClampSnapshot shot;
   shot.name = clamp.spec().name;
@@ -14,6 +20,7 @@ ClampSnapshot capture(const Clamp& clamp, const SimulationParts& parts) {
   shot.state = clamp.state();
   shot.contents = gripContents(clamp, parts.model, parts.state, parts.obstacles.colliders());
   shot.slipping = clamp.isSlipping();
+  shot.blocked = isBlocked(clamp, parts);
   shot.slipped = clamp.slipped();
   shot.gripForce = clamp.spec().gripForce;
   shot.wrench = clamp.wrench();

@@ -243,6 +243,43 @@ TEST(Layers, FrictionHoldsBelowItsAngleOnly) {
   EXPECT_GT(slideOf(0.2), 0.03);
 }
 
+TEST(Layers, AClampThatWouldDriveClothThroughHeldClothIsBlocked) {
+  const std::string yaml = R"(
+cloth:
+  - {name: lower, size: [0.1, 0.1], particles: [9, 9], fabric: cotton, thickness: 0.001}
+  - {name: upper, size: [0.1, 0.1], particles: [9, 9], fabric: cotton, thickness: 0.001,
+     pose: {position: [0, 0, 0.03]}}
+self_contact: true
+gravity: [0, 0, 0]
+drag: 2
+solver: {method: line_xpbd, error: 0.01}
+clamps:
+  floor: {patch: {cloth: lower, particle: [4, 4], radius: 8}, closing_speed: 1}
+  hand: {patch: {cloth: upper, particle: [4, 4], radius: 1}, closing_speed: 1, max_speed: 1}
+phases:
+  - name: grasp
+    clamps: {all: {attach: true, grasp: true, speed: 1}}
+    until: {clamps: [at_target, closed]}
+    timeout: 2
+  - name: down
+    clamps: {hand: {move_by: [0, 0, -0.05], speed: 0.2}}
+    until: {clamps: at_target}
+    timeout: 2
+)";
+  Simulation simulation(parseScene(yaml, "blocked"));
+  bool isHandBlocked = false;
+  for (int step = 0; step < 200 && simulation.script().status() != ScriptStatus::kDone; ++step) {
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    ASSERT_EQ(countIntersections(simulation.model(), simulation.state()), 0) << simulation.time();
+    const auto snapshot = simulation.snapshot(Detail::kShape);
+    EXPECT_FALSE(snapshot->clamps[0].blocked) << "it stands still";
+    if (snapshot->clamps[1].blocked) isHandBlocked = true;
+  }
+  EXPECT_EQ(simulation.script().status(), ScriptStatus::kDone);
+  EXPECT_TRUE(isHandBlocked);
+}
+
 TEST(Layers, ClothThatIntersectsItselfAtTheStartIsRefused) {
   const std::string yaml = R"(
 cloth:

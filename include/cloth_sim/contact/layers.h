@@ -77,6 +77,8 @@ class LayerContact {
   void certify(const ParticleView& particles);
 
   const LayerReport& report() const;
+  /// Whether a held vertex was kept from following its holder at the end of the last step.
+  bool isBlocked(VertexId v) const;
 
  private:
   class Impl;

@@ -47,6 +47,7 @@ struct ClampSnapshot {
   ClampState state = ClampState::kOpen;
   GripContents contents;
   bool slipping = false;
+  bool blocked = false;             ///< a layer of cloth keeps what it holds from following
   double slipped = 0.0;             ///< distance that the cloth has slid since the grasp [m]
   std::optional<double> gripForce;  ///< [N]; absent: no limit
   Wrench wrench;                    ///< of the cloth on the clamp, mean over the last step
