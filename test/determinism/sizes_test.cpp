@@ -63,7 +63,10 @@ class Sizes : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Registry, Sizes, testing::ValuesIn(testing_support::boundedSolverNames()),
                          [](const auto& test) { return test.param; });
 
+/// On a loaded machine the second thread may sleep through a run of a few milliseconds; then the
+/// largest size runs again.
 TEST_P(Sizes, OneThreadOrTwo) {
+  constexpr int kMostRepeats = 200;
   std::int64_t workerTasks = 0;
   for (const int side : sides()) {
     const Scene scene = busyScene(GetParam(), side);
@@ -71,6 +74,11 @@ TEST_P(Sizes, OneThreadOrTwo) {
     const Outcome two = outcomeOf(scene, 2);
     EXPECT_EQ(one.hash, two.hash) << side << " x " << side << " particles";
     workerTasks += two.workerTasks;
+    for (int k = 0; side == sides().back() && workerTasks == 0 && k < kMostRepeats; ++k) {
+      const Outcome again = outcomeOf(scene, 2);
+      EXPECT_EQ(one.hash, again.hash);
+      workerTasks += again.workerTasks;
+    }
   }
   EXPECT_GT(workerTasks, 0) << "the second thread ran nothing";
 }
