@@ -45,9 +45,9 @@ struct LayerOverlap {
 ///
 /// Faces are searched for pairs near each other at the start of a step, and again when a vertex has
 /// left the box, or a face the ball of gradients, that the search allowed it (material_tree.h). In
-/// each substep pairs nearer than the thickness are projected apart (layer_contacts.h); at its end
-/// the motion of vertices is shortened where two faces would lose the plane between them
-/// (face_pairs.h). docs/layers.md has the proof.
+/// each substep pairs nearer than the thickness are projected apart, then once more from what
+/// supports them upwards (layer_contacts.h); at its end the motion of vertices is shortened where
+/// two faces would lose the plane between them (face_pairs.h). docs/layers.md has the proof.
 ///
 /// It keeps no memory from one step to the next.
 class LayerContact {
