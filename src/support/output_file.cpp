@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxLinks = 40;               ///< as in Linux
-constexpr int kReaderPatience_ms = 60'000;  ///< for a reader that takes nothing
-constexpr mode_t kNewFile = 0666;           ///< less the umask
+constexpr int kMaxLinks = 40;            ///< as in Linux
+constexpr int kReaderPatience = 60'000;  ///< for a reader that takes nothing [ms]
+constexpr mode_t kNewFile = 0666;        ///< less the umask
 constexpr mode_t kPermissions = 07777;
 
 [[noreturn]] void failToWrite(const std::string& path, const std::string& why) {
@@ -204,7 +204,7 @@ void OutputFile::take(const std::string& file) {
 void OutputFile::writeInto(const std::string& bytes) {
   for (std::size_t done = 0; done < bytes.size();) {
     pollfd ready{special_.number(), POLLOUT, 0};
-    const int events = poll(&ready, 1, kReaderPatience_ms);
+    const int events = poll(&ready, 1, kReaderPatience);
     if (events < 0 && errno != EINTR) failToWrite(path_, errno);
     if (events == 0) failToWrite(path_, "nobody takes the output");
     if (events < 0) continue;

@@ -391,16 +391,16 @@ std::vector<std::string> trialNames() {
 
 class Breaking : public testing::TestWithParam<std::tuple<std::string, std::string>> {
  public:
-  static void SetUpTestSuite() { known_ = readKnown(); }
+  static void SetUpTestSuite() { allKnown = readKnown(); }
   static void TearDownTestSuite() {
-    if (isRecording()) writeKnown(known_);
+    if (isRecording()) writeKnown(allKnown);
   }
 
  protected:
-  static std::map<Pairing, Known> known_;  ///< shared by the trials of the suite
+  static std::map<Pairing, Known> allKnown;  ///< shared by the trials of the suite
 };
 
-std::map<Pairing, Known> Breaking::known_;
+std::map<Pairing, Known> Breaking::allKnown;
 
 INSTANTIATE_TEST_SUITE_P(Registry, Breaking,
                          testing::Combine(testing::ValuesIn(trialNames()),
@@ -426,12 +426,12 @@ TEST_P(Breaking, EndsAsKnown) {
 
   const Pairing pairing{trialName, method};
   if (isRecording()) {
-    known_[pairing] = {toString(fate), fate == Fate::kWrong ? outcome.error : 0.0};
+    allKnown[pairing] = {toString(fate), fate == Fate::kWrong ? outcome.error : 0.0};
     return;
   }
-  ASSERT_EQ(known_.count(pairing), 1u)
+  ASSERT_EQ(allKnown.count(pairing), 1u)
       << "no row for this method: run the test with CLOTH_SIM_RECORD=1 to add it to breaking.csv";
-  const Known& known = known_.at(pairing);
+  const Known& known = allKnown.at(pairing);
   EXPECT_EQ(toString(fate), known.fate)
       << trial.measure << ": " << outcome.error << " " << outcome.failure;
   if (known.fate == toString(Fate::kWrong) && fate == Fate::kWrong) {
