@@ -20,6 +20,10 @@ constexpr double kParallel = 0.05;
 /// only what rests on ridges.
 constexpr double kEdgeShare = 0.993;
 
+/// A push moves no vertex by more than this many times what is missing in the distance: where the
+/// closest point is nearly at a vertex that cannot move, a light one beside it would be thrown far.
+constexpr double kFarthestPush = 4.0;
+
 bool areAdjacent(const Face& a, const Face& b) {
   return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
 }
@@ -343,6 +347,9 @@ bool LayerContacts::projectOne(Contact& contact, SubstepMotion motion,
   const double gap = n.dot(after);
   if (gap >= contact.distance && contact.load == 0.0) return false;
   if (!(mobility > 0.0)) return contact.load > 0.0;
+  for (const double displacement : share) {
+    mobility = std::max(mobility, std::abs(displacement) / kFarthestPush);
+  }
   Vec3 before = Vec3::Zero();
   for (int k = 0; k < 4; ++k) before += w[k] * motion.start[v[k]];
   const double aim = std::min(contact.distance, n.dot(before) + kPartingSpeed * h);
