@@ -7,6 +7,7 @@
 
 #include "cloth_sim/scene/build.h"
 #include "contact/face_pairs.h"  // private: pairs are tested one by one
+#include "contact/layer_contacts.h"
 #include "contact/material_tree.h"
 #include "verify/intersections.h"
 
@@ -203,6 +204,35 @@ std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
   std::vector<FaceIds> pairs;
   tree.collectOwn(boxes, pairs);
   return pairs;
+}
+
+/// Held corners of a face come down on another face, a thousandth of its edge from a held corner.
+TEST(LayerContacts, APushThrowsNoLightVertexBesideAHeldOne) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 4;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  const FaceId last = model.mesh.faceCount() - 1;
+  const Face above = model.mesh.face(0);
+  const Face below = model.mesh.face(last);
+  std::vector<Vec3> start(static_cast<std::size_t>(model.particleCount()), Vec3(9.0, 9.0, 9.0));
+  std::vector<double> mass(start.size(), 1e-6);
+  start[below[0]] = Vec3::Zero();
+  start[below[1]] = Vec3(0.1, 0.0, 0.0);
+  start[below[2]] = Vec3(0.0, 0.1, 0.0);
+  mass[below[0]] = 0.0;
+  std::vector<Vec3> end = start;
+  for (int k = 0; k < 3; ++k) {
+    start[above[k]] = Vec3(1e-4, 1e-5 * k, 0.001);
+    end[above[k]] = Vec3(1e-4, 1e-5 * k, 0.0005);
+    mass[above[k]] = 0.0;
+  }
+  LayerContacts contacts;
+  contacts.build(model, {{0.001, 0.3}});
+  contacts.assign({{0, last}}, start, std::vector<Box>(start.size(), {Vec3::Zero(), Vec3::Zero()}));
+  contacts.project({start, end}, mass, 1e-3, 5e-4);
+  EXPECT_GT(contacts.active(), 0);
+  EXPECT_LT((end[below[1]] - start[below[1]]).norm(), 0.02);
 }
 
 TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
