@@ -28,6 +28,14 @@ std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
   return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
 }
 
+Vec3 startOf(const ParticleView& particles, std::size_t slot) {
+  return {particles.startX[slot], particles.startY[slot], particles.startZ[slot]};
+}
+
+Vec3 endOf(const ParticleView& particles, std::size_t slot) {
+  return {particles.x[slot], particles.y[slot], particles.z[slot]};
+}
+
 /// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do for what all
 /// have in common, so a sample suffices.
 Vec3 meanMotion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
@@ -176,8 +184,8 @@ void LayerContact::Impl::load(const ParticleView& particles) {
   if (isFarFromItself()) return;
   forVertices([&](std::size_t v) {
     const auto k = slotOf(particles, v);
-    start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
-    end_[v] = Vec3(particles.x[k], particles.y[k], particles.z[k]);
+    start_[v] = startOf(particles, k);
+    end_[v] = endOf(particles, k);
     mass_[v] = particles.mass[k];
     supported_[v] = mass_[v] == 0.0 ? 1 : 0;
   });
@@ -187,7 +195,7 @@ void LayerContact::Impl::load(const ParticleView& particles) {
 void LayerContact::Impl::loadSupported(const ParticleView& particles) {
   forVertices([&](std::size_t v) {
     const auto k = slotOf(particles, v);
-    const Vec3 moved(particles.x[k], particles.y[k], particles.z[k]);
+    const Vec3 moved = endOf(particles, k);
     if (moved != end_[v]) supported_[v] = 1;
     end_[v] = moved;
   });
@@ -196,14 +204,14 @@ void LayerContact::Impl::loadSupported(const ParticleView& particles) {
 void LayerContact::Impl::loadStart(const ParticleView& particles) {
   forVertices([&](std::size_t v) {
     const auto k = slotOf(particles, v);
-    start_[v] = Vec3(particles.startX[k], particles.startY[k], particles.startZ[k]);
+    start_[v] = startOf(particles, k);
   });
 }
 
 void LayerContact::Impl::loadEnd(const ParticleView& particles) {
   forVertices([&](std::size_t v) {
     const auto k = slotOf(particles, v);
-    end_[v] = Vec3(particles.x[k], particles.y[k], particles.z[k]);
+    end_[v] = endOf(particles, k);
   });
 }
 

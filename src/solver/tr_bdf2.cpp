@@ -97,7 +97,8 @@ SolverInfo trBdf2Info() {
   info.title = "TR-BDF2";
   info.reference = "Hosea & Shampine, Applied Numerical Mathematics 20 (1996)";
   info.limitations =
-      "two solves in a substep; a substep of backward Euler, of first order, where any cloth touches";
+      "two solves in a substep; a substep of backward Euler, of first order, where any cloth "
+      "touches";
   info.order = 2;
   info.noLayers = "its stages move cloth after contact";
   info.parameters = implicitParameters();

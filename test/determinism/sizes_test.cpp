@@ -63,22 +63,23 @@ class Sizes : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Registry, Sizes, testing::ValuesIn(testing_support::boundedSolverNames()),
                          [](const auto& test) { return test.param; });
 
-/// On a loaded machine the second thread may sleep through a run of a few milliseconds; then the
+/// Compares a run on one thread with one on two. \return tasks that the second thread ran.
+std::int64_t compareThreads(const std::string& method, int side) {
+  const Scene scene = busyScene(method, side);
+  const Outcome one = outcomeOf(scene, 1);
+  const Outcome two = outcomeOf(scene, 2);
+  EXPECT_EQ(one.hash, two.hash) << side << " x " << side << " particles";
+  return two.workerTasks;
+}
+
+/// On a loaded machine the second thread may sleep through runs of a few milliseconds; then the
 /// largest size runs again.
 TEST_P(Sizes, OneThreadOrTwo) {
   constexpr int kMostRepeats = 200;
   std::int64_t workerTasks = 0;
-  for (const int side : sides()) {
-    const Scene scene = busyScene(GetParam(), side);
-    const Outcome one = outcomeOf(scene, 1);
-    const Outcome two = outcomeOf(scene, 2);
-    EXPECT_EQ(one.hash, two.hash) << side << " x " << side << " particles";
-    workerTasks += two.workerTasks;
-    for (int k = 0; side == sides().back() && workerTasks == 0 && k < kMostRepeats; ++k) {
-      const Outcome again = outcomeOf(scene, 2);
-      EXPECT_EQ(one.hash, again.hash);
-      workerTasks += again.workerTasks;
-    }
+  for (const int side : sides()) workerTasks += compareThreads(GetParam(), side);
+  for (int k = 0; workerTasks == 0 && k < kMostRepeats; ++k) {
+    workerTasks += compareThreads(GetParam(), sides().back());
   }
   EXPECT_GT(workerTasks, 0) << "the second thread ran nothing";
 }

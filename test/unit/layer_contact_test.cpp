@@ -6,7 +6,7 @@
 #include <random>
 
 #include "cloth_sim/scene/build.h"
-#include "contact/face_pairs.h"  // private: pairs are tested one by one
+#include "contact/face_pairs.h"  // private, as the next: pairs are tested one by one
 #include "contact/layer_contacts.h"
 #include "contact/material_tree.h"
 #include "verify/intersections.h"

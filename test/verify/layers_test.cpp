@@ -156,32 +156,35 @@ double fastestOf(const Simulation& simulation) {
   return fastest;
 }
 
-TEST(Layers, AStackRestsAThicknessApart) {
-  Simulation simulation(parseScene(
-      stackOf(4, 0.04,
-              "obstacles: {table: {type: board, size: [1, 1, 0.1], position: [0, 0, -0.05]}}\n"),
-      "stack"));
-  for (int step = 0; step < 90; ++step) simulation.step();
-  for (std::size_t k = 0; k + 1 < 4; ++k) {
+/// A stack after some time on a table.
+Simulation restingStack(int layers, double less, int steps) {
+  Simulation simulation(
+      parseScene(stackOf(layers, less,
+                         "obstacles: {table: {type: board, size: [1, 1, 0.1], position: [0, 0, "
+                         "-0.05]}}\n"),
+                 "stack"));
+  for (int step = 0; step < steps; ++step) simulation.step();
+  return simulation;
+}
+
+void expectAThicknessApart(const Simulation& simulation) {
+  for (std::size_t k = 0; k + 1 < simulation.model().cloths.size(); ++k) {
     const double gap = meanHeight(simulation, k + 1) - meanHeight(simulation, k);
     EXPECT_NEAR(gap, 0.001, 0.00001) << k;
   }
+}
+
+TEST(Layers, AStackRestsAThicknessApart) {
+  const Simulation simulation = restingStack(4, 0.04, 90);
+  expectAThicknessApart(simulation);
   EXPECT_LT(fastestOf(simulation), 0.001);
   EXPECT_LT(static_cast<double>(simulation.layerReport()->truncated),
             1e-3 * static_cast<double>(simulation.layerReport()->moves));
 }
 
 TEST(Layers, AStackOfTenRestsAThicknessApart) {
-  Simulation simulation(
-      parseScene(stackOf(10, 0.015,
-                         "obstacles: {table: {type: board, size: [1, 1, 0.1], position: [0, 0, "
-                         "-0.05]}}\n"),
-                 "stack"));
-  for (int step = 0; step < 60; ++step) simulation.step();
-  for (std::size_t k = 0; k + 1 < 10; ++k) {
-    const double gap = meanHeight(simulation, k + 1) - meanHeight(simulation, k);
-    EXPECT_NEAR(gap, 0.001, 0.00001) << k;
-  }
+  const Simulation simulation = restingStack(10, 0.015, 60);
+  expectAThicknessApart(simulation);
   // It never comes to rest altogether (docs/layers.md, Limits).
   EXPECT_LT(fastestOf(simulation), 0.05);
   EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
