@@ -39,7 +39,12 @@ class Run:
     """A run in a bag: figures at all times, shapes at the requested times."""
 
     def __init__(self, path):
-        self.bag = rosbag.Bag(path)
+        try:
+            self.bag = rosbag.Bag(path)
+        except OSError as error:
+            sys.exit(f'error: {path}: {error.strerror}')
+        except rosbag.ROSBagException as error:
+            sys.exit(f'error: {path}: {" ".join(str(error).split())}')
         self.topic_of = {info.msg_type: name
                          for name, info in self.bag.get_type_and_topic_info().topics.items()}
         for needed in ('cloth_sim/ClothFrame', 'cloth_sim/ClothTopology', 'cloth_sim/ClothState'):

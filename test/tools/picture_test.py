@@ -73,6 +73,14 @@ class PictureTest(unittest.TestCase):
             self.assertNotIn('Traceback', result.stderr)
             self.assertIn(arguments[0], result.stderr.splitlines()[-1])
 
+    def test_a_bag_that_cannot_be_read_is_one_line(self):
+        for bag, reason in (('/no_such.bag', 'No such file or directory'), ('/', 'Is a directory'),
+                            (PICTURE, 'This does not appear to be a bag file')):
+            result = subprocess.run([sys.executable, PICTURE, bag, '--out', self.image],
+                                    capture_output=True, text=True, timeout=300)
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.stderr, 'error: %s: %s\n' % (bag, reason))
+
     def test_the_strain_of_the_colours_is_that_of_the_figures(self):
         picture = load_picture()
         run = picture.Run(self.bag)
