@@ -73,6 +73,10 @@ void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>
   least_ = least;
   pairs_.clear();
   travel_ = 0.0;
+  append(near, faces);
+}
+
+void FacePairs::append(const std::vector<FaceIds>& near, const std::vector<Face>& faces) {
   for (const FaceIds& ids : near) pairs_.push_back(pairOf(faces[ids.first], faces[ids.second]));
 }
 

@@ -83,7 +83,12 @@ void LayerContacts::addVertexFace(VertexId p, FaceId face, const std::vector<Vec
   const std::array<double, 3> w = closestOnTriangle(x[p], {x[c[0]], x[c[1]], x[c[2]]});
   const Vec3 apart = x[p] - w[0] * x[c[0]] - w[1] * x[c[1]] - w[2] * x[c[2]];
   if (apart.squaredNorm() > reach * reach) return;
-  candidates_.push_back({{p, c[0], c[1], c[2]}, face, layers.thickness, layers.friction});
+  Candidate candidate;
+  candidate.v = {p, c[0], c[1], c[2]};
+  candidate.face = face;
+  candidate.thickness = layers.thickness;
+  candidate.friction = layers.friction;
+  candidates_.push_back(candidate);
 }
 
 /// Lists two edges that may come into contact.
@@ -93,14 +98,24 @@ void LayerContacts::addEdges(const std::array<VertexId, 4>& v, const std::vector
   const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
   const Vec3 apart = x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]]);
   if (apart.squaredNorm() > reach * reach) return;
-  candidates_.push_back({v, kNone, layers.thickness, layers.friction});
+  Candidate candidate;
+  candidate.v = v;
+  candidate.thickness = layers.thickness;
+  candidate.friction = layers.friction;
+  candidates_.push_back(candidate);
+}
+
+void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
+                           const std::vector<Box>& allowed) {
+  clear();
+  append(near, x, allowed);
 }
 
 /// A vertex takes part as a corner of its first face, an edge as a side of its first face; so no
 /// contact is listed twice.
-void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
+void LayerContacts::append(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
                            const std::vector<Box>& allowed) {
-  clear();
+  if (near.empty()) return;
   const auto allowedOf = [&](const Face& face) {
     Box box = allowed[face[0]];
     box.add(allowed[face[1]]);
@@ -130,8 +145,7 @@ void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<V
     }
   }
   sortByVertex();
-  constexpr double kUnknown = -std::numeric_limits<double>::infinity();
-  due_.assign(candidates_.size(), kUnknown);
+  sinceRefresh_ = 0;
 }
 
 /// Brings the faces near each vertex together, in the order of vertices; edges come last. Otherwise
@@ -202,12 +216,11 @@ bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size
 void LayerContacts::findClosest(const std::vector<Vec3>& x, double ahead) {
   closest_.clear();
   Closest closest;
-  for (std::size_t k = 0; k < candidates_.size(); ++k) {
-    if (due_[k] - travel_ > ahead) continue;
-    const Candidate& candidate = candidates_[k];
+  for (Candidate& candidate : candidates_) {
+    if (candidate.due - travel_ > ahead) continue;
     const bool holds = find(candidate, x, closest);
-    due_[k] = travel_ + closest.apart - candidate.thickness;
-    if (!holds || due_[k] - travel_ > ahead) continue;
+    candidate.due = travel_ + closest.apart - candidate.thickness;
+    if (!holds || candidate.due - travel_ > ahead) continue;
     closest.face = candidate.face;
     closest.thickness = candidate.thickness;
     closest_.push_back(closest);

@@ -24,7 +24,12 @@ class LayerContacts {
   void build(const Model& model, const std::vector<LayerProperties>& byCloth);
   void clear();
   /// Lists what can come into contact, from pairs of faces near each other.
+  /// \param x        by vertex [m].
+  /// \param allowed  where vertices may be until the next search, seen from `x`, by vertex [m].
   void assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
+              const std::vector<Box>& allowed);
+  /// The same for pairs in addition to those listed.
+  void append(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
               const std::vector<Box>& allowed);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   /// \param mass      by vertex [kg]; 0: prescribed motion.
@@ -50,6 +55,7 @@ class LayerContacts {
     FaceId face = kNone;     ///< kNone for two edges
     double thickness = 0.0;  ///< as in Layers [m]
     double friction = 0.0;
+    double due = -1e300;  ///< value of `travel_` at which it may touch; unknown at first [m]
     bool areEdges() const { return face == kNone; }
   };
   /// The weighted sum of the positions of four vertices points from one side to the other.
@@ -99,7 +105,6 @@ class LayerContacts {
   std::vector<Candidate> candidates_;
   std::vector<Candidate> sorted_;    ///< scratch
   std::vector<std::int32_t> first_;  ///< scratch: by vertex
-  std::vector<double> due_;          ///< by candidate: value of `travel_` at which it may touch [m]
   std::vector<Closest> closest_;     ///< of candidates that may touch soon, in their order
   std::vector<Contact> contacts_;
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_

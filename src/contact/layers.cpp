@@ -21,6 +21,10 @@ constexpr double kLeastAllowance = 4e-4;
 constexpr double kLeastTurn = 0.2;
 /// Most motion that a search allows for, unless a single substep takes more [m].
 constexpr double kMostAllowance = 5e-3;
+/// Share of the faces up to which a search goes on around what has left only.
+constexpr double kLittle = 0.05;
+/// Share of the faces around which is searched, in sum, before the next search of all.
+constexpr double kMostAgain = 0.25;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
 
@@ -92,31 +96,44 @@ class LayerContact::Impl {
   void giveUp(const ParticleView& particles);
   bool isAllowed();
   bool isTurnAllowed(std::size_t f) const;
+  bool findLeft();
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   bool isFarFromItself() const { return isFresh_ && pairs_.count() == 0; }
   void search();
+  void searchAgain();
+  void searchAround();
+  void collect();
+  std::vector<FaceIds> takeNew();
   void allow();
+  void allowVertex(std::size_t v, const Vec3& offset, const Vec3& common);
   void allowFace(FaceId f);
+  void boxFace(FaceId f);
   Gradient gradient(FaceId f, const std::vector<Vec3>& x) const;
 
   std::vector<LayerProperties> byCloth_;
   std::vector<Face> faces_;
+  std::vector<std::int32_t> aroundStart_;     ///< by vertex
+  std::vector<FaceId> facesAround_;           ///< by the vertices that they have as corners
   std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
   std::vector<MaterialTree> trees_;           ///< by cloth
   double margin_ = 0.0;                       ///< half of the largest thickness [m]
   FacePairs pairs_;
   LayerContacts contacts_;
-  double most_ = 0.0;                ///< most motion in a substep [m]
-  bool isFresh_ = false;             ///< pairs are those of this step
-  std::vector<Vec3> start_, end_;    ///< of the substep, by vertex [m]
-  std::vector<double> mass_;         ///< by vertex [kg]; 0: prescribed motion
-  std::vector<Vec3> searched_;       ///< positions at the last search, by vertex [m]
-  std::vector<Vec3> moved_;          ///< motion since then, against the mean, by vertex [m]
-  std::vector<Box> allowed_;         ///< motion that it allowed, by vertex [m]
-  std::vector<GradientBall> balls_;  ///< gradients that it allowed, by face
-  std::vector<double> turn_;         ///< square of the edges' change within these, by face [m^2]
-  std::vector<Box> boxes_;           ///< by face
-  std::vector<FaceIds> near_;
+  double most_ = 0.0;                   ///< most motion in a substep [m]
+  bool isFresh_ = false;                ///< pairs are those of this step
+  std::vector<Vec3> start_, end_;       ///< of the substep, by vertex [m]
+  std::vector<double> mass_;            ///< by vertex [kg]; 0: prescribed motion
+  std::vector<Vec3> searched_;          ///< positions at the last search, by vertex [m]
+  std::vector<Vec3> moved_;             ///< motion since then, against the mean, by vertex [m]
+  std::vector<Box> allowed_;            ///< motion that it allowed, by vertex [m]
+  std::vector<GradientBall> balls_;     ///< gradients that it allowed, by face
+  std::vector<double> turn_;            ///< square of the edges' change within these, by face [m^2]
+  std::vector<Box> boxes_;              ///< by face
+  std::vector<FaceIds> near_;           ///< pairs of faces that may touch before the next search
+  std::vector<std::uint64_t> known_;    ///< these, ascending; empty until they are searched again
+  std::vector<VertexId> leftVertices_;  ///< outside the motion that the search allowed
+  std::vector<FaceId> leftFaces_;  ///< outside the gradients that it allowed, or with such a corner
+  std::int64_t searchedAgain_ = 0;       ///< faces around which was searched since the last search
   std::vector<std::uint8_t> truncated_;  ///< by vertex
   std::vector<std::uint8_t> supported_;  ///< by vertex; see LayerContacts::settle
 };
@@ -144,6 +161,12 @@ void LayerContact::Impl::build(const Model& model) {
   balls_.resize(faces_.size());
   turn_.resize(faces_.size());
   boxes_.resize(faces_.size());
+  aroundStart_.assign(1, 0);
+  facesAround_.clear();
+  for (VertexId v = 0; v < model.mesh.vertexCount(); ++v) {
+    for (const FaceId f : model.mesh.facesAround(v)) facesAround_.push_back(f);
+    aroundStart_.push_back(static_cast<std::int32_t>(facesAround_.size()));
+  }
   contacts_.build(model, byCloth_);
   beginStep();
 }
@@ -260,63 +283,162 @@ bool LayerContact::Impl::isTurnAllowed(std::size_t f) const {
   const Vec3 second = moved_[face[2]] - moved_[face[0]];
   // The norm of the edges' change bounds that of the gradient.
   if (first.squaredNorm() + second.squaredNorm() <= turn_[f]) return true;
-  return Gradient::of(first, second, inverseRest_[f]).norm() <= balls_[f].radius;
+  const Gradient now =
+      Gradient::of(first + searched_[face[1]] - searched_[face[0]],
+                   second + searched_[face[2]] - searched_[face[0]], inverseRest_[f]);
+  return (now - balls_[f].centre).norm() <= balls_[f].radius;
 }
 
-/// Sets where vertices and gradients may go until the next search, seen from the mean of all
-/// vertices: some substeps ahead like this one, or stopped by an obstacle, in this substep at
-/// least.
-void LayerContact::Impl::allow() {
-  const Vec3 common = meanMotion(start_, end_);
+/// Lists what has left where the last search allowed it to be. \return whether it is little.
+bool LayerContact::Impl::findLeft() {
+  leftVertices_.clear();
+  leftFaces_.clear();
+  const Vec3 common = meanMotion(searched_, end_);
+  for (std::size_t v = 0; v < end_.size(); ++v) {
+    moved_[v] = end_[v] - searched_[v] - common;
+    if (!allowed_[v].contains(moved_[v])) leftVertices_.push_back(static_cast<VertexId>(v));
+  }
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    if (!isTurnAllowed(f)) leftFaces_.push_back(static_cast<FaceId>(f));
+  }
+  for (const VertexId v : leftVertices_) {
+    leftFaces_.insert(leftFaces_.end(), facesAround_.begin() + aroundStart_[v],
+                      facesAround_.begin() + aroundStart_[v + 1]);
+  }
+  std::sort(leftFaces_.begin(), leftFaces_.end());
+  leftFaces_.erase(std::unique(leftFaces_.begin(), leftFaces_.end()), leftFaces_.end());
+  return leftFaces_.size() < kLittle * static_cast<double>(faces_.size());
+}
+
+/// Sets where a vertex may go until the next search, seen from the mean of all vertices: some
+/// substeps ahead like this one, or stopped by an obstacle, in this substep at least.
+/// \param offset  from where it was searched to the start of the substep [m].
+/// \param common  mean motion in the substep [m].
+void LayerContact::Impl::allowVertex(std::size_t v, const Vec3& offset, const Vec3& common) {
   const auto aheadOf = [](const Vec3& motion) {
     const double length = motion.cwiseAbs().maxCoeff();
     const double most = length > 0.0 ? kMostAllowance / length : kSubstepsAhead;
     return Vec3(std::max(1.5, std::min(kSubstepsAhead, most)) * motion);
   };
   const Vec3 stopped = aheadOf(-common);
-  forVertices([&](std::size_t v) {
-    const Vec3 ahead = aheadOf(end_[v] - start_[v] - common);
-    const Vec3 low = ahead.cwiseMin(stopped).cwiseMin(0.0).array() - kLeastAllowance;
-    const Vec3 high = ahead.cwiseMax(stopped).cwiseMax(0.0).array() + kLeastAllowance;
-    allowed_[v] = {low, high};
-  });
-  constexpr std::int32_t kGrain = 2048;
-  parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (FaceId f = first; f < last; ++f) allowFace(f);
-              });
+  const Vec3 ahead = aheadOf(end_[v] - start_[v] - common);
+  const Vec3 low = ahead.cwiseMin(stopped).cwiseMin(0.0).array() - kLeastAllowance;
+  const Vec3 high = ahead.cwiseMax(stopped).cwiseMax(0.0).array() + kLeastAllowance;
+  allowed_[v] = {offset + low, offset + high};
 }
 
+/// Sets the gradients that a face may have until the next search.
 void LayerContact::Impl::allowFace(FaceId f) {
   GradientBall& ball = balls_[f];
   ball.centre = gradient(f, start_);
   const double turned = (gradient(f, end_) - ball.centre).norm();
   ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
-  turn_[f] = ball.radius * ball.radius / inverseRest_[f].squaredNorm();
+}
+
+/// Puts a box around the places that the corners of a face may take.
+void LayerContact::Impl::boxFace(FaceId f) {
   Box box;
   for (const VertexId v : faces_[f]) {
     const Vec3 margin = Vec3::Constant(margin_);
-    box.add({start_[v] + allowed_[v].low - margin, start_[v] + allowed_[v].high + margin});
+    box.add({searched_[v] + allowed_[v].low - margin, searched_[v] + allowed_[v].high + margin});
   }
   boxes_[f] = box;
 }
 
+void LayerContact::Impl::allow() {
+  const Vec3 common = meanMotion(start_, end_);
+  forVertices([&](std::size_t v) { allowVertex(v, Vec3::Zero(), common); });
+  constexpr std::int32_t kGrain = 2048;
+  parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (FaceId f = first; f < last; ++f) {
+                  allowFace(f);
+                  const double radius = balls_[f].radius;
+                  turn_[f] = radius * radius / inverseRest_[f].squaredNorm();
+                  boxFace(f);
+                }
+              });
+}
+
 /// Finds the pairs of faces that may touch before the next search.
 void LayerContact::Impl::search() {
-  allow();
   searched_ = start_;
-  near_.clear();
+  allow();
   for (MaterialTree& tree : trees_) tree.refit(boxes_, balls_);
+  near_.clear();
+  known_.clear();
+  searchedAgain_ = 0;
+  collect();
+  pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
+  contacts_.assign(near_, searched_, allowed_);
+  isFresh_ = true;
+  ++report.detections;
+}
+
+/// Appends the pairs of faces near each other in parts that were brought up to date.
+void LayerContact::Impl::collect() {
   for (std::size_t a = 0; a < trees_.size(); ++a) {
     trees_[a].collectOwn(boxes_, near_);
     for (std::size_t b = a + 1; b < trees_.size(); ++b) {
       MaterialTree::collectBetween(trees_[a], trees_[b], boxes_, near_);
     }
   }
-  pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(near_, start_, allowed_);
-  isFresh_ = true;
-  ++report.detections;
+}
+
+/// Searches again after something has left where it was allowed to be: around that if it is little.
+void LayerContact::Impl::searchAgain() {
+  if (isFresh_ && findLeft()) {
+    searchedAgain_ += static_cast<std::int64_t>(leftFaces_.size());
+    if (searchedAgain_ < kMostAgain * static_cast<double>(faces_.size())) return searchAround();
+  }
+  search();
+}
+
+/// Searches around the faces in `leftFaces_`. Pairs that are known stay.
+void LayerContact::Impl::searchAround() {
+  const Vec3 before = meanMotion(searched_, start_);
+  const Vec3 common = meanMotion(start_, end_);
+  for (const VertexId v : leftVertices_) {
+    allowVertex(v, start_[v] - searched_[v] - before, common);
+  }
+  for (const FaceId f : leftFaces_) {
+    allowFace(f);
+    turn_[f] = -1.0;  // the centre of the ball is no longer the gradient at the last search
+    boxFace(f);
+  }
+  for (MaterialTree& tree : trees_) tree.refit(leftFaces_, boxes_, balls_);
+  const std::vector<FaceIds> found = takeNew();
+  pairs_.append(found, faces_);
+  if (leftVertices_.empty()) {
+    contacts_.append(found, searched_, allowed_);
+  } else {
+    contacts_.assign(near_, searched_, allowed_);
+  }
+}
+
+/// Collects pairs around changed faces. \return those that are new; they are in `near_` as well.
+std::vector<FaceIds> LayerContact::Impl::takeNew() {
+  const auto keyOf = [](const FaceIds& ids) {
+    return static_cast<std::uint64_t>(ids.first) << 32U | static_cast<std::uint64_t>(ids.second);
+  };
+  if (known_.empty()) {
+    for (const FaceIds& ids : near_) known_.push_back(keyOf(ids));
+    std::sort(known_.begin(), known_.end());
+  }
+  const std::size_t old = near_.size();
+  collect();
+  const auto isKnown = [&](const FaceIds& ids) {
+    return std::binary_search(known_.begin(), known_.end(), keyOf(ids));
+  };
+  near_.erase(
+      std::remove_if(near_.begin() + static_cast<std::ptrdiff_t>(old), near_.end(), isKnown),
+      near_.end());
+  std::vector<FaceIds> found(near_.begin() + static_cast<std::ptrdiff_t>(old), near_.end());
+  const auto middle = static_cast<std::ptrdiff_t>(known_.size());
+  for (const FaceIds& ids : found) known_.push_back(keyOf(ids));
+  std::sort(known_.begin() + middle, known_.end());
+  std::inplace_merge(known_.begin(), known_.begin() + middle, known_.end());
+  return found;
 }
 
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
@@ -364,7 +486,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   const Truncation now{{start_, end_}, mass_, truncated_};
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
-    if (!isAllowedNow) search();
+    if (!isAllowedNow) searchAgain();
     const PairOutcome outcome = pairs_.keepApart(now);
     report.unproven += outcome.unproven;
     isAllowedNow = !outcome.changed || isAllowed();

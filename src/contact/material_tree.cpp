@@ -131,6 +131,7 @@ void MaterialTree::build(const Model& model, std::size_t cloth) {
     const std::size_t nodes = static_cast<std::size_t>(level.columns) * level.rows;
     level.boxes.resize(nodes);
     level.balls.resize(nodes);
+    level.isChanged.resize(nodes);
   }
   placeFaces(model);
   findContributions(model);
@@ -173,12 +174,21 @@ void MaterialTree::placeFaces(const Model& model) {
 void MaterialTree::findContributions(const Model& model) {
   std::vector<std::pair<std::int32_t, FaceId>> entries;
   const double tolerance = overhang_ - kRounding * size_.minCoeff();
+  reachStart_.assign(static_cast<std::size_t>(model.mesh.faceCount()) + 1, 0);
+  reach_.clear();
   for (const FaceId f : faces_) {
     const MaterialBox box = materialBox(model.mesh, f);
     const std::array<int, 4> near = bucketsNear(box.low, box.high, tolerance);
     for (int j = near[2]; j <= near[3]; ++j) {
-      for (int i = near[0]; i <= near[1]; ++i) entries.emplace_back(levels_.front().node(i, j), f);
+      for (int i = near[0]; i <= near[1]; ++i) {
+        entries.emplace_back(levels_.front().node(i, j), f);
+        reach_.push_back(entries.back().first);
+      }
     }
+    reachStart_[f + 1] = static_cast<std::int32_t>(reach_.size());
+  }
+  for (std::size_t k = 1; k < reachStart_.size(); ++k) {
+    reachStart_[k] = std::max(reachStart_[k], reachStart_[k - 1]);  // faces of other cloths
   }
   sortByBucket(entries, levels_.front().boxes.size(), gradientStart_, gradients_);
 }
@@ -210,40 +220,84 @@ void MaterialTree::blockOpenBorders(const Model& model) {
 
 void MaterialTree::refit(const std::vector<Box>& boxes,
                          const std::vector<GradientBall>& gradients) {
-  if (levels_.empty()) return;
-  Level& buckets = levels_.front();
-  for (std::size_t k = 0; k < buckets.boxes.size(); ++k) {
-    const auto bucket = static_cast<int>(k);
-    Box box;
-    for (const FaceId* f = begin(bucket); f != end(bucket); ++f) box.add(boxes[*f]);
-    buckets.boxes[k] = box;
-    GradientBall ball;
-    for (std::int32_t at = gradientStart_[k]; at < gradientStart_[k + 1]; ++at) {
-      ball.add(gradients[gradients_[at]]);
-    }
-    buckets.balls[k] = isBlocked_[k] ? GradientBall::unknown() : ball;
-  }
-  for (std::size_t above = 1; above < levels_.size(); ++above) {
-    Level& level = levels_[above];
-    for (int j = 0; j < level.rows; ++j) {
-      for (int i = 0; i < level.columns; ++i) {
-        std::array<Place, 4> parts;
-        const int count = children({static_cast<int>(above), i, j}, parts);
-        Box box;
-        GradientBall ball;
-        for (int k = 0; k < count; ++k) {
-          const Level& below = levels_[above - 1];
-          const int node = below.node(parts[k].i, parts[k].j);
-          box.add(below.boxes[node]);
-          // A part of the plane without cloth is not known to be crossed by gradients.
-          const GradientBall& part = below.balls[node];
-          ball.add(part.isEmpty() ? GradientBall::unknown() : part);
-        }
-        level.boxes[level.node(i, j)] = box;
-        level.balls[level.node(i, j)] = ball;
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    Level& level = levels_[k];
+    level.changed.clear();
+    std::fill(level.isChanged.begin(), level.isChanged.end(), 1);
+    for (std::int32_t node = 0; node < static_cast<std::int32_t>(level.boxes.size()); ++node) {
+      if (k == 0) {
+        refitBucket(node, boxes, gradients);
+      } else {
+        refitNode(static_cast<int>(k), node);
       }
     }
   }
+}
+
+void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<Box>& boxes,
+                         const std::vector<GradientBall>& gradients) {
+  if (levels_.empty()) return;
+  unmark();
+  for (const FaceId f : faces) {
+    for (std::int32_t at = reachStart_[f]; at < reachStart_[f + 1]; ++at) {
+      mark(levels_.front(), reach_[at]);
+    }
+  }
+  for (const std::int32_t bucket : levels_.front().changed) refitBucket(bucket, boxes, gradients);
+  for (std::size_t above = 1; above < levels_.size(); ++above) {
+    const Level& below = levels_[above - 1];
+    Level& level = levels_[above];
+    for (const std::int32_t node : below.changed) {
+      mark(level, level.node(node % below.columns / 2, node / below.columns / 2));
+    }
+    for (const std::int32_t node : level.changed) refitNode(static_cast<int>(above), node);
+  }
+}
+
+/// Takes the marks of the last refit back.
+void MaterialTree::unmark() {
+  for (Level& level : levels_) {
+    if (level.changed.empty()) std::fill(level.isChanged.begin(), level.isChanged.end(), 0);
+    for (const std::int32_t node : level.changed) level.isChanged[node] = 0;
+    level.changed.clear();
+  }
+}
+
+void MaterialTree::mark(Level& level, std::int32_t node) {
+  if (level.isChanged[node] != 0) return;
+  level.isChanged[node] = 1;
+  level.changed.push_back(node);
+}
+
+void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<Box>& boxes,
+                               const std::vector<GradientBall>& gradients) {
+  Level& buckets = levels_.front();
+  Box box;
+  for (const FaceId* f = begin(bucket); f != end(bucket); ++f) box.add(boxes[*f]);
+  buckets.boxes[bucket] = box;
+  GradientBall ball;
+  for (std::int32_t at = gradientStart_[bucket]; at < gradientStart_[bucket + 1]; ++at) {
+    ball.add(gradients[gradients_[at]]);
+  }
+  buckets.balls[bucket] = isBlocked_[bucket] ? GradientBall::unknown() : ball;
+}
+
+/// Joins the boxes and the balls of the children of a node.
+void MaterialTree::refitNode(int level, std::int32_t node) {
+  Level& self = levels_[level];
+  const Level& below = levels_[level - 1];
+  std::array<Place, 4> parts;
+  const int count = children({level, node % self.columns, node / self.columns}, parts);
+  Box box;
+  GradientBall ball;
+  for (int k = 0; k < count; ++k) {
+    const int part = below.node(parts[k].i, parts[k].j);
+    box.add(below.boxes[part]);
+    // A part of the plane without cloth is not known to be crossed by gradients.
+    ball.add(below.balls[part].isEmpty() ? GradientBall::unknown() : below.balls[part]);
+  }
+  self.boxes[node] = box;
+  self.balls[node] = ball;
 }
 
 int MaterialTree::children(const Place& of, std::array<Place, 4>& out) const {
@@ -260,6 +314,11 @@ int MaterialTree::children(const Place& of, std::array<Place, 4>& out) const {
 const Box& MaterialTree::boxAt(const Place& at) const {
   const Level& level = levels_[at.level];
   return level.boxes[level.node(at.i, at.j)];
+}
+
+bool MaterialTree::isChanged(const Place& at) const {
+  const Level& level = levels_[at.level];
+  return level.isChanged[level.node(at.i, at.j)] != 0;
 }
 
 /// Whether two nodes of a level are neighbours, or the same, in a rectangle that is proven not to
@@ -286,6 +345,7 @@ void MaterialTree::collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds
 
 void MaterialTree::collectPair(const Place& a, const Place& b, const std::vector<Box>& boxes,
                                std::vector<FaceIds>& out) const {
+  if (!isChanged(a) && !isChanged(b)) return;
   if (!boxAt(a).meets(boxAt(b)) || isSmooth(a, b)) return;
   const bool isSame = a.i == b.i && a.j == b.j;
   if (a.level == 0) {
@@ -316,6 +376,7 @@ void MaterialTree::collectBetween(const MaterialTree& a, const MaterialTree& b,
 void MaterialTree::collectPairBetween(const MaterialTree& treeA, const Place& a,
                                       const MaterialTree& treeB, const Place& b,
                                       const std::vector<Box>& boxes, std::vector<FaceIds>& out) {
+  if (!treeA.isChanged(a) && !treeB.isChanged(b)) return;
   if (!treeA.boxAt(a).meets(treeB.boxAt(b))) return;
   if (a.level == 0 && b.level == 0) {
     const int first = treeA.levels_.front().node(a.i, a.j);

@@ -66,21 +66,26 @@ struct FaceIds {
   FaceId second = kNone;
 };
 
-/// A quadtree whose leaves, buckets, are rectangles of about two cells by two in the material
-/// plane. Each node knows a box around its faces in the world, and a ball around their gradients.
+/// A quadtree whose leaves, buckets, are rectangles of about a cell in the material plane. Each
+/// node knows a box around its faces in the world, and a ball around their gradients.
 class MaterialTree {
  public:
   /// \param cloth  whose faces these are.
   void build(const Model& model, std::size_t cloth);
   bool isEmpty() const { return faces_.empty(); }
 
-  /// Brings all nodes up to date.
+  /// Brings all nodes up to date; all count as changed.
   /// \param boxes      by face of the model.
   /// \param gradients  by face of the model.
   void refit(const std::vector<Box>& boxes, const std::vector<GradientBall>& gradients);
+  /// Brings the nodes above some faces up to date; only these count as changed.
+  /// \param faces  of the model; those of other cloths are passed over.
+  void refit(const std::vector<FaceId>& faces, const std::vector<Box>& boxes,
+             const std::vector<GradientBall>& gradients);
 
-  /// Appends the pairs of faces with boxes that meet, except for pairs in parts that are proven not
-  /// to touch themselves; the smaller face first, in an order that depends on positions only.
+  /// Appends the pairs of faces with boxes that meet, of which at least one lies in a changed
+  /// bucket, except for pairs in parts that are proven not to touch themselves; the smaller face
+  /// first, in an order that depends on positions only.
   void collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const;
   /// The same for the faces of two cloths.
   static void collectBetween(const MaterialTree& a, const MaterialTree& b,
@@ -93,6 +98,8 @@ class MaterialTree {
     int rows = 0;
     std::vector<Box> boxes;
     std::vector<GradientBall> balls;
+    std::vector<std::uint8_t> isChanged;  ///< 1 if the last refit brought the node up to date
+    std::vector<std::int32_t> changed;    ///< nodes with that mark, unless all have it
     int node(int i, int j) const { return j * columns + i; }
   };
   /// A node's place.
@@ -106,7 +113,13 @@ class MaterialTree {
   void findContributions(const Model& model);
   void blockOpenBorders(const Model& model);
   std::array<int, 4> bucketsNear(const Vec2& low, const Vec2& high, double tolerance) const;
+  void refitBucket(std::int32_t bucket, const std::vector<Box>& boxes,
+                   const std::vector<GradientBall>& gradients);
+  void refitNode(int level, std::int32_t node);
+  void unmark();
+  static void mark(Level& level, std::int32_t node);
   const Box& boxAt(const Place& at) const;
+  bool isChanged(const Place& at) const;
   bool isSmooth(const Place& a, const Place& b) const;
   void collectPair(const Place& a, const Place& b, const std::vector<Box>& boxes,
                    std::vector<FaceIds>& out) const;
@@ -123,9 +136,11 @@ class MaterialTree {
   double overhang_ = 0.0;       ///< by which faces reach beyond the bucket that owns them [m]
   std::vector<Level> levels_;
   std::vector<std::int32_t> ownedStart_, gradientStart_;  ///< by bucket
-  std::vector<FaceId> owned_;      ///< faces by the bucket that their centre lies in
-  std::vector<FaceId> gradients_;  ///< faces by the buckets that they overlap
-  std::vector<bool> isBlocked_;    ///< by bucket: the surface is not continuous in it
+  std::vector<std::int32_t> reachStart_;                  ///< by face of the model
+  std::vector<std::int32_t> reach_;  ///< buckets by the faces that own or overlap them
+  std::vector<FaceId> owned_;        ///< faces by the bucket that their centre lies in
+  std::vector<FaceId> gradients_;    ///< faces by the buckets that they overlap
+  std::vector<bool> isBlocked_;      ///< by bucket: the surface is not continuous in it
 };
 
 }  // namespace cloth_sim
