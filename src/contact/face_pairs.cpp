@@ -73,11 +73,14 @@ void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>
   least_ = least;
   pairs_.clear();
   travel_ = 0.0;
-  append(near, faces);
+  append(near, 0, faces);
 }
 
-void FacePairs::append(const std::vector<FaceIds>& near, const std::vector<Face>& faces) {
-  for (const FaceIds& ids : near) pairs_.push_back(pairOf(faces[ids.first], faces[ids.second]));
+void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first,
+                       const std::vector<Face>& faces) {
+  for (std::size_t k = first; k < near.size(); ++k) {
+    pairs_.push_back(pairOf(faces[near[k].first], faces[near[k].second]));
+  }
 }
 
 FacePairs::Pair FacePairs::pairOf(const Face& a, const Face& b) {

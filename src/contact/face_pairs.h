@@ -39,8 +39,8 @@ class FacePairs {
   /// \param faces  of the mesh.
   /// \param least  distance below which shortened motion does not bring faces nearer [m].
   void assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces, double least);
-  /// Adds pairs that have come near since.
-  void append(const std::vector<FaceIds>& near, const std::vector<Face>& faces);
+  /// Adds the pairs in `near` from number `first` on.
+  void append(const std::vector<FaceIds>& near, std::size_t first, const std::vector<Face>& faces);
   /// Whether a direction separates two faces, except for corners that they share.
   static bool areApart(const Face& a, const Face& b, const std::vector<Vec3>& x);
   void clear() { pairs_.clear(); }

@@ -27,6 +27,16 @@ bool areAdjacent(const Face& a, const Face& b) {
   return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
 }
 
+/// Distance of a vertex from a face, (v, corners), or of two edges, (ends, ends) [m].
+double distance(const std::array<VertexId, 4>& v, bool areEdges, const std::vector<Vec3>& x) {
+  if (areEdges) {
+    const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
+    return (x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]])).norm();
+  }
+  const std::array<double, 3> w = closestOnTriangle(x[v[0]], {x[v[1]], x[v[2]], x[v[3]]});
+  return (x[v[0]] - w[0] * x[v[1]] - w[1] * x[v[2]] - w[2] * x[v[3]]).norm();
+}
+
 bool areParallel(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x) {
   const Vec3 a = x[v[1]] - x[v[0]];
   const Vec3 b = x[v[3]] - x[v[2]];
@@ -44,6 +54,7 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
   faces_ = mesh.faces();
   material_ = mesh.material();
   firstFace_.resize(material_.size());
+  isMoved_.assign(material_.size(), 0);
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) firstFace_[v] = *mesh.facesAround(v).begin();
   clothOfFace_.resize(faces_.size());
   edgeOwner_.resize(faces_.size());
@@ -74,76 +85,69 @@ LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
   return {0.5 * (a.thickness + b.thickness), 0.5 * (a.friction + b.friction)};
 }
 
-/// Lists a vertex and a face that may come into contact.
-/// \param reach  distance up to which they may [m].
-void LayerContacts::addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,
-                                  const Layers& layers) {
-  const Face& c = faces_[face];
-  if (contains(c, p)) return;
-  const std::array<double, 3> w = closestOnTriangle(x[p], {x[c[0]], x[c[1]], x[c[2]]});
-  const Vec3 apart = x[p] - w[0] * x[c[0]] - w[1] * x[c[1]] - w[2] * x[c[2]];
-  if (apart.squaredNorm() > reach * reach) return;
-  Candidate candidate;
-  candidate.v = {p, c[0], c[1], c[2]};
-  candidate.face = face;
-  candidate.thickness = layers.thickness;
-  candidate.friction = layers.friction;
-  candidates_.push_back(candidate);
-}
-
-/// Lists two edges that may come into contact.
-void LayerContacts::addEdges(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x,
-                             double reach, const Layers& layers) {
-  if (v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3]) return;
-  const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
-  const Vec3 apart = x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]]);
-  if (apart.squaredNorm() > reach * reach) return;
-  Candidate candidate;
-  candidate.v = v;
-  candidate.thickness = layers.thickness;
-  candidate.friction = layers.friction;
-  candidates_.push_back(candidate);
-}
-
-void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
-                           const std::vector<Box>& allowed) {
-  clear();
-  append(near, x, allowed);
-}
-
-/// A vertex takes part as a corner of its first face, an edge as a side of its first face; so no
-/// contact is listed twice.
-void LayerContacts::append(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
-                           const std::vector<Box>& allowed) {
-  if (near.empty()) return;
-  const auto allowedOf = [&](const Face& face) {
+/// Lists what may come into contact of a pair of faces. A vertex takes part as a corner of its
+/// first face, an edge as a side of its first face; so no contact is listed twice. \param isKnown
+/// whether only contacts of vertices with the mark `isMoved_` are missing.
+void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<Vec3>& x,
+                            const std::vector<Box>& allowed) {
+  const Face& f = faces_[ids.first];
+  const Face& g = faces_[ids.second];
+  const auto boxOf = [&](const Face& face) {
     Box box = allowed[face[0]];
     box.add(allowed[face[1]]);
     box.add(allowed[face[2]]);
     return box;
   };
-  for (const FaceIds& ids : near) {
-    const Layers layers = layersOf(ids.first, ids.second);
-    const Face& f = faces_[ids.first];
-    const Face& g = faces_[ids.second];
-    const Box a = allowedOf(f);
-    const Box b = allowedOf(g);
-    const Vec3 approach = (a.high - b.low).cwiseMax(b.high - a.low);
-    const double reach = layers.thickness + approach.maxCoeff();
-    for (const VertexId p : f) {
-      if (firstFace_[p] == ids.first) addVertexFace(p, ids.second, x, reach, layers);
+  const Box a = boxOf(f);
+  const Box b = boxOf(g);
+  const Layers layers = layersOf(ids.first, ids.second);
+  const double reach = layers.thickness + (a.high - b.low).cwiseMax(b.high - a.low).maxCoeff();
+  const auto add = [&](const std::array<VertexId, 4>& v, FaceId face) {
+    const auto isMoved = [this](VertexId vertex) { return isMoved_[vertex] != 0; };
+    if (isKnown && std::none_of(v.begin(), v.end(), isMoved)) return;
+    if (distance(v, face == kNone, x) <= reach) candidates_.push_back({v, face, layers});
+  };
+  const auto addVertices = [&](FaceId from, const Face& corners, FaceId to, const Face& face) {
+    for (const VertexId p : corners) {
+      if (firstFace_[p] == from && !contains(face, p)) add({p, face[0], face[1], face[2]}, to);
     }
-    for (const VertexId p : g) {
-      if (firstFace_[p] == ids.second) addVertexFace(p, ids.first, x, reach, layers);
-    }
-    for (int i = 0; i < 3; ++i) {
-      if (edgeOwner_[ids.first][i] != ids.first) continue;
-      for (int j = 0; j < 3; ++j) {
-        if (edgeOwner_[ids.second][j] != ids.second) continue;
-        addEdges({f[i], f[(i + 1) % 3], g[j], g[(j + 1) % 3]}, x, reach, layers);
-      }
+  };
+  addVertices(ids.first, f, ids.second, g);
+  addVertices(ids.second, g, ids.first, f);
+  for (int i = 0; i < 3; ++i) {
+    if (edgeOwner_[ids.first][i] != ids.first) continue;
+    for (int j = 0; j < 3; ++j) {
+      if (edgeOwner_[ids.second][j] != ids.second) continue;
+      const std::array<VertexId, 4> v{f[i], f[(i + 1) % 3], g[j], g[(j + 1) % 3]};
+      if (v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]) add(v, kNone);
     }
   }
+}
+
+void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
+                           const std::vector<Box>& allowed) {
+  clear();
+  extend(near, 0, {}, x, allowed);
+}
+
+void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
+                           const std::vector<VertexId>& moved, const std::vector<Vec3>& x,
+                           const std::vector<Box>& allowed) {
+  if (known == near.size() && moved.empty()) return;
+  const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
+  const auto hasMoved = [&](const auto& v) { return std::any_of(v.begin(), v.end(), isMoved); };
+  for (const VertexId v : moved) isMoved_[v] = 1;
+  if (!moved.empty()) {
+    const auto isOld = [&](const Candidate& candidate) { return hasMoved(candidate.v); };
+    candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), isOld),
+                      candidates_.end());
+    for (std::size_t k = 0; k < known; ++k) {
+      const bool mayMiss = hasMoved(faces_[near[k].first]) || hasMoved(faces_[near[k].second]);
+      if (mayMiss) addPair(near[k], true, x, allowed);
+    }
+  }
+  for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, x, allowed);
+  for (const VertexId v : moved) isMoved_[v] = 0;
   sortByVertex();
   sinceRefresh_ = 0;
 }
@@ -169,7 +173,7 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   const std::array<VertexId, 4>& v = candidate.v;
   Contact& contact = out.contact;
   contact.v = v;
-  contact.friction = candidate.friction;
+  contact.friction = candidate.layers.friction;
   if (candidate.areEdges()) {
     const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
     out.isInside = at.s > 0.0 && at.s < 1.0 && at.t > 0.0 && at.t < 1.0;
@@ -193,7 +197,7 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   contact.normal = apart / out.apart;
   const double share = candidate.areEdges() ? kEdgeShare : 1.0;
   // Points that are near each other in the cloth laid flat are not pushed apart.
-  contact.distance = std::min(share * candidate.thickness, 0.9 * atRest.norm());
+  contact.distance = std::min(share * candidate.layers.thickness, 0.9 * atRest.norm());
   return true;
 }
 
@@ -219,10 +223,10 @@ void LayerContacts::findClosest(const std::vector<Vec3>& x, double ahead) {
   for (Candidate& candidate : candidates_) {
     if (candidate.due - travel_ > ahead) continue;
     const bool holds = find(candidate, x, closest);
-    candidate.due = travel_ + closest.apart - candidate.thickness;
+    candidate.due = travel_ + closest.apart - candidate.layers.thickness;
     if (!holds || candidate.due - travel_ > ahead) continue;
     closest.face = candidate.face;
-    closest.thickness = candidate.thickness;
+    closest.thickness = candidate.layers.thickness;
     closest_.push_back(closest);
   }
 }

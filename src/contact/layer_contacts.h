@@ -28,8 +28,12 @@ class LayerContacts {
   /// \param allowed  where vertices may be until the next search, seen from `x`, by vertex [m].
   void assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
               const std::vector<Box>& allowed);
-  /// The same for pairs in addition to those listed.
-  void append(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
+  /// Follows a search around a part of the cloth.
+  /// \param near   all pairs.
+  /// \param known  number of those that have been listed; the others are new.
+  /// \param moved  vertices with new bounds in `allowed`.
+  void extend(const std::vector<FaceIds>& near, std::size_t known,
+              const std::vector<VertexId>& moved, const std::vector<Vec3>& x,
               const std::vector<Box>& allowed);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   /// \param mass      by vertex [kg]; 0: prescribed motion.
@@ -52,9 +56,8 @@ class LayerContacts {
   /// A vertex and a face, or two edges: (v, corners) or (ends, ends).
   struct Candidate {
     std::array<VertexId, 4> v{};
-    FaceId face = kNone;     ///< kNone for two edges
-    double thickness = 0.0;  ///< as in Layers [m]
-    double friction = 0.0;
+    FaceId face = kNone;  ///< kNone for two edges
+    Layers layers;
     double due = -1e300;  ///< value of `travel_` at which it may touch; unknown at first [m]
     bool areEdges() const { return face == kNone; }
   };
@@ -78,10 +81,8 @@ class LayerContacts {
     bool isInside = false;   ///< inside the face, or inside both edges
   };
 
-  void addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,
-                     const Layers& layers);
-  void addEdges(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x, double reach,
-                const Layers& layers);
+  void addPair(const FaceIds& ids, bool isKnown, const std::vector<Vec3>& x,
+               const std::vector<Box>& allowed);
   void sortByVertex();
   void refresh(const std::vector<Vec3>& x, double motion);
   void findClosest(const std::vector<Vec3>& x, double ahead);
@@ -103,9 +104,10 @@ class LayerContacts {
   std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
   std::vector<LayerProperties> byCloth_;
   std::vector<Candidate> candidates_;
-  std::vector<Candidate> sorted_;    ///< scratch
-  std::vector<std::int32_t> first_;  ///< scratch: by vertex
-  std::vector<Closest> closest_;     ///< of candidates that may touch soon, in their order
+  std::vector<Candidate> sorted_;      ///< scratch
+  std::vector<std::uint8_t> isMoved_;  ///< scratch: by vertex
+  std::vector<std::int32_t> first_;    ///< scratch: by vertex
+  std::vector<Closest> closest_;       ///< of candidates that may touch soon, in their order
   std::vector<Contact> contacts_;
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending

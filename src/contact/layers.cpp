@@ -1,10 +1,11 @@
 #include "cloth_sim/contact/layers.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
+#include "face_pair_set.h"
 #include "layer_contacts.h"
 #include "threads/parallel_for.h"
 
@@ -51,19 +52,23 @@ Vec3 meanMotion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
   return count == 0 ? sum : Vec3(sum / static_cast<double>(count));
 }
 
-/// Whether `holds(k)` for all k in [0, count); on several threads where that pays.
-template <typename Holds>
-bool holdsForAll(std::size_t count, const Holds& holds) {
+/// Lists the numbers in [0, count) for which `isOne` holds, ascending; on several threads where
+/// that pays.
+template <typename IsOne>
+void listThose(std::size_t count, std::vector<std::int32_t>& list, const IsOne& isOne) {
   constexpr std::int32_t kGrain = 4096;
-  std::atomic<bool> all{true};
+  std::mutex mutex;
+  list.clear();
   parallelFor(static_cast<std::int32_t>(count), kGrain, [&](std::int32_t first, std::int32_t last) {
-    for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
-      if (holds(k)) continue;
-      all = false;
-      return;
+    std::vector<std::int32_t> found;
+    for (std::int32_t k = first; k < last; ++k) {
+      if (isOne(static_cast<std::size_t>(k))) found.push_back(k);
     }
+    if (found.empty()) return;
+    const std::lock_guard<std::mutex> lock(mutex);
+    list.insert(list.end(), found.begin(), found.end());
   });
-  return all;
+  std::sort(list.begin(), list.end());
 }
 
 }  // namespace
@@ -96,14 +101,14 @@ class LayerContact::Impl {
   void giveUp(const ParticleView& particles);
   bool isAllowed();
   bool isTurnAllowed(std::size_t f) const;
-  bool findLeft();
+  bool isLittle();
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   bool isFarFromItself() const { return isFresh_ && pairs_.count() == 0; }
   void search();
   void searchAgain();
   void searchAround();
   void collect();
-  std::vector<FaceIds> takeNew();
+  void collectNew();
   void allow();
   void allowVertex(std::size_t v, const Vec3& offset, const Vec3& common);
   void allowFace(FaceId f);
@@ -130,7 +135,7 @@ class LayerContact::Impl {
   std::vector<double> turn_;            ///< square of the edges' change within these, by face [m^2]
   std::vector<Box> boxes_;              ///< by face
   std::vector<FaceIds> near_;           ///< pairs of faces that may touch before the next search
-  std::vector<std::uint64_t> known_;    ///< these, ascending; empty until they are searched again
+  FacePairSet known_;                   ///< these; empty until there is a search around a part
   std::vector<VertexId> leftVertices_;  ///< outside the motion that the search allowed
   std::vector<FaceId> leftFaces_;  ///< outside the gradients that it allowed, or with such a corner
   std::int64_t searchedAgain_ = 0;       ///< faces around which was searched since the last search
@@ -264,16 +269,17 @@ double LayerContact::Impl::farthestMotion() const {
   return std::sqrt(square);
 }
 
-/// Whether the end of the substep is within what the last search allowed. Motion that all vertices
-/// have in common does not count: it brings nothing together.
+/// Whether the end of the substep is within what the last search allowed; lists what is not. Motion
+/// that all vertices have in common does not count: it brings nothing together.
 bool LayerContact::Impl::isAllowed() {
   if (!isFresh_) return false;
   const Vec3 common = meanMotion(searched_, end_);
-  const bool areNear = holdsForAll(end_.size(), [&](std::size_t v) {
+  listThose(end_.size(), leftVertices_, [&](std::size_t v) {
     moved_[v] = end_[v] - searched_[v] - common;
-    return allowed_[v].contains(moved_[v]);
+    return !allowed_[v].contains(moved_[v]);
   });
-  return areNear && holdsForAll(faces_.size(), [&](std::size_t f) { return isTurnAllowed(f); });
+  listThose(faces_.size(), leftFaces_, [&](std::size_t f) { return !isTurnAllowed(f); });
+  return leftVertices_.empty() && leftFaces_.empty();
 }
 
 /// Whether the gradient of a face has changed by no more than the last search allowed.
@@ -289,25 +295,16 @@ bool LayerContact::Impl::isTurnAllowed(std::size_t f) const {
   return (now - balls_[f].centre).norm() <= balls_[f].radius;
 }
 
-/// Lists what has left where the last search allowed it to be. \return whether it is little.
-bool LayerContact::Impl::findLeft() {
-  leftVertices_.clear();
-  leftFaces_.clear();
-  const Vec3 common = meanMotion(searched_, end_);
-  for (std::size_t v = 0; v < end_.size(); ++v) {
-    moved_[v] = end_[v] - searched_[v] - common;
-    if (!allowed_[v].contains(moved_[v])) leftVertices_.push_back(static_cast<VertexId>(v));
-  }
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    if (!isTurnAllowed(f)) leftFaces_.push_back(static_cast<FaceId>(f));
-  }
+/// Whether what has left where the last search allowed it to be is little. Adds the faces around
+/// vertices to those that have left.
+bool LayerContact::Impl::isLittle() {
   for (const VertexId v : leftVertices_) {
     leftFaces_.insert(leftFaces_.end(), facesAround_.begin() + aroundStart_[v],
                       facesAround_.begin() + aroundStart_[v + 1]);
   }
   std::sort(leftFaces_.begin(), leftFaces_.end());
   leftFaces_.erase(std::unique(leftFaces_.begin(), leftFaces_.end()), leftFaces_.end());
-  return leftFaces_.size() < kLittle * static_cast<double>(faces_.size());
+  return static_cast<double>(leftFaces_.size()) < kLittle * static_cast<double>(faces_.size());
 }
 
 /// Sets where a vertex may go until the next search, seen from the mean of all vertices: some
@@ -366,7 +363,7 @@ void LayerContact::Impl::search() {
   allow();
   for (MaterialTree& tree : trees_) tree.refit(boxes_, balls_);
   near_.clear();
-  known_.clear();
+  known_.clear(faces_.size());
   searchedAgain_ = 0;
   collect();
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
@@ -387,7 +384,7 @@ void LayerContact::Impl::collect() {
 
 /// Searches again after something has left where it was allowed to be: around that if it is little.
 void LayerContact::Impl::searchAgain() {
-  if (isFresh_ && findLeft()) {
+  if (isFresh_ && isLittle()) {
     searchedAgain_ += static_cast<std::int64_t>(leftFaces_.size());
     if (searchedAgain_ < kMostAgain * static_cast<double>(faces_.size())) return searchAround();
   }
@@ -407,38 +404,21 @@ void LayerContact::Impl::searchAround() {
     boxFace(f);
   }
   for (MaterialTree& tree : trees_) tree.refit(leftFaces_, boxes_, balls_);
-  const std::vector<FaceIds> found = takeNew();
-  pairs_.append(found, faces_);
-  if (leftVertices_.empty()) {
-    contacts_.append(found, searched_, allowed_);
-  } else {
-    contacts_.assign(near_, searched_, allowed_);
-  }
+  const std::size_t known = near_.size();
+  collectNew();
+  pairs_.append(near_, known, faces_);
+  contacts_.extend(near_, known, leftVertices_, searched_, allowed_);
 }
 
-/// Collects pairs around changed faces. \return those that are new; they are in `near_` as well.
-std::vector<FaceIds> LayerContact::Impl::takeNew() {
-  const auto keyOf = [](const FaceIds& ids) {
-    return static_cast<std::uint64_t>(ids.first) << 32U | static_cast<std::uint64_t>(ids.second);
-  };
-  if (known_.empty()) {
-    for (const FaceIds& ids : near_) known_.push_back(keyOf(ids));
-    std::sort(known_.begin(), known_.end());
+/// Appends the pairs of faces that have come near since.
+void LayerContact::Impl::collectNew() {
+  if (known_.isEmpty()) {
+    for (const FaceIds& pair : near_) known_.insert(pair);
   }
-  const std::size_t old = near_.size();
+  const auto first = static_cast<std::ptrdiff_t>(near_.size());
   collect();
-  const auto isKnown = [&](const FaceIds& ids) {
-    return std::binary_search(known_.begin(), known_.end(), keyOf(ids));
-  };
-  near_.erase(
-      std::remove_if(near_.begin() + static_cast<std::ptrdiff_t>(old), near_.end(), isKnown),
-      near_.end());
-  std::vector<FaceIds> found(near_.begin() + static_cast<std::ptrdiff_t>(old), near_.end());
-  const auto middle = static_cast<std::ptrdiff_t>(known_.size());
-  for (const FaceIds& ids : found) known_.push_back(keyOf(ids));
-  std::sort(known_.begin() + middle, known_.end());
-  std::inplace_merge(known_.begin(), known_.begin() + middle, known_.end());
-  return found;
+  const auto isKnown = [this](const FaceIds& pair) { return !known_.insert(pair); };
+  near_.erase(std::remove_if(near_.begin() + first, near_.end(), isKnown), near_.end());
 }
 
 void LayerContact::Impl::project(const ParticleView& particles, double h) {

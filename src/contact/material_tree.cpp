@@ -55,6 +55,9 @@ void sortByBucket(std::vector<std::pair<std::int32_t, FaceId>>& entries, std::si
   for (std::size_t k = 0; k < buckets; ++k) start[k + 1] += start[k];
 }
 
+/// Whether nodes that are `i` columns and `j` rows apart are neighbours or the same.
+bool areNeighbours(int i, int j) { return std::abs(i) <= 1 && std::abs(j) <= 1; }
+
 void addPair(FaceId a, FaceId b, std::vector<FaceIds>& out) {
   out.push_back(a < b ? FaceIds{a, b} : FaceIds{b, a});
 }
@@ -131,6 +134,7 @@ void MaterialTree::build(const Model& model, std::size_t cloth) {
     const std::size_t nodes = static_cast<std::size_t>(level.columns) * level.rows;
     level.boxes.resize(nodes);
     level.balls.resize(nodes);
+    level.before.resize(nodes);
     level.isChanged.resize(nodes);
   }
   placeFaces(model);
@@ -220,11 +224,11 @@ void MaterialTree::blockOpenBorders(const Model& model) {
 
 void MaterialTree::refit(const std::vector<Box>& boxes,
                          const std::vector<GradientBall>& gradients) {
+  unmark();
+  areAllChanged_ = true;
   for (std::size_t k = 0; k < levels_.size(); ++k) {
-    Level& level = levels_[k];
-    level.changed.clear();
-    std::fill(level.isChanged.begin(), level.isChanged.end(), 1);
-    for (std::int32_t node = 0; node < static_cast<std::int32_t>(level.boxes.size()); ++node) {
+    const auto nodes = static_cast<std::int32_t>(levels_[k].boxes.size());
+    for (std::int32_t node = 0; node < nodes; ++node) {
       if (k == 0) {
         refitBucket(node, boxes, gradients);
       } else {
@@ -238,6 +242,7 @@ void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<Box
                          const std::vector<GradientBall>& gradients) {
   if (levels_.empty()) return;
   unmark();
+  areAllChanged_ = false;
   for (const FaceId f : faces) {
     for (std::int32_t at = reachStart_[f]; at < reachStart_[f + 1]; ++at) {
       mark(levels_.front(), reach_[at]);
@@ -257,7 +262,6 @@ void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<Box
 /// Takes the marks of the last refit back.
 void MaterialTree::unmark() {
   for (Level& level : levels_) {
-    if (level.changed.empty()) std::fill(level.isChanged.begin(), level.isChanged.end(), 0);
     for (const std::int32_t node : level.changed) level.isChanged[node] = 0;
     level.changed.clear();
   }
@@ -266,6 +270,7 @@ void MaterialTree::unmark() {
 void MaterialTree::mark(Level& level, std::int32_t node) {
   if (level.isChanged[node] != 0) return;
   level.isChanged[node] = 1;
+  level.before[node] = level.balls[node];
   level.changed.push_back(node);
 }
 
@@ -316,20 +321,30 @@ const Box& MaterialTree::boxAt(const Place& at) const {
   return level.boxes[level.node(at.i, at.j)];
 }
 
-bool MaterialTree::isChanged(const Place& at) const {
+bool MaterialTree::isNew(const Place& at) const {
   const Level& level = levels_[at.level];
-  return level.isChanged[level.node(at.i, at.j)] != 0;
+  return areAllChanged_ || level.isChanged[level.node(at.i, at.j)] != 0;
+}
+
+/// Whether two nodes of a level have changed since the last search, or the rectangle around them if
+/// they are neighbours.
+bool MaterialTree::isChanged(const Place& a, const Place& b) const {
+  const Level& level = levels_[a.level];
+  const auto hasMark = [&](int i, int j) { return level.isChanged[level.node(i, j)] != 0; };
+  if (hasMark(a.i, a.j) || hasMark(b.i, b.j)) return true;
+  return areNeighbours(a.i - b.i, a.j - b.j) && (hasMark(a.i, b.j) || hasMark(b.i, a.j));
 }
 
 /// Whether two nodes of a level are neighbours, or the same, in a rectangle that is proven not to
 /// touch itself.
-bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
-  if (std::abs(a.i - b.i) > 1 || std::abs(a.j - b.j) > 1) return false;
-  const Level& level = levels_[a.level];
+/// \param ballAt  ball of gradients of a node (i, j) of that level.
+template <typename Ball>
+bool MaterialTree::isProven(const Place& a, const Place& b, const Ball& ballAt) {
+  if (!areNeighbours(a.i - b.i, a.j - b.j)) return false;
   GradientBall ball;
   for (int j = std::min(a.j, b.j); j <= std::max(a.j, b.j); ++j) {
     for (int i = std::min(a.i, b.i); i <= std::max(a.i, b.i); ++i) {
-      const GradientBall& part = level.balls[level.node(i, j)];
+      const GradientBall& part = ballAt(i, j);
       if (part.isEmpty()) return false;
       ball.add(part);
     }
@@ -337,16 +352,34 @@ bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
   return ball.provesInjective();
 }
 
+bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
+  const Level& level = levels_[a.level];
+  return isProven(
+      a, b, [&](int i, int j) -> const GradientBall& { return level.balls[level.node(i, j)]; });
+}
+
+/// The same before the last refit.
+bool MaterialTree::wasSmooth(const Place& a, const Place& b) const {
+  const Level& level = levels_[a.level];
+  return isProven(a, b, [&](int i, int j) -> const GradientBall& {
+    const int node = level.node(i, j);
+    return level.isChanged[node] != 0 ? level.before[node] : level.balls[node];
+  });
+}
+
 void MaterialTree::collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const {
   if (levels_.empty()) return;
   const Place root{static_cast<int>(levels_.size()) - 1, 0, 0};
-  collectPair(root, root, boxes, out);
+  collectPair(root, root, areAllChanged_, boxes, out);
 }
 
-void MaterialTree::collectPair(const Place& a, const Place& b, const std::vector<Box>& boxes,
-                               std::vector<FaceIds>& out) const {
-  if (!isChanged(a) && !isChanged(b)) return;
+/// Appends the pairs of faces under two nodes of a level.
+/// \param isNew  whether no pair under them has been looked at before.
+void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
+                               const std::vector<Box>& boxes, std::vector<FaceIds>& out) const {
+  if (!isNew && !isChanged(a, b)) return;
   if (!boxAt(a).meets(boxAt(b)) || isSmooth(a, b)) return;
+  isNew = isNew || wasSmooth(a, b);
   const bool isSame = a.i == b.i && a.j == b.j;
   if (a.level == 0) {
     const int first = levels_.front().node(a.i, a.j);
@@ -362,7 +395,9 @@ void MaterialTree::collectPair(const Place& a, const Place& b, const std::vector
   const int countA = children(a, partsA);
   const int countB = children(b, partsB);
   for (int k = 0; k < countA; ++k) {
-    for (int m = isSame ? k : 0; m < countB; ++m) collectPair(partsA[k], partsB[m], boxes, out);
+    for (int m = isSame ? k : 0; m < countB; ++m) {
+      collectPair(partsA[k], partsB[m], isNew, boxes, out);
+    }
   }
 }
 
@@ -376,7 +411,7 @@ void MaterialTree::collectBetween(const MaterialTree& a, const MaterialTree& b,
 void MaterialTree::collectPairBetween(const MaterialTree& treeA, const Place& a,
                                       const MaterialTree& treeB, const Place& b,
                                       const std::vector<Box>& boxes, std::vector<FaceIds>& out) {
-  if (!treeA.isChanged(a) && !treeB.isChanged(b)) return;
+  if (!treeA.isNew(a) && !treeB.isNew(b)) return;
   if (!treeA.boxAt(a).meets(treeB.boxAt(b))) return;
   if (a.level == 0 && b.level == 0) {
     const int first = treeA.levels_.front().node(a.i, a.j);

@@ -83,9 +83,10 @@ class MaterialTree {
   void refit(const std::vector<FaceId>& faces, const std::vector<Box>& boxes,
              const std::vector<GradientBall>& gradients);
 
-  /// Appends the pairs of faces with boxes that meet, of which at least one lies in a changed
-  /// bucket, except for pairs in parts that are proven not to touch themselves; the smaller face
-  /// first, in an order that depends on positions only.
+  /// Appends the pairs of faces with boxes that meet, except for pairs in parts that are proven not
+  /// to touch themselves; the smaller face first, in an order that depends on positions only. After
+  /// a refit of some faces: only pairs that the changes may have brought in, among them some that
+  /// are known already.
   void collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const;
   /// The same for the faces of two cloths.
   static void collectBetween(const MaterialTree& a, const MaterialTree& b,
@@ -98,8 +99,9 @@ class MaterialTree {
     int rows = 0;
     std::vector<Box> boxes;
     std::vector<GradientBall> balls;
+    std::vector<GradientBall> before;     ///< balls before the last refit, of changed nodes
     std::vector<std::uint8_t> isChanged;  ///< 1 if the last refit brought the node up to date
-    std::vector<std::int32_t> changed;    ///< nodes with that mark, unless all have it
+    std::vector<std::int32_t> changed;    ///< nodes with that mark, unless all were brought
     int node(int i, int j) const { return j * columns + i; }
   };
   /// A node's place.
@@ -119,9 +121,13 @@ class MaterialTree {
   void unmark();
   static void mark(Level& level, std::int32_t node);
   const Box& boxAt(const Place& at) const;
-  bool isChanged(const Place& at) const;
+  bool isNew(const Place& at) const;
+  bool isChanged(const Place& a, const Place& b) const;
   bool isSmooth(const Place& a, const Place& b) const;
-  void collectPair(const Place& a, const Place& b, const std::vector<Box>& boxes,
+  bool wasSmooth(const Place& a, const Place& b) const;
+  template <typename Ball>
+  static bool isProven(const Place& a, const Place& b, const Ball& ballAt);
+  void collectPair(const Place& a, const Place& b, bool isNew, const std::vector<Box>& boxes,
                    std::vector<FaceIds>& out) const;
   static void collectPairBetween(const MaterialTree& treeA, const Place& a,
                                  const MaterialTree& treeB, const Place& b,
@@ -141,6 +147,7 @@ class MaterialTree {
   std::vector<FaceId> owned_;        ///< faces by the bucket that their centre lies in
   std::vector<FaceId> gradients_;    ///< faces by the buckets that they overlap
   std::vector<bool> isBlocked_;      ///< by bucket: the surface is not continuous in it
+  bool areAllChanged_ = false;       ///< the last refit was one of all nodes
 };
 
 }  // namespace cloth_sim
