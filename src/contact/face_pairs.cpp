@@ -377,7 +377,7 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
   if (pairs_.empty()) return outcome;
   const SubstepMotion& motion = now.motion;
   double farthest = 0.0;
-  for (std::size_t v = 0; v < motion.start.size(); ++v) {
+  for (const VertexId v : now.vertices) {
     farthest = std::max(farthest, (motion.end[v] - motion.start[v]).squaredNorm());
   }
   travel_ += 2.0 * std::sqrt(farthest);
@@ -397,8 +397,8 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
 }
 
 void FacePairs::stop(const Truncation& now) {
-  for (std::size_t v = 0; v < now.motion.start.size(); ++v) {
-    if (now.motion.end[v] != now.motion.start[v]) moveBack(static_cast<VertexId>(v), 0.0, now);
+  for (const VertexId v : now.vertices) {
+    if (now.motion.end[v] != now.motion.start[v]) moveBack(v, 0.0, now);
   }
 }
 

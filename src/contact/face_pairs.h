@@ -16,8 +16,9 @@ struct SubstepMotion {
 /// A substep whose motion may be shortened.
 struct Truncation {
   SubstepMotion motion;
-  const std::vector<double>& mass;       ///< by vertex [kg]; 0: prescribed motion
-  std::vector<std::uint8_t>& truncated;  ///< by vertex: set to 1 if its motion was changed
+  const std::vector<double>& mass;        ///< by vertex [kg]; 0: prescribed motion
+  const std::vector<VertexId>& vertices;  ///< of all pairs, at least
+  std::vector<std::uint8_t>& truncated;   ///< by vertex: set to 1 if its motion was changed
 };
 
 /// Outcome of keeping the faces of all pairs apart in a substep.

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
+#include <numeric>
 
+#include "allowance.h"
 #include "face_pair_set.h"
 #include "layer_contacts.h"
 #include "threads/parallel_for.h"
@@ -14,24 +15,8 @@ namespace {
 
 /// Particles that are faster than the cloth on average by more have diverged [m/s].
 constexpr double kFastest = 500.0;
-/// Substeps that a search for pairs allows for, at the speed of the present one.
-constexpr double kSubstepsAhead = 4.0;
-/// Motion that a search allows for at least [m].
-constexpr double kLeastAllowance = 4e-4;
-/// Change of a face's gradient that a search allows for at least [-].
-constexpr double kLeastTurn = 0.2;
-/// Most motion that a search allows for, unless a single substep takes more [m].
-constexpr double kMostAllowance = 5e-3;
-/// Share of the faces up to which a search goes on around what has left only.
-constexpr double kLittle = 0.05;
-/// Share of the faces around which is searched, in sum, before the next search of all.
-constexpr double kMostAgain = 0.25;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
-
-std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
-  return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
-}
 
 Vec3 startOf(const ParticleView& particles, std::size_t slot) {
   return {particles.startX[slot], particles.startY[slot], particles.startZ[slot]};
@@ -39,36 +24,6 @@ Vec3 startOf(const ParticleView& particles, std::size_t slot) {
 
 Vec3 endOf(const ParticleView& particles, std::size_t slot) {
   return {particles.x[slot], particles.y[slot], particles.z[slot]};
-}
-
-/// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do for what all
-/// have in common, so a sample suffices.
-Vec3 meanMotion(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  constexpr std::size_t kSample = 256;
-  const std::size_t stride = std::max<std::size_t>(1, to.size() / kSample);
-  Vec3 sum = Vec3::Zero();
-  std::size_t count = 0;
-  for (std::size_t v = 0; v < to.size(); v += stride, ++count) sum += to[v] - from[v];
-  return count == 0 ? sum : Vec3(sum / static_cast<double>(count));
-}
-
-/// Lists the numbers in [0, count) for which `isOne` holds, ascending; on several threads where
-/// that pays.
-template <typename IsOne>
-void listThose(std::size_t count, std::vector<std::int32_t>& list, const IsOne& isOne) {
-  constexpr std::int32_t kGrain = 4096;
-  std::mutex mutex;
-  list.clear();
-  parallelFor(static_cast<std::int32_t>(count), kGrain, [&](std::int32_t first, std::int32_t last) {
-    std::vector<std::int32_t> found;
-    for (std::int32_t k = first; k < last; ++k) {
-      if (isOne(static_cast<std::size_t>(k))) found.push_back(k);
-    }
-    if (found.empty()) return;
-    const std::lock_guard<std::mutex> lock(mutex);
-    list.insert(list.end(), found.begin(), found.end());
-  });
-  std::sort(list.begin(), list.end());
 }
 
 }  // namespace
@@ -92,86 +47,58 @@ class LayerContact::Impl {
 
  private:
   void loadSupported(const ParticleView& particles);
-  void store(const ParticleView& particles) const;
-  template <typename Body>
-  void forVertices(const Body& body) const;
-  void loadStart(const ParticleView& particles);
+  void loadAll(const ParticleView& particles);
   void loadEnd(const ParticleView& particles);
+  void store(const ParticleView& particles) const;
   double farthestMotion() const;
   void giveUp(const ParticleView& particles);
-  bool isAllowed();
-  bool isTurnAllowed(std::size_t f) const;
-  bool isLittle();
+  void stop(const ParticleView& particles);
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
-  bool isFarFromItself() const { return isFresh_ && pairs_.count() == 0; }
   void search();
-  void searchAgain();
+  void searchAgain(const ParticleView& particles);
   void searchAround();
   void collect();
   void collectNew();
-  void allow();
-  void allowVertex(std::size_t v, const Vec3& offset, const Vec3& common);
-  void allowFace(FaceId f);
   void boxFace(FaceId f);
-  Gradient gradient(FaceId f, const std::vector<Vec3>& x) const;
+  void listVertices();
 
   std::vector<LayerProperties> byCloth_;
   std::vector<Face> faces_;
-  std::vector<std::int32_t> aroundStart_;     ///< by vertex
-  std::vector<FaceId> facesAround_;           ///< by the vertices that they have as corners
-  std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
-  std::vector<MaterialTree> trees_;           ///< by cloth
-  double margin_ = 0.0;                       ///< half of the largest thickness [m]
+  std::vector<MaterialTree> trees_;  ///< by cloth
+  double margin_ = 0.0;              ///< half of the largest thickness [m]
+  Allowance allowance_;
   FacePairs pairs_;
   LayerContacts contacts_;
-  double most_ = 0.0;                   ///< most motion in a substep [m]
-  bool isFresh_ = false;                ///< pairs are those of this step
-  std::vector<Vec3> start_, end_;       ///< of the substep, by vertex [m]
-  std::vector<double> mass_;            ///< by vertex [kg]; 0: prescribed motion
-  std::vector<Vec3> searched_;          ///< positions at the last search, by vertex [m]
-  std::vector<Vec3> moved_;             ///< motion since then, against the mean, by vertex [m]
-  std::vector<Box> allowed_;            ///< motion that it allowed, by vertex [m]
-  std::vector<GradientBall> balls_;     ///< gradients that it allowed, by face
-  std::vector<double> turn_;            ///< square of the edges' change within these, by face [m^2]
-  std::vector<Box> boxes_;              ///< by face
-  std::vector<FaceIds> near_;           ///< pairs of faces that may touch before the next search
-  FacePairSet known_;                   ///< these; empty until there is a search around a part
-  std::vector<VertexId> leftVertices_;  ///< outside the motion that the search allowed
-  std::vector<FaceId> leftFaces_;  ///< outside the gradients that it allowed, or with such a corner
-  std::int64_t searchedAgain_ = 0;       ///< faces around which was searched since the last search
+  double most_ = 0.0;               ///< most motion in a substep [m]
+  bool isFresh_ = false;            ///< pairs are those of this step
+  std::vector<VertexId> all_;       ///< all vertices
+  std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
+  std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
+  std::vector<double> mass_;        ///< by vertex [kg]; 0: prescribed motion
+  std::vector<Box> boxes_;          ///< by face
+  std::vector<FaceIds> near_;       ///< pairs of faces that may touch before the next search
+  FacePairSet known_;               ///< these; empty until there is a search around a part
   std::vector<std::uint8_t> truncated_;  ///< by vertex
   std::vector<std::uint8_t> supported_;  ///< by vertex; see LayerContacts::settle
+  std::vector<std::uint8_t> isListed_;   ///< scratch: by vertex
 };
 
 void LayerContact::Impl::build(const Model& model) {
   faces_ = model.mesh.faces();
-  inverseRest_.resize(faces_.size());
-  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
-    const Face& face = faces_[f];
-    Eigen::Matrix2d rest;
-    rest.col(0) = model.mesh.material(face[1]) - model.mesh.material(face[0]);
-    rest.col(1) = model.mesh.material(face[2]) - model.mesh.material(face[0]);
-    inverseRest_[f] = rest.inverse();
-  }
+  allowance_.build(model);
   trees_.resize(model.cloths.size());
   for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
   margin_ = 0.0;
   for (const LayerProperties& cloth : byCloth_) margin_ = std::max(margin_, 0.5 * cloth.thickness);
   const auto vertices = static_cast<std::size_t>(model.particleCount());
-  for (auto* array : {&start_, &end_, &searched_, &moved_}) array->resize(vertices);
+  all_.resize(vertices);
+  std::iota(all_.begin(), all_.end(), 0);
+  start_.resize(vertices);
+  end_.resize(vertices);
   mass_.resize(vertices);
-  allowed_.resize(vertices);
   truncated_.resize(vertices);
   supported_.resize(vertices);
-  balls_.resize(faces_.size());
-  turn_.resize(faces_.size());
   boxes_.resize(faces_.size());
-  aroundStart_.assign(1, 0);
-  facesAround_.clear();
-  for (VertexId v = 0; v < model.mesh.vertexCount(); ++v) {
-    for (const FaceId f : model.mesh.facesAround(v)) facesAround_.push_back(f);
-    aroundStart_.push_back(static_cast<std::int32_t>(facesAround_.size()));
-  }
   contacts_.build(model, byCloth_);
   beginStep();
 }
@@ -195,73 +122,57 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
 void LayerContact::Impl::beginStep() {
   report = LayerReport();
   isFresh_ = false;
+  vertices_ = all_;
   pairs_.clear();
   contacts_.clear();
 }
 
-template <typename Body>
-void LayerContact::Impl::forVertices(const Body& body) const {
-  constexpr std::int32_t kGrain = 4096;
-  parallelFor(static_cast<std::int32_t>(end_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t v = first; v < last; ++v) body(static_cast<std::size_t>(v));
-              });
-}
-
 void LayerContact::Impl::load(const ParticleView& particles) {
-  if (isFarFromItself()) return;
-  forVertices([&](std::size_t v) {
+  for (const VertexId v : vertices_) {
     const auto k = slotOf(particles, v);
     start_[v] = startOf(particles, k);
     end_[v] = endOf(particles, k);
     mass_[v] = particles.mass[k];
     supported_[v] = mass_[v] == 0.0 ? 1 : 0;
-  });
+  }
 }
 
 /// Loads the ends of a substep, and marks vertices that were moved since they were stored.
 void LayerContact::Impl::loadSupported(const ParticleView& particles) {
-  forVertices([&](std::size_t v) {
-    const auto k = slotOf(particles, v);
-    const Vec3 moved = endOf(particles, k);
+  for (const VertexId v : vertices_) {
+    const Vec3 moved = endOf(particles, slotOf(particles, v));
     if (moved != end_[v]) supported_[v] = 1;
     end_[v] = moved;
-  });
+  }
 }
 
-void LayerContact::Impl::loadStart(const ParticleView& particles) {
-  forVertices([&](std::size_t v) {
-    const auto k = slotOf(particles, v);
-    start_[v] = startOf(particles, k);
-  });
+/// Loads both ends of a substep, and from now on those of all vertices.
+void LayerContact::Impl::loadAll(const ParticleView& particles) {
+  vertices_ = all_;
+  load(particles);
 }
 
 void LayerContact::Impl::loadEnd(const ParticleView& particles) {
-  forVertices([&](std::size_t v) {
-    const auto k = slotOf(particles, v);
-    end_[v] = endOf(particles, k);
-  });
+  for (const VertexId v : vertices_) end_[v] = endOf(particles, slotOf(particles, v));
 }
 
 void LayerContact::Impl::store(const ParticleView& particles) const {
-  forVertices([&](std::size_t v) {
+  for (const VertexId v : vertices_) {
     const auto k = slotOf(particles, v);
     particles.x[k] = end_[v].x();
     particles.y[k] = end_[v].y();
     particles.z[k] = end_[v].z();
-  });
+  }
 }
 
-Gradient LayerContact::Impl::gradient(FaceId f, const std::vector<Vec3>& x) const {
-  const Face& face = faces_[f];
-  return Gradient::of(x[face[1]] - x[face[0]], x[face[2]] - x[face[0]], inverseRest_[f]);
-}
-
-/// The largest motion of a vertex in the substep, against the mean of all [m]; NaN if one is.
+/// The largest motion of a loaded vertex in the substep, against the mean of them [m]; NaN if one
+/// is.
 double LayerContact::Impl::farthestMotion() const {
-  const Vec3 common = meanMotion(start_, end_);
+  Vec3 common = Vec3::Zero();
+  for (const VertexId v : vertices_) common += end_[v] - start_[v];
+  common /= static_cast<double>(std::max<std::size_t>(1, vertices_.size()));
   double square = 0.0;
-  for (std::size_t v = 0; v < end_.size(); ++v) {
+  for (const VertexId v : vertices_) {
     const double moved = (end_[v] - start_[v] - common).squaredNorm();
     if (!(moved <= square)) square = moved;  // also for NaN, which stays then
     if (std::isnan(square)) return square;
@@ -269,105 +180,32 @@ double LayerContact::Impl::farthestMotion() const {
   return std::sqrt(square);
 }
 
-/// Whether the end of the substep is within what the last search allowed; lists what is not. Motion
-/// that all vertices have in common does not count: it brings nothing together.
-bool LayerContact::Impl::isAllowed() {
-  if (!isFresh_) return false;
-  const Vec3 common = meanMotion(searched_, end_);
-  listThose(end_.size(), leftVertices_, [&](std::size_t v) {
-    moved_[v] = end_[v] - searched_[v] - common;
-    return !allowed_[v].contains(moved_[v]);
-  });
-  listThose(faces_.size(), leftFaces_, [&](std::size_t f) { return !isTurnAllowed(f); });
-  return leftVertices_.empty() && leftFaces_.empty();
-}
-
-/// Whether the gradient of a face has changed by no more than the last search allowed.
-bool LayerContact::Impl::isTurnAllowed(std::size_t f) const {
-  const Face& face = faces_[f];
-  const Vec3 first = moved_[face[1]] - moved_[face[0]];
-  const Vec3 second = moved_[face[2]] - moved_[face[0]];
-  // The norm of the edges' change bounds that of the gradient.
-  if (first.squaredNorm() + second.squaredNorm() <= turn_[f]) return true;
-  const Gradient now =
-      Gradient::of(first + searched_[face[1]] - searched_[face[0]],
-                   second + searched_[face[2]] - searched_[face[0]], inverseRest_[f]);
-  return (now - balls_[f].centre).norm() <= balls_[f].radius;
-}
-
-/// Whether what has left where the last search allowed it to be is little. Adds the faces around
-/// vertices to those that have left.
-bool LayerContact::Impl::isLittle() {
-  for (const VertexId v : leftVertices_) {
-    leftFaces_.insert(leftFaces_.end(), facesAround_.begin() + aroundStart_[v],
-                      facesAround_.begin() + aroundStart_[v + 1]);
-  }
-  std::sort(leftFaces_.begin(), leftFaces_.end());
-  leftFaces_.erase(std::unique(leftFaces_.begin(), leftFaces_.end()), leftFaces_.end());
-  return static_cast<double>(leftFaces_.size()) < kLittle * static_cast<double>(faces_.size());
-}
-
-/// Sets where a vertex may go until the next search, seen from the mean of all vertices: some
-/// substeps ahead like this one, or stopped by an obstacle, in this substep at least.
-/// \param offset  from where it was searched to the start of the substep [m].
-/// \param common  mean motion in the substep [m].
-void LayerContact::Impl::allowVertex(std::size_t v, const Vec3& offset, const Vec3& common) {
-  const auto aheadOf = [](const Vec3& motion) {
-    const double length = motion.cwiseAbs().maxCoeff();
-    const double most = length > 0.0 ? kMostAllowance / length : kSubstepsAhead;
-    return Vec3(std::max(1.5, std::min(kSubstepsAhead, most)) * motion);
-  };
-  const Vec3 stopped = aheadOf(-common);
-  const Vec3 ahead = aheadOf(end_[v] - start_[v] - common);
-  const Vec3 low = ahead.cwiseMin(stopped).cwiseMin(0.0).array() - kLeastAllowance;
-  const Vec3 high = ahead.cwiseMax(stopped).cwiseMax(0.0).array() + kLeastAllowance;
-  allowed_[v] = {offset + low, offset + high};
-}
-
-/// Sets the gradients that a face may have until the next search.
-void LayerContact::Impl::allowFace(FaceId f) {
-  GradientBall& ball = balls_[f];
-  ball.centre = gradient(f, start_);
-  const double turned = (gradient(f, end_) - ball.centre).norm();
-  ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
-}
-
 /// Puts a box around the places that the corners of a face may take.
 void LayerContact::Impl::boxFace(FaceId f) {
+  const Vec3 margin = Vec3::Constant(margin_);
   Box box;
   for (const VertexId v : faces_[f]) {
-    const Vec3 margin = Vec3::Constant(margin_);
-    box.add({searched_[v] + allowed_[v].low - margin, searched_[v] + allowed_[v].high + margin});
+    const Vec3& x = allowance_.origin()[v];
+    const Box& motion = allowance_.motions()[v];
+    box.add({x + motion.low - margin, x + motion.high + margin});
   }
   boxes_[f] = box;
 }
 
-void LayerContact::Impl::allow() {
-  const Vec3 common = meanMotion(start_, end_);
-  forVertices([&](std::size_t v) { allowVertex(v, Vec3::Zero(), common); });
+/// Finds the pairs of faces that may touch before the next search.
+void LayerContact::Impl::search() {
+  allowance_.renew(start_, end_);
   constexpr std::int32_t kGrain = 2048;
   parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
-                for (FaceId f = first; f < last; ++f) {
-                  allowFace(f);
-                  const double radius = balls_[f].radius;
-                  turn_[f] = radius * radius / inverseRest_[f].squaredNorm();
-                  boxFace(f);
-                }
+                for (FaceId f = first; f < last; ++f) boxFace(f);
               });
-}
-
-/// Finds the pairs of faces that may touch before the next search.
-void LayerContact::Impl::search() {
-  searched_ = start_;
-  allow();
-  for (MaterialTree& tree : trees_) tree.refit(boxes_, balls_);
+  for (MaterialTree& tree : trees_) tree.refit(boxes_, allowance_.gradients());
   near_.clear();
   known_.clear(faces_.size());
-  searchedAgain_ = 0;
   collect();
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(near_, searched_, allowed_);
+  contacts_.assign(near_, allowance_.origin(), allowance_.motions());
   isFresh_ = true;
   ++report.detections;
 }
@@ -382,32 +220,28 @@ void LayerContact::Impl::collect() {
   }
 }
 
-/// Searches again after something has left where it was allowed to be: around that if it is little.
-void LayerContact::Impl::searchAgain() {
-  if (isFresh_ && isLittle()) {
-    searchedAgain_ += static_cast<std::int64_t>(leftFaces_.size());
-    if (searchedAgain_ < kMostAgain * static_cast<double>(faces_.size())) return searchAround();
+/// Searches from the start of the substep on: around what has left where it was allowed to be, if
+/// that is little. Before and after, all vertices are loaded.
+void LayerContact::Impl::searchAgain(const ParticleView& particles) {
+  if (isFresh_ && allowance_.renewLeft(start_, end_)) {
+    searchAround();
+  } else {
+    search();
+    allowance_.follow(particles);
   }
-  search();
 }
 
-/// Searches around the faces in `leftFaces_`. Pairs that are known stay.
+/// Searches around faces with allowances that were renewed. Pairs that are known stay.
 void LayerContact::Impl::searchAround() {
-  const Vec3 before = meanMotion(searched_, start_);
-  const Vec3 common = meanMotion(start_, end_);
-  for (const VertexId v : leftVertices_) {
-    allowVertex(v, start_[v] - searched_[v] - before, common);
+  for (const FaceId f : allowance_.leftFaces()) boxFace(f);
+  for (MaterialTree& tree : trees_) {
+    tree.refit(allowance_.leftFaces(), boxes_, allowance_.gradients());
   }
-  for (const FaceId f : leftFaces_) {
-    allowFace(f);
-    turn_[f] = -1.0;  // the centre of the ball is no longer the gradient at the last search
-    boxFace(f);
-  }
-  for (MaterialTree& tree : trees_) tree.refit(leftFaces_, boxes_, balls_);
   const std::size_t known = near_.size();
   collectNew();
   pairs_.append(near_, known, faces_);
-  contacts_.extend(near_, known, leftVertices_, searched_, allowed_);
+  contacts_.extend(near_, known, allowance_.leftVertices(), allowance_.origin(),
+                   allowance_.motions());
 }
 
 /// Appends the pairs of faces that have come near since.
@@ -421,14 +255,31 @@ void LayerContact::Impl::collectNew() {
   near_.erase(std::remove_if(near_.begin() + first, near_.end(), isKnown), near_.end());
 }
 
+/// Loads the vertices of pairs only, from the next substep on.
+void LayerContact::Impl::listVertices() {
+  isListed_.assign(end_.size(), 0);
+  for (const FaceIds& pair : near_) {
+    for (const FaceId f : {pair.first, pair.second}) {
+      for (const VertexId v : faces_[f]) isListed_[v] = 1;
+    }
+  }
+  vertices_.clear();
+  for (std::size_t v = 0; v < isListed_.size(); ++v) {
+    if (isListed_[v] != 0) vertices_.push_back(static_cast<VertexId>(v));
+  }
+}
+
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   most_ = kFastest * h;
   report.contacts = 0;
-  if (isFarFromItself()) return;
+  if (isFresh_ && pairs_.count() == 0) return;
   loadSupported(particles);
   const double farthest = farthestMotion();
   if (!(farthest <= most_)) return;
-  if (!isFresh_) search();
+  if (!isFresh_) {
+    search();
+    allowance_.follow(particles);
+  }
   if (pairs_.count() == 0) return;
   contacts_.project({start_, end_}, mass_, h, farthest);
   report.contacts = contacts_.active();
@@ -452,34 +303,42 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
 /// Shortening a motion may take faces out of what the search allowed: then there is another search,
 /// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
-  loadEnd(particles);
   report.moves += static_cast<std::int64_t>(end_.size());
   report.blocked = 0;
-  bool isAllowedNow = isAllowed();
-  if (isFarFromItself()) {
-    if (isAllowedNow) return;
-    loadStart(particles);
-  }
-  // A comparison that is false for NaN. The motion would meet everything.
-  if (!isAllowedNow && !(farthestMotion() <= most_)) return giveUp(particles);
   std::fill(truncated_.begin(), truncated_.end(), 0);
-  const Truncation now{{start_, end_}, mass_, truncated_};
+  bool isAllowed = isFresh_ && allowance_.isKept(particles);
+  if (isAllowed && pairs_.count() == 0) return;
+  if (isAllowed) {
+    loadEnd(particles);
+  } else {
+    loadAll(particles);
+    // A comparison that is false for NaN. The motion would meet everything.
+    if (!(farthestMotion() <= most_)) return giveUp(particles);
+  }
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
-    if (!isAllowedNow) searchAgain();
-    const PairOutcome outcome = pairs_.keepApart(now);
+    if (!isAllowed) searchAgain(particles);
+    const PairOutcome outcome = pairs_.keepApart({{start_, end_}, mass_, vertices_, truncated_});
     report.unproven += outcome.unproven;
-    isAllowedNow = !outcome.changed || isAllowed();
-    if (isAllowedNow) break;
+    if (outcome.changed) store(particles);
+    isAllowed = !outcome.changed || allowance_.isKept(particles);
+    if (isAllowed) break;
+    loadAll(particles);
   }
-  if (!isAllowedNow) FacePairs::stop(now);
+  if (!isAllowed) stop(particles);
   report.pairs = static_cast<int>(pairs_.count());
-  const auto count = std::count(truncated_.begin(), truncated_.end(), 1);
-  report.truncated += count;
-  for (std::size_t v = 0; count > 0 && v < mass_.size(); ++v) {
+  for (const VertexId v : vertices_) {
+    report.truncated += truncated_[v];
     if (isHeldBack(v)) ++report.blocked;
   }
-  if (count > 0) store(particles);
+  if (vertices_.size() == all_.size()) listVertices();
+}
+
+/// Takes all motion of the substep back.
+void LayerContact::Impl::stop(const ParticleView& particles) {
+  loadAll(particles);
+  FacePairs::stop({{start_, end_}, mass_, vertices_, truncated_});
+  store(particles);
 }
 
 bool LayerContact::Impl::isBlocked(std::size_t v) const {

@@ -132,8 +132,9 @@ TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
     std::vector<double> mass(6, 1.0);
     if (k % 3 == 0) mass[0] = 0.0;
     std::vector<std::uint8_t> truncated(6, 0);
+    const std::vector<VertexId> all{0, 1, 2, 3, 4, 5};
     const std::vector<Vec3> wanted = pair.end;
-    const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end}, mass, truncated});
+    const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end}, mass, all, truncated});
     EXPECT_EQ(outcome.unproven, 0);
     changed += outcome.changed ? 1 : 0;
     if (!outcome.changed) {

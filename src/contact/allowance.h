@@ -1,0 +1,89 @@
+#pragma once
+/// \file How far vertices may move, and gradients of faces turn, until pairs of faces near each
+/// other are searched again.
+
+#include <vector>
+
+#include "cloth_sim/contact/contacts.h"
+#include "linalg/vector_array.h"
+#include "material_tree.h"
+
+namespace cloth_sim {
+
+/// The slot of a vertex in the arrays of particles.
+inline std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
+  return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
+}
+
+/// Boxes for the motion of vertices, and balls for the gradients of faces, that a search allows.
+/// Motion that all vertices have in common does not count: it brings nothing together.
+class Allowance {
+ public:
+  /// Follows the mesh.
+  void build(const Model& model);
+  /// Allows for some substeps like this one, from its start on.
+  /// \param start, end  positions at both ends of the substep, by vertex [m].
+  void renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end);
+  /// Says where `isKept` finds the vertices. \param particles  at any time.
+  void follow(const ParticleView& particles);
+  /// Whether vertices and gradients are where they may be at the end of a substep.
+  bool isKept(const ParticleView& particles);
+  /// After `isKept` has said no: renews it for vertices and faces that are not, if they are few.
+  /// \return whether they are.
+  bool renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end);
+
+  /// Positions at the last search, by vertex [m].
+  const std::vector<Vec3>& origin() const { return origin_; }
+  /// Where vertices may be, seen from `origin` and from the mean of all vertices, by vertex [m].
+  const std::vector<Box>& motions() const { return motions_; }
+  /// Gradients that faces may have, by face.
+  const std::vector<GradientBall>& gradients() const { return balls_; }
+  /// Vertices that `renewLeft` has renewed, ascending.
+  const std::vector<VertexId>& leftVertices() const { return leftVertices_; }
+  /// Faces that `renewLeft` has renewed, or with such a corner, ascending.
+  const std::vector<FaceId>& leftFaces() const { return leftFaces_; }
+
+ private:
+  /// Faces near each other in the material plane, and the slots of their corners.
+  struct Patch {
+    std::int32_t firstFace = 0;  ///< in patchFaces_
+    std::int32_t lastFace = 0;   ///< past it
+    std::vector<std::int32_t> segments;
+    double turn = 0.0;  ///< least of `turn_` [m^2]
+  };
+
+  void sortIntoPatches(const Model& model);
+  template <typename MotionOf>
+  Vec3 meanMotion(const MotionOf& motionOf) const;
+  Gradient gradient(FaceId f, const std::vector<Vec3>& x) const;
+  void allowMotion(std::size_t v, const Vec3& offset, const Vec3& motion, const Vec3& common);
+  void allowTurn(FaceId f, const std::vector<Vec3>& start, const std::vector<Vec3>& end);
+  void listSegments();
+  void setSlot(VertexId v);
+  bool moveSegment(const ParticleView& particles, const Vec3& common, std::int32_t s);
+  bool isTurnKept(const Patch& patch) const;
+  bool isTurnKept(FaceId f) const;
+  void findLeft();
+
+  std::vector<Face> faces_;
+  std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
+  std::vector<std::int32_t> aroundStart_;     ///< by vertex
+  std::vector<FaceId> facesAround_;           ///< by the vertices that they have as corners
+  std::vector<Vec3> origin_;
+  std::vector<Box> motions_;
+  std::vector<GradientBall> balls_;
+  std::vector<double> turn_;         ///< square of the edges' change within a ball, by face [m^2]
+  std::vector<std::int32_t> slots_;  ///< by vertex
+  VectorArray from_, low_, high_;    ///< origin_ and motions_ by slot [m]
+  VectorArray moved_;                ///< motion since, by slot [m]
+  std::vector<Box> segments_;        ///< around the motion of consecutive slots
+  std::vector<Patch> patches_;
+  std::vector<FaceId> patchFaces_;     ///< by patch
+  std::vector<std::int32_t> patchOf_;  ///< by face
+  bool hasSegments_ = false;           ///< those of the patches are known
+  std::vector<VertexId> leftVertices_;
+  std::vector<FaceId> leftFaces_;
+  std::int64_t renewed_ = 0;  ///< faces since all were
+};
+
+}  // namespace cloth_sim
