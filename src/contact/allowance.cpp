@@ -5,21 +5,15 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <utility>
 
+#include "support/simd.h"
 #include "support/vector_clones.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
 
-/// Substeps that it allows for, at the speed of the present one.
-constexpr double kSubstepsAhead = 4.0;
-/// Motion that it allows for at least [m].
-constexpr double kLeastMotion = 4e-4;
-/// Change of a face's gradient that it allows for at least [-].
-constexpr double kLeastTurn = 0.2;
-/// Most motion that it allows for, unless a single substep takes more [m].
-constexpr double kMostMotion = 5e-3;
 /// Share of the faces up to which some are renewed.
 constexpr double kFew = 0.05;
 /// Share of the faces that are renewed, in sum, until all are.
@@ -40,42 +34,72 @@ void forAll(std::size_t count, std::int32_t grain, const Body& body) {
   });
 }
 
-/// Displacements along an axis of some slots since a search, and what is known of them.
-struct AxisMotion {
-  const double* x;     ///< positions [m]
-  const double* from;  ///< positions at the search [m]
-  const double* low;   ///< least displacement that is allowed [m]
-  const double* high;  ///< largest one [m]
-  double* moved;       ///< displacement, to be set [m]
+/// Some consecutive slots, and what is known of their motion since a search.
+struct SegmentMotion {
+  ConstAxes x;     ///< positions [m]
+  ConstAxes from;  ///< positions at the search [m]
+  ConstAxes low;   ///< least displacement that is allowed [m]
+  ConstAxes high;  ///< largest one [m]
+  Axes moved;      ///< displacement, to be set [m]
 };
 
-/// Sets the displacements of `count` slots against `common` [m], and the least and the largest of
-/// them. \return whether all are allowed; false for NaN.
+/// Sets the displacements of a segment's slots along an axis against `common` [m], and the least
+/// and the largest of them. \return whether all are allowed; false for NaN.
+[[gnu::always_inline]] inline bool moveAxis(const double* x, const double* from, const double* low,
+                                            const double* high, double common, double* moved,
+                                            double& least, double& most) {
+  const Lanes first = lanesAt(x) - lanesAt(from) - common;
+  Lanes below = first;
+  Lanes above = first;
+  auto kept = first == first;
+  for (std::int32_t k = 0; k < kSegment; k += kLanes) {
+    const Lanes now = lanesAt(x + k) - lanesAt(from + k) - common;
+    lanesAt(moved + k) = now;
+    below = now < below ? now : below;
+    above = now > above ? now : above;
+    kept &= (now >= lanesAt(low + k)) & (now <= lanesAt(high + k));
+  }
+  least = std::min(std::min(below[0], below[1]), std::min(below[2], below[3]));
+  most = std::max(std::max(above[0], above[1]), std::max(above[2], above[3]));
+  return (kept[0] & kept[1] & kept[2] & kept[3]) != 0;
+}
+
+/// Does so for `count` segments along all axes. \return whether all motion is allowed.
 CLOTH_SIM_VECTOR_CLONES
-bool moveAxis(const AxisMotion& axis, double common, std::int32_t count, double& least,
-              double& most) {
-  std::int32_t kept = 0;
-  double low[4] = {1e300, 1e300, 1e300, 1e300};  // by remainder of the number of the slot
-  double high[4] = {-1e300, -1e300, -1e300, -1e300};
-  for (std::int32_t k = 0; k + 4 <= count; k += 4) {
-    for (std::int32_t lane = 0; lane < 4; ++lane) {
-      const double moved = axis.x[k + lane] - axis.from[k + lane] - common;
-      axis.moved[k + lane] = moved;
-      low[lane] = moved < low[lane] ? moved : low[lane];
-      high[lane] = moved > high[lane] ? moved : high[lane];
-      kept += moved >= axis.low[k + lane] && moved <= axis.high[k + lane] ? 1 : 0;
+bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t count, Box* boxes) {
+  bool kept = true;
+  for (std::int32_t s = 0; s < count; ++s) {
+    const std::int32_t at = s * kSegment;
+    double* const low = boxes[s].low.data();
+    double* const high = boxes[s].high.data();
+    kept &= moveAxis(of.x.x + at, of.from.x + at, of.low.x + at, of.high.x + at, common.x(),
+                     of.moved.x + at, low[0], high[0]);
+    kept &= moveAxis(of.x.y + at, of.from.y + at, of.low.y + at, of.high.y + at, common.y(),
+                     of.moved.y + at, low[1], high[1]);
+    kept &= moveAxis(of.x.z + at, of.from.z + at, of.low.z + at, of.high.z + at, common.z(),
+                     of.moved.z + at, low[2], high[2]);
+  }
+  return kept;
+}
+
+/// Whether the edges of `count` faces have changed by no more than is allowed: a quick check.
+/// \param corners  slots of the first, second and third corner of the faces.
+/// \param turn     square of the change that is allowed, by face [m^2].
+CLOTH_SIM_VECTOR_CLONES
+bool areEdgesKept(const ConstAxes& moved, const std::array<const std::int32_t*, 3>& corners,
+                  const double* turn, std::int32_t count) {
+  auto kept = Lanes{} == Lanes{};
+  for (std::int32_t k = 0; k + kLanes <= count; k += kLanes) {
+    Lanes square{};
+    for (const double* axis : {moved.x, moved.y, moved.z}) {
+      const Lanes origin = gather(axis, corners[0] + k);
+      const Lanes first = gather(axis, corners[1] + k) - origin;
+      const Lanes second = gather(axis, corners[2] + k) - origin;
+      square += first * first + second * second;
     }
+    kept &= square <= lanesAt(turn + k);
   }
-  for (std::int32_t k = count / 4 * 4; k < count; ++k) {
-    const double moved = axis.x[k] - axis.from[k] - common;
-    axis.moved[k] = moved;
-    low[0] = std::min(low[0], moved);
-    high[0] = std::max(high[0], moved);
-    kept += moved >= axis.low[k] && moved <= axis.high[k] ? 1 : 0;
-  }
-  least = std::min(std::min(low[0], low[1]), std::min(low[2], low[3]));
-  most = std::max(std::max(high[0], high[1]), std::max(high[2], high[3]));
-  return kept == count;
+  return (kept[0] & kept[1] & kept[2] & kept[3]) != 0;
 }
 
 Vec2 middle(const TriangleMesh& mesh, const Face& face) {
@@ -130,13 +154,17 @@ void Allowance::sortIntoPatches(const Model& model) {
   std::sort(order.begin(), order.end());
   patches_.clear();
   patchFaces_.clear();
+  placeOf_.resize(faces_.size());
   patchOf_.resize(faces_.size());
+  patchTurn_.resize(faces_.size());
+  for (std::vector<std::int32_t>& corner : corners_) corner.resize(faces_.size());
   hasSegments_ = false;
   for (std::size_t k = 0; k < order.size(); ++k) {
     if (k == 0 || order[k].first != order[k - 1].first) {
       patches_.emplace_back();
       patches_.back().firstFace = static_cast<std::int32_t>(k);
     }
+    placeOf_[order[k].second] = static_cast<std::int32_t>(k);
     patchFaces_.push_back(order[k].second);
     patchOf_[order[k].second] = static_cast<std::int32_t>(patches_.size()) - 1;
     patches_.back().lastFace = static_cast<std::int32_t>(k) + 1;
@@ -168,15 +196,15 @@ Vec3 Allowance::meanMotion(const MotionOf& motionOf) const {
 /// \param common  mean motion in the substep [m].
 void Allowance::allowMotion(std::size_t v, const Vec3& offset, const Vec3& motion,
                             const Vec3& common) {
-  const auto aheadOf = [](const Vec3& of) {
+  const auto aheadOf = [this](const Vec3& of) {
     const double length = of.cwiseAbs().maxCoeff();
-    const double most = length > 0.0 ? kMostMotion / length : kSubstepsAhead;
-    return Vec3(std::max(1.5, std::min(kSubstepsAhead, most)) * of);
+    const double most = length > 0.0 ? reach_.mostMotion / length : reach_.substeps;
+    return Vec3(std::max(1.5, std::min(reach_.substeps, most)) * of);
   };
   const Vec3 stopped = aheadOf(-common);
   const Vec3 ahead = aheadOf(motion);
-  const Vec3 low = ahead.cwiseMin(stopped).cwiseMin(0.0).array() - kLeastMotion;
-  const Vec3 high = ahead.cwiseMax(stopped).cwiseMax(0.0).array() + kLeastMotion;
+  const Vec3 low = ahead.cwiseMin(stopped).cwiseMin(0.0).array() - reach_.leastMotion;
+  const Vec3 high = ahead.cwiseMax(stopped).cwiseMax(0.0).array() + reach_.leastMotion;
   motions_[v] = {offset + low, offset + high};
 }
 
@@ -185,10 +213,12 @@ void Allowance::allowTurn(FaceId f, const std::vector<Vec3>& start, const std::v
   GradientBall& ball = balls_[f];
   ball.centre = gradient(f, start);
   const double turned = (gradient(f, end) - ball.centre).norm();
-  ball.radius = std::max(kLeastTurn, kSubstepsAhead * turned);
+  ball.radius = std::max(reach_.leastTurn, reach_.substeps * turned);
 }
 
-void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end) {
+void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end,
+                      const Reach& reach) {
+  reach_ = reach;
   origin_ = start;
   renewed_ = 0;
   const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 { return end[v] - start[v]; });
@@ -212,7 +242,8 @@ void Allowance::follow(const ParticleView& particles) {
   for (Patch& patch : patches_) {
     patch.turn = std::numeric_limits<double>::infinity();
     for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
-      patch.turn = std::min(patch.turn, turn_[patchFaces_[k]]);
+      patchTurn_[k] = turn_[patchFaces_[k]];
+      patch.turn = std::min(patch.turn, patchTurn_[k]);
     }
   }
 }
@@ -224,7 +255,10 @@ void Allowance::listSegments() {
     std::vector<std::int32_t>& list = patch.segments;
     list.clear();
     for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
-      for (const VertexId v : faces_[patchFaces_[k]]) list.push_back(slots_[v] / kSegment);
+      for (int corner = 0; corner < 3; ++corner) {
+        corners_[corner][k] = slots_[faces_[patchFaces_[k]][corner]];
+        list.push_back(corners_[corner][k] / kSegment);
+      }
     }
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -247,11 +281,7 @@ bool Allowance::isKept(const ParticleView& particles) {
   std::atomic<bool> kept{true};
   parallelFor(static_cast<std::int32_t>(segments_.size()), kSegmentGrain,
               [&](std::int32_t first, std::int32_t last) {
-                bool all = true;
-                for (std::int32_t s = first; s < last; ++s) {
-                  all = moveSegment(particles, common, s) && all;
-                }
-                if (!all) kept = false;
+                if (!move(particles, common, first, last)) kept = false;
               });
   constexpr std::int32_t kPatchGrain = 64;
   parallelFor(static_cast<std::int32_t>(patches_.size()), kPatchGrain,
@@ -263,20 +293,31 @@ bool Allowance::isKept(const ParticleView& particles) {
   return kept;
 }
 
-/// Finds the motion of the slots of a segment, and a box around it. \return whether it is allowed.
-bool Allowance::moveSegment(const ParticleView& particles, const Vec3& common, std::int32_t s) {
-  const std::int32_t at = s * kSegment;
-  const std::int32_t count = std::min(kSegment, static_cast<std::int32_t>(slots_.size()) - at);
-  const auto move = [&](int axis, const double* x, const ScalarArray& from, const ScalarArray& low,
-                        const ScalarArray& high, ScalarArray& moved) {
-    const AxisMotion motion{x + at, from.data() + at, low.data() + at, high.data() + at,
-                            moved.data() + at};
-    return moveAxis(motion, common[axis], count, segments_[s].low[axis], segments_[s].high[axis]);
-  };
-  const bool x = move(0, particles.x, from_.x, low_.x, high_.x, moved_.x);
-  const bool y = move(1, particles.y, from_.y, low_.y, high_.y, moved_.y);
-  const bool z = move(2, particles.z, from_.z, low_.z, high_.z, moved_.z);
-  return x && y && z;
+/// Finds the motion of the slots of some segments, and boxes around it. \return whether it is
+/// allowed.
+bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int32_t first,
+                     std::int32_t last) {
+  const auto slots = static_cast<std::int32_t>(slots_.size());
+  const std::int32_t whole = std::min(last, slots / kSegment);
+  const std::int32_t at = first * kSegment;
+  bool kept = true;
+  if (whole > first) {
+    kept = moveSegments({{particles.x + at, particles.y + at, particles.z + at},
+                         axesAt(std::as_const(from_), at),
+                         axesAt(std::as_const(low_), at),
+                         axesAt(std::as_const(high_), at),
+                         axesAt(moved_, at)},
+                        common, whole - first, &segments_[first]);
+  }
+  if (whole == last) return kept;
+  segments_[whole] = Box();
+  for (auto k = static_cast<std::size_t>(whole * kSegment); k < slots_.size(); ++k) {
+    const Vec3 moved = Vec3(particles.x[k], particles.y[k], particles.z[k]) - from_.at(k) - common;
+    moved_.set(k, moved);
+    segments_[whole].add({moved, moved});
+    kept = kept && Box{low_.at(k), high_.at(k)}.contains(moved);
+  }
+  return kept;
 }
 
 /// Whether the gradients of the faces of a patch are where they may be. The edges of all change by
@@ -285,7 +326,12 @@ bool Allowance::isTurnKept(const Patch& patch) const {
   Box box;
   for (const std::int32_t segment : patch.segments) box.add(segments_[segment]);
   if (2.0 * (box.high - box.low).squaredNorm() <= patch.turn) return true;
-  for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
+  const std::int32_t first = patch.firstFace;
+  const std::int32_t quick = (patch.lastFace - first) / kLanes * kLanes;
+  const bool areMost = areEdgesKept(axesAt(moved_, 0),
+                                    {&corners_[0][first], &corners_[1][first], &corners_[2][first]},
+                                    &patchTurn_[first], quick);
+  for (std::int32_t k = areMost ? first + quick : first; k < patch.lastFace; ++k) {
     if (!isTurnKept(patchFaces_[k])) return false;
   }
   return true;
@@ -346,6 +392,7 @@ bool Allowance::renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3
     allowTurn(f, start, end);
     // The centre of the ball is no longer the gradient at the origin: there is no quick check.
     turn_[f] = -1.0;
+    patchTurn_[placeOf_[f]] = -1.0;
     patches_[patchOf_[f]].turn = -1.0;
   }
   return true;

@@ -2,6 +2,7 @@
 /// \file How far vertices may move, and gradients of faces turn, until pairs of faces near each
 /// other are searched again.
 
+#include <array>
 #include <vector>
 
 #include "cloth_sim/contact/contacts.h"
@@ -15,6 +16,14 @@ inline std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
   return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
 }
 
+/// What a search allows for.
+struct Reach {
+  double substeps = 0.0;     ///< at the speed of the present one
+  double leastMotion = 0.0;  ///< [m]
+  double mostMotion = 0.0;   ///< unless a single substep takes more [m]
+  double leastTurn = 0.0;    ///< change of a face's gradient, at least [-]
+};
+
 /// Boxes for the motion of vertices, and balls for the gradients of faces, that a search allows.
 /// Motion that all vertices have in common does not count: it brings nothing together.
 class Allowance {
@@ -23,7 +32,7 @@ class Allowance {
   void build(const Model& model);
   /// Allows for some substeps like this one, from its start on.
   /// \param start, end  positions at both ends of the substep, by vertex [m].
-  void renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end);
+  void renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end, const Reach& reach);
   /// Says where `isKept` finds the vertices. \param particles  at any time.
   void follow(const ParticleView& particles);
   /// Whether vertices and gradients are where they may be at the end of a substep.
@@ -60,11 +69,13 @@ class Allowance {
   void allowTurn(FaceId f, const std::vector<Vec3>& start, const std::vector<Vec3>& end);
   void listSegments();
   void setSlot(VertexId v);
-  bool moveSegment(const ParticleView& particles, const Vec3& common, std::int32_t s);
+  bool move(const ParticleView& particles, const Vec3& common, std::int32_t first,
+            std::int32_t last);
   bool isTurnKept(const Patch& patch) const;
   bool isTurnKept(FaceId f) const;
   void findLeft();
 
+  Reach reach_;
   std::vector<Face> faces_;
   std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
   std::vector<std::int32_t> aroundStart_;     ///< by vertex
@@ -78,9 +89,12 @@ class Allowance {
   VectorArray moved_;                ///< motion since, by slot [m]
   std::vector<Box> segments_;        ///< around the motion of consecutive slots
   std::vector<Patch> patches_;
-  std::vector<FaceId> patchFaces_;     ///< by patch
-  std::vector<std::int32_t> patchOf_;  ///< by face
-  bool hasSegments_ = false;           ///< those of the patches are known
+  std::vector<FaceId> patchFaces_;                    ///< by patch
+  std::vector<std::int32_t> patchOf_;                 ///< by face
+  std::vector<std::int32_t> placeOf_;                 ///< in patchFaces_, by face
+  std::array<std::vector<std::int32_t>, 3> corners_;  ///< slots, in the order of patchFaces_
+  std::vector<double> patchTurn_;  ///< `turn_`, in the order of patchFaces_ [m^2]
+  bool hasSegments_ = false;       ///< those of the patches are known
   std::vector<VertexId> leftVertices_;
   std::vector<FaceId> leftFaces_;
   std::int64_t renewed_ = 0;  ///< faces since all were

@@ -15,6 +15,12 @@ namespace {
 
 /// Particles that are faster than the cloth on average by more have diverged [m/s].
 constexpr double kFastest = 500.0;
+/// Reach of searches where cloth is far from itself.
+constexpr Reach kFar{16.0, 1.5e-3, 8e-3, 0.35};
+/// Reach of searches where it is not: boxes that meet cost more than another search.
+constexpr Reach kNear{4.0, 4e-4, 5e-3, 0.2};
+/// Share of the number of faces that there are pairs of where cloth is near itself.
+constexpr double kNearShare = 1.0 / 64.0;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
 
@@ -55,6 +61,7 @@ class LayerContact::Impl {
   void stop(const ParticleView& particles);
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();
+  void findPairs(const Reach& reach);
   void searchAgain(const ParticleView& particles);
   void searchAround();
   void collect();
@@ -71,6 +78,7 @@ class LayerContact::Impl {
   LayerContacts contacts_;
   double most_ = 0.0;               ///< most motion in a substep [m]
   bool isFresh_ = false;            ///< pairs are those of this step
+  bool isNearItself_ = false;       ///< a search of this step has found many pairs
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
@@ -122,6 +130,7 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
 void LayerContact::Impl::beginStep() {
   report = LayerReport();
   isFresh_ = false;
+  isNearItself_ = false;
   vertices_ = all_;
   pairs_.clear();
   contacts_.clear();
@@ -194,7 +203,20 @@ void LayerContact::Impl::boxFace(FaceId f) {
 
 /// Finds the pairs of faces that may touch before the next search.
 void LayerContact::Impl::search() {
-  allowance_.renew(start_, end_);
+  if (!isNearItself_) {
+    findPairs(kFar);
+    isNearItself_ =
+        static_cast<double>(near_.size()) > kNearShare * static_cast<double>(faces_.size());
+  }
+  if (isNearItself_) findPairs(kNear);
+  pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
+  contacts_.assign(near_, allowance_.origin(), allowance_.motions());
+  isFresh_ = true;
+  ++report.detections;
+}
+
+void LayerContact::Impl::findPairs(const Reach& reach) {
+  allowance_.renew(start_, end_, reach);
   constexpr std::int32_t kGrain = 2048;
   parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
@@ -204,10 +226,6 @@ void LayerContact::Impl::search() {
   near_.clear();
   known_.clear(faces_.size());
   collect();
-  pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(near_, allowance_.origin(), allowance_.motions());
-  isFresh_ = true;
-  ++report.detections;
 }
 
 /// Appends the pairs of faces near each other in parts that were brought up to date.
