@@ -136,6 +136,7 @@ void MaterialTree::build(const Model& model, std::size_t cloth) {
     level.balls.resize(nodes);
     level.before.resize(nodes);
     level.isChanged.resize(nodes);
+    level.squares.resize(nodes);
   }
   placeFaces(model);
   findContributions(model);
@@ -227,6 +228,7 @@ void MaterialTree::refit(const std::vector<Box>& boxes,
   unmark();
   areAllChanged_ = true;
   for (std::size_t k = 0; k < levels_.size(); ++k) {
+    std::fill(levels_[k].squares.begin(), levels_[k].squares.end(), Proof::kUnknown);
     const auto nodes = static_cast<std::int32_t>(levels_[k].boxes.size());
     for (std::int32_t node = 0; node < nodes; ++node) {
       if (k == 0) {
@@ -272,6 +274,13 @@ void MaterialTree::mark(Level& level, std::int32_t node) {
   level.isChanged[node] = 1;
   level.before[node] = level.balls[node];
   level.changed.push_back(node);
+  const int i = node % level.columns;
+  const int j = node / level.columns;
+  for (int row = std::max(0, j - 1); row <= j; ++row) {
+    for (int column = std::max(0, i - 1); column <= i; ++column) {
+      level.squares[level.node(column, row)] = Proof::kUnknown;
+    }
+  }
 }
 
 void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<Box>& boxes,
@@ -352,10 +361,35 @@ bool MaterialTree::isProven(const Place& a, const Place& b, const Ball& ballAt) 
   return ball.provesInjective();
 }
 
+/// Pairs of neighbours lie in one or two squares of 2 x 2 nodes, a node in four. Squares are asked
+/// first, because each answers for many pairs.
 bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
+  if (!areNeighbours(a.i - b.i, a.j - b.j)) return false;
   const Level& level = levels_[a.level];
+  const int lastI = std::min(a.i, b.i);
+  const int lastJ = std::min(a.j, b.j);
+  for (int j = std::max(a.j, b.j) - 1; j <= lastJ; ++j) {
+    for (int i = std::max(a.i, b.i) - 1; i <= lastI; ++i) {
+      if (i >= 0 && j >= 0 && isSquareProven(level, i, j)) return true;
+    }
+  }
+  if (a.i != b.i && a.j != b.j) return false;  // their rectangle is a square
   return isProven(
       a, b, [&](int i, int j) -> const GradientBall& { return level.balls[level.node(i, j)]; });
+}
+
+/// Whether the square of 2 x 2 nodes from (i, j) on, as far as there are nodes, is proven.
+bool MaterialTree::isSquareProven(const Level& level, int i, int j) const {
+  Proof& proof = level.squares[level.node(i, j)];
+  if (proof == Proof::kUnknown) {
+    const Place from{0, i, j};
+    const Place to{0, std::min(i + 1, level.columns - 1), std::min(j + 1, level.rows - 1)};
+    const bool holds = isProven(from, to, [&](int column, int row) -> const GradientBall& {
+      return level.balls[level.node(column, row)];
+    });
+    proof = holds ? Proof::kYes : Proof::kNo;
+  }
+  return proof == Proof::kYes;
 }
 
 /// The same before the last refit.

@@ -93,6 +93,8 @@ class MaterialTree {
                              const std::vector<Box>& boxes, std::vector<FaceIds>& out);
 
  private:
+  /// Whether a part of the material plane is proven not to touch itself.
+  enum class Proof : std::uint8_t { kUnknown, kYes, kNo };
   /// Nodes of one size, (columns * rows,), row by row.
   struct Level {
     int columns = 0;
@@ -102,6 +104,8 @@ class MaterialTree {
     std::vector<GradientBall> before;     ///< balls before the last refit, of changed nodes
     std::vector<std::uint8_t> isChanged;  ///< 1 if the last refit brought the node up to date
     std::vector<std::int32_t> changed;    ///< nodes with that mark, unless all were brought
+    /// By node: whether the square of 2 x 2 nodes from it on is proven; found when asked for.
+    mutable std::vector<Proof> squares;
     int node(int i, int j) const { return j * columns + i; }
   };
   /// A node's place.
@@ -124,6 +128,7 @@ class MaterialTree {
   bool isNew(const Place& at) const;
   bool isChanged(const Place& a, const Place& b) const;
   bool isSmooth(const Place& a, const Place& b) const;
+  bool isSquareProven(const Level& level, int i, int j) const;
   bool wasSmooth(const Place& a, const Place& b) const;
   template <typename Ball>
   static bool isProven(const Place& a, const Place& b, const Ball& ballAt);
