@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <utility>
 
 #include "support/simd.h"
@@ -361,16 +360,12 @@ void Allowance::findLeft() {
     leftFaces_.insert(leftFaces_.end(), facesAround_.begin() + aroundStart_[v],
                       facesAround_.begin() + aroundStart_[v + 1]);
   }
-  std::mutex mutex;
-  parallelFor(static_cast<std::int32_t>(faces_.size()), kFaceGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                std::vector<FaceId> found;
-                for (FaceId f = first; f < last; ++f) {
-                  if (!isTurnKept(f)) found.push_back(f);
-                }
-                const std::lock_guard<std::mutex> lock(mutex);
-                leftFaces_.insert(leftFaces_.end(), found.begin(), found.end());
-              });
+  for (const Patch& patch : patches_) {
+    if (isTurnKept(patch)) continue;
+    for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
+      if (!isTurnKept(patchFaces_[k])) leftFaces_.push_back(patchFaces_[k]);
+    }
+  }
   std::sort(leftFaces_.begin(), leftFaces_.end());
   leftFaces_.erase(std::unique(leftFaces_.begin(), leftFaces_.end()), leftFaces_.end());
 }
