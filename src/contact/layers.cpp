@@ -83,7 +83,7 @@ class LayerContact::Impl {
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
   std::vector<double> mass_;        ///< by vertex [kg]; 0: prescribed motion
-  std::vector<Box> boxes_;          ///< by face
+  std::vector<QuickBox> boxes_;     ///< by face
   std::vector<FaceIds> near_;       ///< pairs of faces that may touch before the next search
   FacePairSet known_;               ///< these; empty until there is a search around a part
   std::vector<std::uint8_t> truncated_;  ///< by vertex
@@ -198,7 +198,7 @@ void LayerContact::Impl::boxFace(FaceId f) {
     const Box& motion = allowance_.motions()[v];
     box.add({x + motion.low - margin, x + motion.high + margin});
   }
-  boxes_[f] = box;
+  boxes_[f] = QuickBox(box);
 }
 
 /// Finds the pairs of faces that may touch before the next search.

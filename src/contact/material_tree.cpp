@@ -223,7 +223,7 @@ void MaterialTree::blockOpenBorders(const Model& model) {
   }
 }
 
-void MaterialTree::refit(const std::vector<Box>& boxes,
+void MaterialTree::refit(const std::vector<QuickBox>& boxes,
                          const std::vector<GradientBall>& gradients) {
   unmark();
   areAllChanged_ = true;
@@ -240,7 +240,7 @@ void MaterialTree::refit(const std::vector<Box>& boxes,
   }
 }
 
-void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<Box>& boxes,
+void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<QuickBox>& boxes,
                          const std::vector<GradientBall>& gradients) {
   if (levels_.empty()) return;
   unmark();
@@ -283,10 +283,10 @@ void MaterialTree::mark(Level& level, std::int32_t node) {
   }
 }
 
-void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<Box>& boxes,
+void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<QuickBox>& boxes,
                                const std::vector<GradientBall>& gradients) {
   Level& buckets = levels_.front();
-  Box box;
+  QuickBox box;
   for (const FaceId* f = begin(bucket); f != end(bucket); ++f) box.add(boxes[*f]);
   buckets.boxes[bucket] = box;
   GradientBall ball;
@@ -302,7 +302,7 @@ void MaterialTree::refitNode(int level, std::int32_t node) {
   const Level& below = levels_[level - 1];
   std::array<Place, 4> parts;
   const int count = children({level, node % self.columns, node / self.columns}, parts);
-  Box box;
+  QuickBox box;
   GradientBall ball;
   for (int k = 0; k < count; ++k) {
     const int part = below.node(parts[k].i, parts[k].j);
@@ -325,7 +325,7 @@ int MaterialTree::children(const Place& of, std::array<Place, 4>& out) const {
   return count;
 }
 
-const Box& MaterialTree::boxAt(const Place& at) const {
+const QuickBox& MaterialTree::boxAt(const Place& at) const {
   const Level& level = levels_[at.level];
   return level.boxes[level.node(at.i, at.j)];
 }
@@ -401,18 +401,18 @@ bool MaterialTree::wasSmooth(const Place& a, const Place& b) const {
   });
 }
 
-void MaterialTree::collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const {
+void MaterialTree::collectOwn(const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out) const {
   if (levels_.empty()) return;
   const Place root{static_cast<int>(levels_.size()) - 1, 0, 0};
   collectPair(root, root, areAllChanged_, boxes, out);
 }
 
-/// Appends the pairs of faces under two nodes of a level.
+/// Appends the pairs of faces under two nodes of a level with boxes that meet.
 /// \param isNew  whether no pair under them has been looked at before.
 void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
-                               const std::vector<Box>& boxes, std::vector<FaceIds>& out) const {
-  if (!isNew && !isChanged(a, b)) return;
-  if (!boxAt(a).meets(boxAt(b)) || isSmooth(a, b)) return;
+                               const std::vector<QuickBox>& boxes,
+                               std::vector<FaceIds>& out) const {
+  if ((!isNew && !isChanged(a, b)) || isSmooth(a, b)) return;
   isNew = isNew || wasSmooth(a, b);
   const bool isSame = a.i == b.i && a.j == b.j;
   if (a.level == 0) {
@@ -429,14 +429,15 @@ void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
   const int countA = children(a, partsA);
   const int countB = children(b, partsB);
   for (int k = 0; k < countA; ++k) {
+    const QuickBox& box = boxAt(partsA[k]);
     for (int m = isSame ? k : 0; m < countB; ++m) {
-      collectPair(partsA[k], partsB[m], isNew, boxes, out);
+      if (box.meets(boxAt(partsB[m]))) collectPair(partsA[k], partsB[m], isNew, boxes, out);
     }
   }
 }
 
 void MaterialTree::collectBetween(const MaterialTree& a, const MaterialTree& b,
-                                  const std::vector<Box>& boxes, std::vector<FaceIds>& out) {
+                                  const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out) {
   if (a.levels_.empty() || b.levels_.empty()) return;
   collectPairBetween(a, {static_cast<int>(a.levels_.size()) - 1, 0, 0}, b,
                      {static_cast<int>(b.levels_.size()) - 1, 0, 0}, boxes, out);
@@ -444,7 +445,8 @@ void MaterialTree::collectBetween(const MaterialTree& a, const MaterialTree& b,
 
 void MaterialTree::collectPairBetween(const MaterialTree& treeA, const Place& a,
                                       const MaterialTree& treeB, const Place& b,
-                                      const std::vector<Box>& boxes, std::vector<FaceIds>& out) {
+                                      const std::vector<QuickBox>& boxes,
+                                      std::vector<FaceIds>& out) {
   if (!treeA.isNew(a) && !treeB.isNew(b)) return;
   if (!treeA.boxAt(a).meets(treeB.boxAt(b))) return;
   if (a.level == 0 && b.level == 0) {

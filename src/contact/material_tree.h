@@ -27,6 +27,33 @@ struct Box {
   }
 };
 
+/// A box for quick tests: of single precision, never smaller than what it stands for.
+struct QuickBox {
+  /// x, y, z and 0.
+  using Corner = float __attribute__((vector_size(16)));
+
+  Corner low = Corner{} + 1e30F;
+  Corner high = Corner{} - 1e30F;
+
+  QuickBox() = default;
+  explicit QuickBox(const Box& box) {
+    constexpr double kRounding = 1e-7;  // above half of a unit in the last place of a float
+    low[3] = high[3] = 0.0F;
+    for (int k = 0; k < 3; ++k) {
+      low[k] = static_cast<float>(box.low[k] - kRounding * std::abs(box.low[k]));
+      high[k] = static_cast<float>(box.high[k] + kRounding * std::abs(box.high[k]));
+    }
+  }
+  void add(const QuickBox& other) {
+    low = low < other.low ? low : other.low;
+    high = high > other.high ? high : other.high;
+  }
+  bool meets(const QuickBox& other) const {
+    const auto meet = (low <= other.high) & (other.low <= high);
+    return (meet[0] & meet[1] & meet[2]) != 0;
+  }
+};
+
 /// A deformation gradient, (3, 2): derivatives of the position by the two material coordinates.
 struct Gradient {
   Vec3 u = Vec3::Zero();
@@ -77,20 +104,20 @@ class MaterialTree {
   /// Brings all nodes up to date; all count as changed.
   /// \param boxes      by face of the model.
   /// \param gradients  by face of the model.
-  void refit(const std::vector<Box>& boxes, const std::vector<GradientBall>& gradients);
+  void refit(const std::vector<QuickBox>& boxes, const std::vector<GradientBall>& gradients);
   /// Brings the nodes above some faces up to date; only these count as changed.
   /// \param faces  of the model; those of other cloths are passed over.
-  void refit(const std::vector<FaceId>& faces, const std::vector<Box>& boxes,
+  void refit(const std::vector<FaceId>& faces, const std::vector<QuickBox>& boxes,
              const std::vector<GradientBall>& gradients);
 
   /// Appends the pairs of faces with boxes that meet, except for pairs in parts that are proven not
   /// to touch themselves; the smaller face first, in an order that depends on positions only. After
   /// a refit of some faces: only pairs that the changes may have brought in, among them some that
   /// are known already.
-  void collectOwn(const std::vector<Box>& boxes, std::vector<FaceIds>& out) const;
+  void collectOwn(const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out) const;
   /// The same for the faces of two cloths.
   static void collectBetween(const MaterialTree& a, const MaterialTree& b,
-                             const std::vector<Box>& boxes, std::vector<FaceIds>& out);
+                             const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out);
 
  private:
   /// Whether a part of the material plane is proven not to touch itself.
@@ -99,7 +126,7 @@ class MaterialTree {
   struct Level {
     int columns = 0;
     int rows = 0;
-    std::vector<Box> boxes;
+    std::vector<QuickBox> boxes;
     std::vector<GradientBall> balls;
     std::vector<GradientBall> before;     ///< balls before the last refit, of changed nodes
     std::vector<std::uint8_t> isChanged;  ///< 1 if the last refit brought the node up to date
@@ -119,12 +146,12 @@ class MaterialTree {
   void findContributions(const Model& model);
   void blockOpenBorders(const Model& model);
   std::array<int, 4> bucketsNear(const Vec2& low, const Vec2& high, double tolerance) const;
-  void refitBucket(std::int32_t bucket, const std::vector<Box>& boxes,
+  void refitBucket(std::int32_t bucket, const std::vector<QuickBox>& boxes,
                    const std::vector<GradientBall>& gradients);
   void refitNode(int level, std::int32_t node);
   void unmark();
   static void mark(Level& level, std::int32_t node);
-  const Box& boxAt(const Place& at) const;
+  const QuickBox& boxAt(const Place& at) const;
   bool isNew(const Place& at) const;
   bool isChanged(const Place& a, const Place& b) const;
   bool isSmooth(const Place& a, const Place& b) const;
@@ -132,11 +159,11 @@ class MaterialTree {
   bool wasSmooth(const Place& a, const Place& b) const;
   template <typename Ball>
   static bool isProven(const Place& a, const Place& b, const Ball& ballAt);
-  void collectPair(const Place& a, const Place& b, bool isNew, const std::vector<Box>& boxes,
+  void collectPair(const Place& a, const Place& b, bool isNew, const std::vector<QuickBox>& boxes,
                    std::vector<FaceIds>& out) const;
   static void collectPairBetween(const MaterialTree& treeA, const Place& a,
                                  const MaterialTree& treeB, const Place& b,
-                                 const std::vector<Box>& boxes, std::vector<FaceIds>& out);
+                                 const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out);
   int children(const Place& of, std::array<Place, 4>& out) const;
   const FaceId* begin(int bucket) const { return owned_.data() + ownedStart_[bucket]; }
   const FaceId* end(int bucket) const { return owned_.data() + ownedStart_[bucket + 1]; }

@@ -185,12 +185,12 @@ State rolled(const Model& model, double radius, double drift) {
 std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
   MaterialTree tree;
   tree.build(model, 0);
-  std::vector<Box> boxes;
+  std::vector<QuickBox> boxes;
   std::vector<GradientBall> balls;
   for (const Face& face : model.mesh.faces()) {
     Box box;
     for (const VertexId v : face) box.add({state.x[v], state.x[v]});
-    boxes.push_back(box);
+    boxes.emplace_back(box);
     Eigen::Matrix2d rest;
     for (int k = 0; k < 2; ++k) {
       rest.col(k) = model.mesh.material(face[k + 1]) - model.mesh.material(face[0]);
