@@ -350,15 +350,17 @@ bool Allowance::isTurnKept(FaceId f) const {
 }
 
 /// Lists the vertices that are not where they may be, and the faces with such a corner or with a
-/// gradient that is not.
-void Allowance::findLeft() {
+/// gradient that is not. \return whether these are few; if not, the lists are not complete.
+bool Allowance::findLeft() {
   leftVertices_.clear();
   leftFaces_.clear();
+  const auto most = static_cast<std::size_t>(kFew * static_cast<double>(faces_.size()));
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     if (motions_[v].contains(moved_.at(static_cast<std::size_t>(slots_[v])))) continue;
     leftVertices_.push_back(static_cast<VertexId>(v));
     leftFaces_.insert(leftFaces_.end(), facesAround_.begin() + aroundStart_[v],
                       facesAround_.begin() + aroundStart_[v + 1]);
+    if (leftFaces_.size() > 2 * most) return false;  // each is there three times at most
   }
   for (const Patch& patch : patches_) {
     if (isTurnKept(patch)) continue;
@@ -368,14 +370,14 @@ void Allowance::findLeft() {
   }
   std::sort(leftFaces_.begin(), leftFaces_.end());
   leftFaces_.erase(std::unique(leftFaces_.begin(), leftFaces_.end()), leftFaces_.end());
+  return leftFaces_.size() <= most;
 }
 
 bool Allowance::renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end) {
-  findLeft();
-  const auto all = static_cast<double>(faces_.size());
+  if (!findLeft()) return false;
   renewed_ += static_cast<std::int64_t>(leftFaces_.size());
-  if (static_cast<double>(leftFaces_.size()) > kFew * all) return false;
-  if (static_cast<double>(renewed_) > kMostRenewed * all) return false;
+  const double most = kMostRenewed * static_cast<double>(faces_.size());
+  if (static_cast<double>(renewed_) > most) return false;
   const Vec3 before = meanMotion([&](std::size_t v) -> Vec3 { return start[v] - origin_[v]; });
   const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 { return end[v] - start[v]; });
   for (const VertexId v : leftVertices_) {

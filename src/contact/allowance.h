@@ -73,7 +73,7 @@ class Allowance {
             std::int32_t last);
   bool isTurnKept(const Patch& patch) const;
   bool isTurnKept(FaceId f) const;
-  void findLeft();
+  bool findLeft();
 
   Reach reach_;
   std::vector<Face> faces_;
