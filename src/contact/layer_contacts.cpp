@@ -27,16 +27,6 @@ bool areAdjacent(const Face& a, const Face& b) {
   return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
 }
 
-/// Distance of a vertex from a face, (v, corners), or of two edges, (ends, ends) [m].
-double distance(const std::array<VertexId, 4>& v, bool areEdges, const std::vector<Vec3>& x) {
-  if (areEdges) {
-    const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
-    return (x[v[0]] + at.s * (x[v[1]] - x[v[0]]) - x[v[2]] - at.t * (x[v[3]] - x[v[2]])).norm();
-  }
-  const std::array<double, 3> w = closestOnTriangle(x[v[0]], {x[v[1]], x[v[2]], x[v[3]]});
-  return (x[v[0]] - w[0] * x[v[1]] - w[1] * x[v[2]] - w[2] * x[v[3]]).norm();
-}
-
 bool areParallel(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x) {
   const Vec3 a = x[v[1]] - x[v[0]];
   const Vec3 b = x[v[3]] - x[v[2]];
@@ -88,51 +78,49 @@ LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
 /// Lists what may come into contact of a pair of faces. A vertex takes part as a corner of its
 /// first face, an edge as a side of its first face; so no contact is listed twice. \param isKnown
 /// whether only contacts of vertices with the mark `isMoved_` are missing.
-void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<Vec3>& x,
-                            const std::vector<Box>& allowed) {
+void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes) {
   const Face& f = faces_[ids.first];
   const Face& g = faces_[ids.second];
-  const auto boxOf = [&](const Face& face) {
-    Box box = allowed[face[0]];
-    box.add(allowed[face[1]]);
-    box.add(allowed[face[2]]);
+  const Layers layers = layersOf(ids.first, ids.second);
+  const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
+  const auto add = [&](const std::array<VertexId, 4>& v, FaceId face) {
+    if (isKnown && std::none_of(v.begin(), v.end(), isMoved)) return;
+    candidates_.push_back({v, face, layers});
+  };
+  const auto join = [&](VertexId a, VertexId b) {
+    QuickBox box = boxes[a];
+    box.add(boxes[b]);
     return box;
   };
-  const Box a = boxOf(f);
-  const Box b = boxOf(g);
-  const Layers layers = layersOf(ids.first, ids.second);
-  const double reach = layers.thickness + (a.high - b.low).cwiseMax(b.high - a.low).maxCoeff();
-  const auto add = [&](const std::array<VertexId, 4>& v, FaceId face) {
-    const auto isMoved = [this](VertexId vertex) { return isMoved_[vertex] != 0; };
-    if (isKnown && std::none_of(v.begin(), v.end(), isMoved)) return;
-    if (distance(v, face == kNone, x) <= reach) candidates_.push_back({v, face, layers});
-  };
   const auto addVertices = [&](FaceId from, const Face& corners, FaceId to, const Face& face) {
+    QuickBox box = join(face[0], face[1]);
+    box.add(boxes[face[2]]);
     for (const VertexId p : corners) {
-      if (firstFace_[p] == from && !contains(face, p)) add({p, face[0], face[1], face[2]}, to);
+      if (firstFace_[p] != from || contains(face, p) || !box.meets(boxes[p])) continue;
+      add({p, face[0], face[1], face[2]}, to);
     }
   };
   addVertices(ids.first, f, ids.second, g);
   addVertices(ids.second, g, ids.first, f);
   for (int i = 0; i < 3; ++i) {
     if (edgeOwner_[ids.first][i] != ids.first) continue;
+    const QuickBox edge = join(f[i], f[(i + 1) % 3]);
     for (int j = 0; j < 3; ++j) {
       if (edgeOwner_[ids.second][j] != ids.second) continue;
       const std::array<VertexId, 4> v{f[i], f[(i + 1) % 3], g[j], g[(j + 1) % 3]};
-      if (v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]) add(v, kNone);
+      if (v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3]) continue;
+      if (edge.meets(join(v[2], v[3]))) add(v, kNone);
     }
   }
 }
 
-void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
-                           const std::vector<Box>& allowed) {
+void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
   clear();
-  extend(near, 0, {}, x, allowed);
+  extend(near, 0, {}, boxes);
 }
 
 void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
-                           const std::vector<VertexId>& moved, const std::vector<Vec3>& x,
-                           const std::vector<Box>& allowed) {
+                           const std::vector<VertexId>& moved, const std::vector<QuickBox>& boxes) {
   if (known == near.size() && moved.empty()) return;
   const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
   const auto hasMoved = [&](const auto& v) { return std::any_of(v.begin(), v.end(), isMoved); };
@@ -143,10 +131,10 @@ void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
                       candidates_.end());
     for (std::size_t k = 0; k < known; ++k) {
       const bool mayMiss = hasMoved(faces_[near[k].first]) || hasMoved(faces_[near[k].second]);
-      if (mayMiss) addPair(near[k], true, x, allowed);
+      if (mayMiss) addPair(near[k], true, boxes);
     }
   }
-  for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, x, allowed);
+  for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, boxes);
   for (const VertexId v : moved) isMoved_[v] = 0;
   sortByVertex();
   sinceRefresh_ = 0;

@@ -24,17 +24,15 @@ class LayerContacts {
   void build(const Model& model, const std::vector<LayerProperties>& byCloth);
   void clear();
   /// Lists what can come into contact, from pairs of faces near each other.
-  /// \param x        by vertex [m].
-  /// \param allowed  where vertices may be until the next search, seen from `x`, by vertex [m].
-  void assign(const std::vector<FaceIds>& near, const std::vector<Vec3>& x,
-              const std::vector<Box>& allowed);
+  /// \param boxes  around the places that vertices may take until the next search, half of the
+  ///     thickness larger, by vertex.
+  void assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes);
   /// Follows a search around a part of the cloth.
   /// \param near   all pairs.
   /// \param known  number of those that have been listed; the others are new.
-  /// \param moved  vertices with new bounds in `allowed`.
+  /// \param moved  vertices with new boxes.
   void extend(const std::vector<FaceIds>& near, std::size_t known,
-              const std::vector<VertexId>& moved, const std::vector<Vec3>& x,
-              const std::vector<Box>& allowed);
+              const std::vector<VertexId>& moved, const std::vector<QuickBox>& boxes);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   /// \param mass      by vertex [kg]; 0: prescribed motion.
   /// \param farthest  largest motion of a vertex in the substep, against the mean of all [m].
@@ -81,8 +79,7 @@ class LayerContacts {
     bool isInside = false;   ///< inside the face, or inside both edges
   };
 
-  void addPair(const FaceIds& ids, bool isKnown, const std::vector<Vec3>& x,
-               const std::vector<Box>& allowed);
+  void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
   void sortByVertex();
   void refresh(const std::vector<Vec3>& x, double motion);
   void findClosest(const std::vector<Vec3>& x, double ahead);

@@ -66,6 +66,7 @@ class LayerContact::Impl {
   void searchAround();
   void collect();
   void collectNew();
+  void boxCorner(VertexId v);
   void boxFace(FaceId f);
   void listVertices();
 
@@ -78,11 +79,11 @@ class LayerContact::Impl {
   LayerContacts contacts_;
   double most_ = 0.0;               ///< most motion in a substep [m]
   bool isFresh_ = false;            ///< pairs are those of this step
-  bool isNearItself_ = false;       ///< a search of this step has found many pairs
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
   std::vector<double> mass_;        ///< by vertex [kg]; 0: prescribed motion
+  std::vector<QuickBox> corners_;   ///< around the places that vertices may take, by vertex
   std::vector<QuickBox> boxes_;     ///< by face
   std::vector<FaceIds> near_;       ///< pairs of faces that may touch before the next search
   FacePairSet known_;               ///< these; empty until there is a search around a part
@@ -106,6 +107,7 @@ void LayerContact::Impl::build(const Model& model) {
   mass_.resize(vertices);
   truncated_.resize(vertices);
   supported_.resize(vertices);
+  corners_.resize(vertices);
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
   beginStep();
@@ -130,7 +132,6 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
 void LayerContact::Impl::beginStep() {
   report = LayerReport();
   isFresh_ = false;
-  isNearItself_ = false;
   vertices_ = all_;
   pairs_.clear();
   contacts_.clear();
@@ -189,28 +190,35 @@ double LayerContact::Impl::farthestMotion() const {
   return std::sqrt(square);
 }
 
-/// Puts a box around the places that the corners of a face may take.
-void LayerContact::Impl::boxFace(FaceId f) {
+/// Puts a box around the places that a vertex may take.
+void LayerContact::Impl::boxCorner(VertexId v) {
   const Vec3 margin = Vec3::Constant(margin_);
-  Box box;
-  for (const VertexId v : faces_[f]) {
-    const Vec3& x = allowance_.origin()[v];
-    const Box& motion = allowance_.motions()[v];
-    box.add({x + motion.low - margin, x + motion.high + margin});
-  }
-  boxes_[f] = QuickBox(box);
+  const Vec3& x = allowance_.origin()[v];
+  const Box& motion = allowance_.motions()[v];
+  corners_[v] = QuickBox({x + motion.low - margin, x + motion.high + margin});
+}
+
+void LayerContact::Impl::boxFace(FaceId f) {
+  const Face& face = faces_[f];
+  QuickBox box = corners_[face[0]];
+  box.add(corners_[face[1]]);
+  box.add(corners_[face[2]]);
+  boxes_[f] = box;
 }
 
 /// Finds the pairs of faces that may touch before the next search.
 void LayerContact::Impl::search() {
-  if (!isNearItself_) {
+  const double many = kNearShare * static_cast<double>(faces_.size());
+  const auto areMany = [&] { return static_cast<double>(near_.size()) > many; };
+  // Far reach spares searches where the last one of this step has found little.
+  bool isFar = isFresh_ && !areMany();
+  if (isFar) {
     findPairs(kFar);
-    isNearItself_ =
-        static_cast<double>(near_.size()) > kNearShare * static_cast<double>(faces_.size());
+    isFar = !areMany();
   }
-  if (isNearItself_) findPairs(kNear);
+  if (!isFar) findPairs(kNear);
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(near_, allowance_.origin(), allowance_.motions());
+  contacts_.assign(near_, corners_);
   isFresh_ = true;
   ++report.detections;
 }
@@ -218,6 +226,10 @@ void LayerContact::Impl::search() {
 void LayerContact::Impl::findPairs(const Reach& reach) {
   allowance_.renew(start_, end_, reach);
   constexpr std::int32_t kGrain = 2048;
+  parallelFor(static_cast<std::int32_t>(corners_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (VertexId v = first; v < last; ++v) boxCorner(v);
+              });
   parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
                 for (FaceId f = first; f < last; ++f) boxFace(f);
@@ -251,6 +263,7 @@ void LayerContact::Impl::searchAgain(const ParticleView& particles) {
 
 /// Searches around faces with allowances that were renewed. Pairs that are known stay.
 void LayerContact::Impl::searchAround() {
+  for (const VertexId v : allowance_.leftVertices()) boxCorner(v);
   for (const FaceId f : allowance_.leftFaces()) boxFace(f);
   for (MaterialTree& tree : trees_) {
     tree.refit(allowance_.leftFaces(), boxes_, allowance_.gradients());
@@ -258,8 +271,7 @@ void LayerContact::Impl::searchAround() {
   const std::size_t known = near_.size();
   collectNew();
   pairs_.append(near_, known, faces_);
-  contacts_.extend(near_, known, allowance_.leftVertices(), allowance_.origin(),
-                   allowance_.motions());
+  contacts_.extend(near_, known, allowance_.leftVertices(), corners_);
 }
 
 /// Appends the pairs of faces that have come near since.

@@ -230,7 +230,9 @@ TEST(LayerContacts, APushThrowsNoLightVertexBesideAHeldOne) {
   }
   LayerContacts contacts;
   contacts.build(model, {{0.001, 0.3}});
-  contacts.assign({{0, last}}, start, std::vector<Box>(start.size(), {Vec3::Zero(), Vec3::Zero()}));
+  std::vector<QuickBox> boxes;
+  for (const Vec3& x : start) boxes.emplace_back(Box{x.array() - 0.0005, x.array() + 0.0005});
+  contacts.assign({{0, last}}, boxes);
   contacts.project({start, end}, mass, 1e-3, 5e-4);
   EXPECT_GT(contacts.active(), 0);
   EXPECT_LT((end[below[1]] - start[below[1]]).norm(), 0.02);
