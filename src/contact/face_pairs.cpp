@@ -61,7 +61,7 @@ void keepBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) 
 /// Makes a vertex end at least at `bound` along `n` [m], unless its motion is prescribed.
 void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
   const double to = n.dot(now.motion.end[v]);
-  if (to >= bound || now.mass[v] == 0.0) return;
+  if (to >= bound || now.motion.mass[v] == 0.0) return;
   now.motion.end[v] += (bound - to) * n;
   now.truncated[v] = 1;
 }
@@ -251,7 +251,7 @@ bool FacePairs::slide(Pair& pair, const Truncation& now) const {
     const double high = leastOf(pair.a, n, end);
     const double low = mostOf(pair.b, n, end);
     const double push = keep - (high - low);
-    const double share = shareOf(pair, now.mass);
+    const double share = shareOf(pair, now.motion.mass);
     for (const VertexId v : pair.a) slideBeyond(v, n, high + (1.0 - share) * push, now);
     for (const VertexId v : pair.b) slideBeyond(v, -n, share * push - low, now);
     return true;
@@ -377,7 +377,7 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
   if (pairs_.empty()) return outcome;
   const SubstepMotion& motion = now.motion;
   double farthest = 0.0;
-  for (const VertexId v : now.vertices) {
+  for (const VertexId v : now.motion.vertices) {
     farthest = std::max(farthest, (motion.end[v] - motion.start[v]).squaredNorm());
   }
   travel_ += 2.0 * std::sqrt(farthest);
@@ -397,7 +397,7 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
 }
 
 void FacePairs::stop(const Truncation& now) {
-  for (const VertexId v : now.vertices) {
+  for (const VertexId v : now.motion.vertices) {
     if (now.motion.end[v] != now.motion.start[v]) moveBack(v, 0.0, now);
   }
 }

@@ -6,19 +6,18 @@
 
 namespace cloth_sim {
 
-/// Positions of all vertices at both ends of a substep. Between, each vertex moves on a straight
-/// line.
+/// A substep, in which each vertex moves on a straight line.
 struct SubstepMotion {
-  const std::vector<Vec3>& start;  ///< by vertex [m]
-  std::vector<Vec3>& end;          ///< by vertex [m]
+  const std::vector<Vec3>& start;         ///< positions, by vertex [m]
+  std::vector<Vec3>& end;                 ///< the same at the end [m]
+  const std::vector<double>& mass;        ///< by vertex [kg]; 0: prescribed motion
+  const std::vector<VertexId>& vertices;  ///< those of all pairs at least, ascending
 };
 
 /// A substep whose motion may be shortened.
 struct Truncation {
   SubstepMotion motion;
-  const std::vector<double>& mass;        ///< by vertex [kg]; 0: prescribed motion
-  const std::vector<VertexId>& vertices;  ///< of all pairs, at least
-  std::vector<std::uint8_t>& truncated;   ///< by vertex: set to 1 if its motion was changed
+  std::vector<std::uint8_t>& truncated;  ///< by vertex: set to 1 if its motion was changed
 };
 
 /// Outcome of keeping the faces of all pairs apart in a substep.

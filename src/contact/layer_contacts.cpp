@@ -45,6 +45,8 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
   material_ = mesh.material();
   firstFace_.resize(material_.size());
   isMoved_.assign(material_.size(), 0);
+  travel_.resize(material_.size());
+  outlook_.resize(material_.size());
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) firstFace_[v] = *mesh.facesAround(v).begin();
   clothOfFace_.resize(faces_.size());
   edgeOwner_.resize(faces_.size());
@@ -64,7 +66,7 @@ void LayerContacts::clear() {
   contacts_.clear();
   touching_.clear();
   sinceRefresh_ = 0;
-  travel_ = 0.0;
+  std::fill(travel_.begin(), travel_.end(), 0.0);
   active_ = 0;
   least_ = std::numeric_limits<double>::infinity();
 }
@@ -121,37 +123,17 @@ void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<Q
 
 void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
                            const std::vector<VertexId>& moved, const std::vector<QuickBox>& boxes) {
-  if (known == near.size() && moved.empty()) return;
   const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
-  const auto hasMoved = [&](const auto& v) { return std::any_of(v.begin(), v.end(), isMoved); };
-  for (const VertexId v : moved) isMoved_[v] = 1;
-  if (!moved.empty()) {
-    const auto isOld = [&](const Candidate& candidate) { return hasMoved(candidate.v); };
-    candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), isOld),
-                      candidates_.end());
-    for (std::size_t k = 0; k < known; ++k) {
-      const bool mayMiss = hasMoved(faces_[near[k].first]) || hasMoved(faces_[near[k].second]);
-      if (mayMiss) addPair(near[k], true, boxes);
-    }
-  }
-  for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, boxes);
-  for (const VertexId v : moved) isMoved_[v] = 0;
-  sortByVertex();
-  sinceRefresh_ = 0;
-}
-
-/// Brings the faces near each vertex together, in the order of vertices; edges come last. Otherwise
-/// the order stays (a counting sort).
-void LayerContacts::sortByVertex() {
-  const auto keyOf = [this](const Candidate& candidate) {
-    return candidate.areEdges() ? firstFace_.size() : static_cast<std::size_t>(candidate.v[0]);
+  const auto hasMoved = [&](const Face& face) {
+    return std::any_of(face.begin(), face.end(), isMoved);
   };
-  first_.assign(firstFace_.size() + 2, 0);
-  for (const Candidate& candidate : candidates_) ++first_[keyOf(candidate) + 1];
-  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-  sorted_.resize(candidates_.size());
-  for (const Candidate& candidate : candidates_) sorted_[first_[keyOf(candidate)]++] = candidate;
-  candidates_.swap(sorted_);
+  for (const VertexId v : moved) isMoved_[v] = 1;
+  for (std::size_t k = 0; k < known && !moved.empty(); ++k) {
+    const bool mayMiss = hasMoved(faces_[near[k].first]) || hasMoved(faces_[near[k].second]);
+    if (mayMiss) addPair(near[k], true, boxes);
+  }
+  for (const VertexId v : moved) isMoved_[v] = 0;
+  for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, boxes);
 }
 
 /// Finds the closest points of a candidate. \return false if they cannot carry a contact; its
@@ -189,13 +171,13 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   return true;
 }
 
-/// Whether no face next to that of `closest_[at]` is closer to the same vertex, of those in
-/// [first, last).
+/// Whether no face next to that of number `at` of the order is closer to the same vertex, of those
+/// in [first, last) of it.
 bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size_t at) const {
-  const Closest& self = closest_[at];
+  const Closest& self = closest_[order_[at]];
   if (self.isInside) return true;
   for (std::size_t k = first; k < last; ++k) {
-    const Closest& other = closest_[k];
+    const Closest& other = closest_[order_[k]];
     if (k == at) continue;
     const bool isCloser =
         other.apart < self.apart || (other.apart == self.apart && other.face < self.face);
@@ -204,39 +186,72 @@ bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size
   return true;
 }
 
-/// Finds the closest points of the candidates that are within `ahead` [m] of a contact.
-void LayerContacts::findClosest(const std::vector<Vec3>& x, double ahead) {
+/// Calls `visit(v, distance)` with how far each vertex moves in the substep, seen from the mean
+/// [m].
+template <typename Visit>
+void LayerContacts::forMotion(SubstepMotion motion, const Visit& visit) {
+  Vec3 common = Vec3::Zero();
+  for (const VertexId v : motion.vertices) common += motion.end[v] - motion.start[v];
+  common /= static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
+  for (const VertexId v : motion.vertices) {
+    visit(v, (motion.end[v] - motion.start[v] - common).norm());
+  }
+}
+
+/// Finds the closest points of the candidates that may come into contact before the next
+/// refreshing.
+void LayerContacts::findClosest(const std::vector<Vec3>& x) {
   closest_.clear();
   Closest closest;
+  const auto sum = [](const std::vector<double>& of, const std::array<VertexId, 4>& v) {
+    return of[v[0]] + of[v[1]] + of[v[2]] + of[v[3]];
+  };
   for (Candidate& candidate : candidates_) {
-    if (candidate.due - travel_ > ahead) continue;
+    const double outlook = sum(outlook_, candidate.v);
+    if (candidate.due > outlook) continue;
     const bool holds = find(candidate, x, closest);
-    candidate.due = travel_ + closest.apart - candidate.layers.thickness;
-    if (!holds || candidate.due - travel_ > ahead) continue;
+    candidate.due = sum(travel_, candidate.v) + closest.apart - candidate.layers.thickness;
+    if (!holds || candidate.due > outlook) continue;
     closest.face = candidate.face;
     closest.thickness = candidate.layers.thickness;
     closest_.push_back(closest);
   }
 }
 
+/// Puts the faces near each vertex together, in the order of vertices, then edges by their first
+/// vertex (a counting sort).
+void LayerContacts::sortByVertex() {
+  const std::size_t vertices = firstFace_.size();
+  const auto keyOf = [&](const Closest& of) {
+    return static_cast<std::size_t>(of.contact.v[0]) + (of.face == kNone ? vertices : 0);
+  };
+  first_.assign(2 * vertices + 1, 0);
+  for (const Closest& closest : closest_) ++first_[keyOf(closest) + 1];
+  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+  order_.resize(closest_.size());
+  for (std::size_t k = 0; k < closest_.size(); ++k) {
+    order_[first_[keyOf(closest_[k])]++] = static_cast<std::uint32_t>(k);
+  }
+}
+
 /// Lists the contacts that may touch until the next time, and of each vertex only those with the
-/// faces that are locally closest.
-/// \param motion  largest motion of a vertex in the substep [m].
-void LayerContacts::refresh(const std::vector<Vec3>& x, double motion) {
-  // At one and a half times the speed, and a little.
-  findClosest(x, 3.0 * kRefreshEvery * motion + 1e-4);
+/// faces that are locally closest. Candidates that are listed twice count once.
+void LayerContacts::refresh(const std::vector<Vec3>& x) {
+  findClosest(x);
+  sortByVertex();
   contacts_.clear();
   least_ = std::numeric_limits<double>::infinity();
-  for (std::size_t first = 0; first < closest_.size();) {
+  for (std::size_t first = 0; first < order_.size();) {
+    const Closest& group = closest_[order_[first]];
+    const bool areEdges = group.face == kNone;
     std::size_t last = first + 1;
-    const bool areEdges = closest_[first].face == kNone;
-    while (!areEdges && last < closest_.size() && closest_[last].face != kNone &&
-           closest_[last].contact.v[0] == closest_[first].contact.v[0]) {
+    while (last < order_.size() && closest_[order_[last]].contact.v[0] == group.contact.v[0] &&
+           (closest_[order_[last]].face == kNone) == areEdges) {
       ++last;
     }
     for (std::size_t k = first; k < last; ++k) {
-      const Closest& closest = closest_[k];
-      if (!areEdges && !isClosestFace(first, last, k)) continue;
+      const Closest& closest = closest_[order_[k]];
+      if (isListed(first, k) || (!areEdges && !isClosestFace(first, last, k))) continue;
       if (closest.contact.distance > 0.5 * closest.thickness) {
         least_ = std::min(least_, closest.apart);
       }
@@ -246,16 +261,29 @@ void LayerContacts::refresh(const std::vector<Vec3>& x, double motion) {
   }
 }
 
-void LayerContacts::project(SubstepMotion motion, const std::vector<double>& mass, double h,
-                            double farthest) {
+/// Whether the same vertices as in number `at` of the order are in [first, at) of it.
+bool LayerContacts::isListed(std::size_t first, std::size_t at) const {
+  for (std::size_t k = first; k < at; ++k) {
+    if (closest_[order_[k]].contact.v == closest_[order_[at]].contact.v) return true;
+  }
+  return false;
+}
+
+void LayerContacts::project(SubstepMotion motion, double h) {
   active_ = 0;
   if (candidates_.empty()) return;
-  if (sinceRefresh_++ % kRefreshEvery == 0) refresh(motion.start, farthest);
-  travel_ += 2.0 * farthest;
+  if (sinceRefresh_++ % kRefreshEvery == 0) {
+    forMotion(motion, [this](VertexId v, double distance) {
+      // At one and a half times the speed, and a little.
+      outlook_[v] = travel_[v] + 1.5 * kRefreshEvery * distance + 2.5e-5;
+    });
+    refresh(motion.start);
+  }
+  forMotion(motion, [this](VertexId v, double distance) { travel_[v] += distance; });
   findTouching(motion.end);
-  for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, mass, h);
+  for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, h);
   for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
-    if (projectFreely(contacts_[*k], motion, mass, h)) ++active_;
+    if (projectFreely(contacts_[*k], motion, h)) ++active_;
   }
 }
 
@@ -283,14 +311,13 @@ void LayerContacts::findTouching(const std::vector<Vec3>& x) {
   }
 }
 
-void LayerContacts::settle(SubstepMotion motion, const std::vector<double>& mass, double h,
-                           std::vector<std::uint8_t>& supported) {
+void LayerContacts::settle(SubstepMotion motion, double h, std::vector<std::uint8_t>& supported) {
   constexpr int kMostLevels = 32;
   for (int level = 0; level < kMostLevels; ++level) {
     raised_.clear();
-    for (const std::uint32_t k : touching_) settleOne(contacts_[k], motion, mass, h, supported);
+    for (const std::uint32_t k : touching_) settleOne(contacts_[k], motion, h, supported);
     for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
-      settleOne(contacts_[*k], motion, mass, h, supported);
+      settleOne(contacts_[*k], motion, h, supported);
     }
     if (raised_.empty()) return;
     for (const VertexId v : raised_) supported[v] = 1;
@@ -298,8 +325,7 @@ void LayerContacts::settle(SubstepMotion motion, const std::vector<double>& mass
 }
 
 /// Projects a contact with one side that is supported and another that is not.
-void LayerContacts::settleOne(Contact& contact, SubstepMotion motion,
-                              const std::vector<double>& mass, double h,
+void LayerContacts::settleOne(Contact& contact, SubstepMotion motion, double h,
                               const std::vector<std::uint8_t>& supported) {
   const auto isSupported = [&](int first, int last) {
     for (int k = first; k < last; ++k) {
@@ -316,7 +342,7 @@ void LayerContacts::settleOne(Contact& contact, SubstepMotion motion,
   std::array<double, 4> share{};
   double mobility = 0.0;
   for (int k = begin; k < end; ++k) {
-    const double w = contact.weight[k] * inverse(mass[contact.v[k]]);
+    const double w = contact.weight[k] * inverse(motion.mass[contact.v[k]]);
     mobility += contact.weight[k] * w;
     if (supported[contact.v[k]] == 0) share[k] = w;
   }
@@ -325,12 +351,11 @@ void LayerContacts::settleOne(Contact& contact, SubstepMotion motion,
 }
 
 /// Projects a contact that moves all its vertices.
-bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion,
-                                  const std::vector<double>& mass, double h) {
+bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion, double h) {
   std::array<double, 4> share{};
   double mobility = 0.0;
   for (int k = 0; k < 4; ++k) {
-    share[k] = contact.weight[k] * inverse(mass[contact.v[k]]);
+    share[k] = contact.weight[k] * inverse(motion.mass[contact.v[k]]);
     mobility += contact.weight[k] * share[k];
   }
   return projectOne(contact, motion, share, mobility, h);

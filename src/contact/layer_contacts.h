@@ -34,16 +34,13 @@ class LayerContacts {
   void extend(const std::vector<FaceIds>& near, std::size_t known,
               const std::vector<VertexId>& moved, const std::vector<QuickBox>& boxes);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
-  /// \param mass      by vertex [kg]; 0: prescribed motion.
-  /// \param farthest  largest motion of a vertex in the substep, against the mean of all [m].
-  void project(SubstepMotion motion, const std::vector<double>& mass, double h, double farthest);
+  void project(SubstepMotion motion, double h);
   /// Takes up what is left of the load, layer by layer away from what supports the cloth, with
   /// layers that are supported at rest (shock propagation: Guendelman et al. 2003). Without it a
   /// stack sinks into itself and creeps on slopes, because sweeps carry a load by one layer each.
   /// \param supported  by vertex: 1 if an obstacle or a holder has stopped it; vertices above are
   ///     added.
-  void settle(SubstepMotion motion, const std::vector<double>& mass, double h,
-              std::vector<std::uint8_t>& supported);
+  void settle(SubstepMotion motion, double h, std::vector<std::uint8_t>& supported);
 
   /// Contacts that were too near in the last substep.
   int active() const { return active_; }
@@ -56,7 +53,7 @@ class LayerContacts {
     std::array<VertexId, 4> v{};
     FaceId face = kNone;  ///< kNone for two edges
     Layers layers;
-    double due = -1e300;  ///< value of `travel_` at which it may touch; unknown at first [m]
+    double due = -1e300;  ///< sum of `travel_` of its vertices at which it may touch [m]
     bool areEdges() const { return face == kNone; }
   };
   /// The weighted sum of the positions of four vertices points from one side to the other.
@@ -80,17 +77,19 @@ class LayerContacts {
   };
 
   void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
+  template <typename Visit>
+  static void forMotion(SubstepMotion motion, const Visit& visit);
+  void refresh(const std::vector<Vec3>& x);
+  void findClosest(const std::vector<Vec3>& x);
   void sortByVertex();
-  void refresh(const std::vector<Vec3>& x, double motion);
-  void findClosest(const std::vector<Vec3>& x, double ahead);
   bool find(const Candidate& candidate, const std::vector<Vec3>& x, Closest& out) const;
   void findTouching(const std::vector<Vec3>& x);
+  bool isListed(std::size_t first, std::size_t at) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
-  static bool projectFreely(Contact& contact, SubstepMotion motion, const std::vector<double>& mass,
-                            double h);
+  static bool projectFreely(Contact& contact, SubstepMotion motion, double h);
   static bool projectOne(Contact& contact, SubstepMotion motion, const std::array<double, 4>& share,
                          double mobility, double h);
-  void settleOne(Contact& contact, SubstepMotion motion, const std::vector<double>& mass, double h,
+  void settleOne(Contact& contact, SubstepMotion motion, double h,
                  const std::vector<std::uint8_t>& supported);
   Layers layersOf(FaceId f, FaceId g) const;
 
@@ -101,16 +100,17 @@ class LayerContacts {
   std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
   std::vector<LayerProperties> byCloth_;
   std::vector<Candidate> candidates_;
-  std::vector<Candidate> sorted_;      ///< scratch
   std::vector<std::uint8_t> isMoved_;  ///< scratch: by vertex
-  std::vector<std::int32_t> first_;    ///< scratch: by vertex
-  std::vector<Closest> closest_;       ///< of candidates that may touch soon, in their order
+  std::vector<double> travel_;         ///< how far a vertex has moved since `assign`, by vertex [m]
+  std::vector<double> outlook_;   ///< how far it may have until the next refreshing, by vertex [m]
+  std::vector<Closest> closest_;  ///< of candidates that may touch soon
+  std::vector<std::uint32_t> order_;  ///< of closest_: faces by their vertex, then edges by theirs
+  std::vector<std::uint32_t> first_;  ///< scratch: by vertex of faces, and of edges
   std::vector<Contact> contacts_;
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
   std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
-  double travel_ = 0.0;  ///< sum of how far two vertices may have approached since `assign` [m]
   int active_ = 0;
   double least_ = 0.0;
 };

@@ -59,6 +59,7 @@ class LayerContact::Impl {
   double farthestMotion() const;
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
+  SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();
   void findPairs(const Reach& reach);
@@ -89,7 +90,8 @@ class LayerContact::Impl {
   FacePairSet known_;               ///< these; empty until there is a search around a part
   std::vector<std::uint8_t> truncated_;  ///< by vertex
   std::vector<std::uint8_t> supported_;  ///< by vertex; see LayerContacts::settle
-  std::vector<std::uint8_t> isListed_;   ///< scratch: by vertex
+  std::vector<std::uint8_t> isListed_;   ///< by vertex: 1 if it belongs to a pair
+  std::size_t listed_ = 0;               ///< pairs whose vertices have that mark
 };
 
 void LayerContact::Impl::build(const Model& model) {
@@ -107,6 +109,7 @@ void LayerContact::Impl::build(const Model& model) {
   mass_.resize(vertices);
   truncated_.resize(vertices);
   supported_.resize(vertices);
+  isListed_.resize(vertices);
   corners_.resize(vertices);
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
@@ -236,6 +239,8 @@ void LayerContact::Impl::findPairs(const Reach& reach) {
               });
   for (MaterialTree& tree : trees_) tree.refit(boxes_, allowance_.gradients());
   near_.clear();
+  listed_ = 0;
+  std::fill(isListed_.begin(), isListed_.end(), 0);
   known_.clear(faces_.size());
   collect();
 }
@@ -287,9 +292,8 @@ void LayerContact::Impl::collectNew() {
 
 /// Loads the vertices of pairs only, from the next substep on.
 void LayerContact::Impl::listVertices() {
-  isListed_.assign(end_.size(), 0);
-  for (const FaceIds& pair : near_) {
-    for (const FaceId f : {pair.first, pair.second}) {
+  for (; listed_ < near_.size(); ++listed_) {
+    for (const FaceId f : {near_[listed_].first, near_[listed_].second}) {
       for (const VertexId v : faces_[f]) isListed_[v] = 1;
     }
   }
@@ -304,14 +308,13 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   report.contacts = 0;
   if (isFresh_ && pairs_.count() == 0) return;
   loadSupported(particles);
-  const double farthest = farthestMotion();
-  if (!(farthest <= most_)) return;
+  if (!(farthestMotion() <= most_)) return;
   if (!isFresh_) {
     search();
     allowance_.follow(particles);
   }
   if (pairs_.count() == 0) return;
-  contacts_.project({start_, end_}, mass_, h, farthest);
+  contacts_.project(motion(), h);
   report.contacts = contacts_.active();
   report.leastDistance = contacts_.leastDistance();
   if (report.contacts > 0) store(particles);
@@ -319,7 +322,7 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
 
 void LayerContact::Impl::settle(const ParticleView& particles, double h) {
   loadSupported(particles);
-  contacts_.settle({start_, end_}, mass_, h, supported_);
+  contacts_.settle(motion(), h, supported_);
   store(particles);
 }
 
@@ -348,7 +351,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
     if (!isAllowed) searchAgain(particles);
-    const PairOutcome outcome = pairs_.keepApart({{start_, end_}, mass_, vertices_, truncated_});
+    const PairOutcome outcome = pairs_.keepApart({motion(), truncated_});
     report.unproven += outcome.unproven;
     if (outcome.changed) store(particles);
     isAllowed = !outcome.changed || allowance_.isKept(particles);
@@ -367,7 +370,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
 /// Takes all motion of the substep back.
 void LayerContact::Impl::stop(const ParticleView& particles) {
   loadAll(particles);
-  FacePairs::stop({{start_, end_}, mass_, vertices_, truncated_});
+  FacePairs::stop({motion(), truncated_});
   store(particles);
 }
 

@@ -134,7 +134,7 @@ TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
     std::vector<std::uint8_t> truncated(6, 0);
     const std::vector<VertexId> all{0, 1, 2, 3, 4, 5};
     const std::vector<Vec3> wanted = pair.end;
-    const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end}, mass, all, truncated});
+    const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
     EXPECT_EQ(outcome.unproven, 0);
     changed += outcome.changed ? 1 : 0;
     if (!outcome.changed) {
@@ -233,7 +233,9 @@ TEST(LayerContacts, APushThrowsNoLightVertexBesideAHeldOne) {
   std::vector<QuickBox> boxes;
   for (const Vec3& x : start) boxes.emplace_back(Box{x.array() - 0.0005, x.array() + 0.0005});
   contacts.assign({{0, last}}, boxes);
-  contacts.project({start, end}, mass, 1e-3, 5e-4);
+  std::vector<VertexId> all(start.size());
+  std::iota(all.begin(), all.end(), 0);
+  contacts.project({start, end, mass, all}, 1e-3);
   EXPECT_GT(contacts.active(), 0);
   EXPECT_LT((end[below[1]] - start[below[1]]).norm(), 0.02);
 }
