@@ -352,40 +352,40 @@ bool Allowance::isTurnKept(FaceId f) const {
 /// Lists the vertices that are not where they may be, and the faces with such a corner or with a
 /// gradient that is not. \return whether these are few; if not, the lists are not complete.
 bool Allowance::findLeft() {
-  leftVertices_.clear();
-  leftFaces_.clear();
+  left_.vertices.clear();
+  left_.faces.clear();
   const auto most = static_cast<std::size_t>(kFew * static_cast<double>(faces_.size()));
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     if (motions_[v].contains(moved_.at(static_cast<std::size_t>(slots_[v])))) continue;
-    leftVertices_.push_back(static_cast<VertexId>(v));
-    leftFaces_.insert(leftFaces_.end(), facesAround_.begin() + aroundStart_[v],
-                      facesAround_.begin() + aroundStart_[v + 1]);
-    if (leftFaces_.size() > 2 * most) return false;  // each is there three times at most
+    left_.vertices.push_back(static_cast<VertexId>(v));
+    left_.faces.insert(left_.faces.end(), facesAround_.begin() + aroundStart_[v],
+                       facesAround_.begin() + aroundStart_[v + 1]);
+    if (left_.faces.size() > 2 * most) return false;  // each is there three times at most
   }
   for (const Patch& patch : patches_) {
     if (isTurnKept(patch)) continue;
     for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
-      if (!isTurnKept(patchFaces_[k])) leftFaces_.push_back(patchFaces_[k]);
+      if (!isTurnKept(patchFaces_[k])) left_.faces.push_back(patchFaces_[k]);
     }
   }
-  std::sort(leftFaces_.begin(), leftFaces_.end());
-  leftFaces_.erase(std::unique(leftFaces_.begin(), leftFaces_.end()), leftFaces_.end());
-  return leftFaces_.size() <= most;
+  std::sort(left_.faces.begin(), left_.faces.end());
+  left_.faces.erase(std::unique(left_.faces.begin(), left_.faces.end()), left_.faces.end());
+  return left_.faces.size() <= most;
 }
 
 bool Allowance::renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end) {
   if (!findLeft()) return false;
-  renewed_ += static_cast<std::int64_t>(leftFaces_.size());
+  renewed_ += static_cast<std::int64_t>(left_.faces.size());
   const double most = kMostRenewed * static_cast<double>(faces_.size());
   if (static_cast<double>(renewed_) > most) return false;
   const Vec3 before = meanMotion([&](std::size_t v) -> Vec3 { return start[v] - origin_[v]; });
   const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 { return end[v] - start[v]; });
-  for (const VertexId v : leftVertices_) {
+  for (const VertexId v : left_.vertices) {
     allowMotion(static_cast<std::size_t>(v), start[v] - origin_[v] - before,
                 end[v] - start[v] - common, common);
     setSlot(v);
   }
-  for (const FaceId f : leftFaces_) {
+  for (const FaceId f : left_.faces) {
     allowTurn(f, start, end);
     // The centre of the ball is no longer the gradient at the origin: there is no quick check.
     turn_[f] = -1.0;

@@ -24,6 +24,12 @@ struct Reach {
   double leastTurn = 0.0;    ///< change of a face's gradient, at least [-]
 };
 
+/// A part of the cloth with new allowances.
+struct Renewed {
+  std::vector<VertexId> vertices;  ///< ascending
+  std::vector<FaceId> faces;       ///< around these vertices, and others; ascending
+};
+
 /// Boxes for the motion of vertices, and balls for the gradients of faces, that a search allows.
 /// Motion that all vertices have in common does not count: it brings nothing together.
 class Allowance {
@@ -47,10 +53,8 @@ class Allowance {
   const std::vector<Box>& motions() const { return motions_; }
   /// Gradients that faces may have, by face.
   const std::vector<GradientBall>& gradients() const { return balls_; }
-  /// Vertices that `renewLeft` has renewed, ascending.
-  const std::vector<VertexId>& leftVertices() const { return leftVertices_; }
-  /// Faces that `renewLeft` has renewed, or with such a corner, ascending.
-  const std::vector<FaceId>& leftFaces() const { return leftFaces_; }
+  /// Those that `renewLeft` has renewed.
+  const Renewed& renewed() const { return left_; }
 
  private:
   /// Faces near each other in the material plane, and the slots of their corners.
@@ -95,9 +99,8 @@ class Allowance {
   std::array<std::vector<std::int32_t>, 3> corners_;  ///< slots, in the order of patchFaces_
   std::vector<double> patchTurn_;  ///< `turn_`, in the order of patchFaces_ [m^2]
   bool hasSegments_ = false;       ///< those of the patches are known
-  std::vector<VertexId> leftVertices_;
-  std::vector<FaceId> leftFaces_;
-  std::int64_t renewed_ = 0;  ///< faces since all were
+  Renewed left_;                   ///< vertices and faces that are not where they may be
+  std::int64_t renewed_ = 0;       ///< faces since all were
 };
 
 }  // namespace cloth_sim

@@ -49,6 +49,7 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
   outlook_.resize(material_.size());
   for (VertexId v = 0; v < mesh.vertexCount(); ++v) firstFace_[v] = *mesh.facesAround(v).begin();
   clothOfFace_.resize(faces_.size());
+  isMovedFace_.assign(faces_.size(), 0);
   edgeOwner_.resize(faces_.size());
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
     const Face& face = faces_[f];
@@ -118,21 +119,19 @@ void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<
 
 void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
   clear();
-  extend(near, 0, {}, boxes);
+  extend(near, 0, Renewed(), boxes);
 }
 
 void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
-                           const std::vector<VertexId>& moved, const std::vector<QuickBox>& boxes) {
-  const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
-  const auto hasMoved = [&](const Face& face) {
-    return std::any_of(face.begin(), face.end(), isMoved);
-  };
-  for (const VertexId v : moved) isMoved_[v] = 1;
-  for (std::size_t k = 0; k < known && !moved.empty(); ++k) {
-    const bool mayMiss = hasMoved(faces_[near[k].first]) || hasMoved(faces_[near[k].second]);
-    if (mayMiss) addPair(near[k], true, boxes);
+                           const Renewed& moved, const std::vector<QuickBox>& boxes) {
+  for (const VertexId v : moved.vertices) isMoved_[v] = 1;
+  for (const FaceId f : moved.faces) isMovedFace_[f] = 1;
+  for (std::size_t k = 0; k < known && !moved.vertices.empty(); ++k) {
+    if ((isMovedFace_[near[k].first] | isMovedFace_[near[k].second]) == 0) continue;
+    addPair(near[k], true, boxes);
   }
-  for (const VertexId v : moved) isMoved_[v] = 0;
+  for (const FaceId f : moved.faces) isMovedFace_[f] = 0;
+  for (const VertexId v : moved.vertices) isMoved_[v] = 0;
   for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, boxes);
 }
 

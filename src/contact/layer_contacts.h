@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "allowance.h"
 #include "cloth_sim/cloth/model.h"
 #include "cloth_sim/contact/layers.h"
 #include "face_pairs.h"
@@ -30,9 +31,9 @@ class LayerContacts {
   /// Follows a search around a part of the cloth.
   /// \param near   all pairs.
   /// \param known  number of those that have been listed; the others are new.
-  /// \param moved  vertices with new boxes.
-  void extend(const std::vector<FaceIds>& near, std::size_t known,
-              const std::vector<VertexId>& moved, const std::vector<QuickBox>& boxes);
+  /// \param moved  vertices with new boxes, and faces with such corners.
+  void extend(const std::vector<FaceIds>& near, std::size_t known, const Renewed& moved,
+              const std::vector<QuickBox>& boxes);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   void project(SubstepMotion motion, double h);
   /// Takes up what is left of the load, layer by layer away from what supports the cloth, with
@@ -100,8 +101,9 @@ class LayerContacts {
   std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
   std::vector<LayerProperties> byCloth_;
   std::vector<Candidate> candidates_;
-  std::vector<std::uint8_t> isMoved_;  ///< scratch: by vertex
-  std::vector<double> travel_;         ///< how far a vertex has moved since `assign`, by vertex [m]
+  std::vector<std::uint8_t> isMoved_;      ///< scratch: by vertex
+  std::vector<std::uint8_t> isMovedFace_;  ///< scratch: by face
+  std::vector<double> travel_;    ///< how far a vertex has moved since `assign`, by vertex [m]
   std::vector<double> outlook_;   ///< how far it may have until the next refreshing, by vertex [m]
   std::vector<Closest> closest_;  ///< of candidates that may touch soon
   std::vector<std::uint32_t> order_;  ///< of closest_: faces by their vertex, then edges by theirs

@@ -268,15 +268,15 @@ void LayerContact::Impl::searchAgain(const ParticleView& particles) {
 
 /// Searches around faces with allowances that were renewed. Pairs that are known stay.
 void LayerContact::Impl::searchAround() {
-  for (const VertexId v : allowance_.leftVertices()) boxCorner(v);
-  for (const FaceId f : allowance_.leftFaces()) boxFace(f);
+  for (const VertexId v : allowance_.renewed().vertices) boxCorner(v);
+  for (const FaceId f : allowance_.renewed().faces) boxFace(f);
   for (MaterialTree& tree : trees_) {
-    tree.refit(allowance_.leftFaces(), boxes_, allowance_.gradients());
+    tree.refit(allowance_.renewed().faces, boxes_, allowance_.gradients());
   }
   const std::size_t known = near_.size();
   collectNew();
   pairs_.append(near_, known, faces_);
-  contacts_.extend(near_, known, allowance_.leftVertices(), corners_);
+  contacts_.extend(near_, known, allowance_.renewed(), corners_);
 }
 
 /// Appends the pairs of faces that have come near since.
