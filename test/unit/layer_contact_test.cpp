@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
 
 #include "cloth_sim/scene/build.h"
+#include "contact/allowance.h"
+#include "contact/face_pair_set.h"
 #include "contact/face_pairs.h"  // private, as the next: pairs are tested one by one
 #include "contact/layer_contacts.h"
 #include "contact/material_tree.h"
@@ -182,15 +185,18 @@ State rolled(const Model& model, double radius, double drift) {
   return state;
 }
 
-std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
-  MaterialTree tree;
-  tree.build(model, 0);
+/// Boxes and gradients of the faces of a cloth.
+struct FaceBounds {
   std::vector<QuickBox> boxes;
   std::vector<GradientBall> balls;
+};
+
+FaceBounds boundsOf(const Model& model, const State& state) {
+  FaceBounds bounds;
   for (const Face& face : model.mesh.faces()) {
     Box box;
     for (const VertexId v : face) box.add({state.x[v], state.x[v]});
-    boxes.emplace_back(box);
+    bounds.boxes.emplace_back(box);
     Eigen::Matrix2d rest;
     for (int k = 0; k < 2; ++k) {
       rest.col(k) = model.mesh.material(face[k + 1]) - model.mesh.material(face[0]);
@@ -199,12 +205,22 @@ std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
     ball.centre = Gradient::of(state.x[face[1]] - state.x[face[0]],
                                state.x[face[2]] - state.x[face[0]], rest.inverse());
     ball.radius = 0.05;
-    balls.push_back(ball);
+    bounds.balls.push_back(ball);
   }
-  tree.refit(boxes, balls);
+  return bounds;
+}
+
+std::vector<FaceIds> searchPairs(const Model& model, const FaceBounds& bounds) {
+  MaterialTree tree;
+  tree.build(model, 0);
+  tree.refit(bounds.boxes, bounds.balls);
   std::vector<FaceIds> pairs;
-  tree.collectOwn(boxes, pairs);
+  tree.collectOwn(bounds.boxes, pairs);
   return pairs;
+}
+
+std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
+  return searchPairs(model, boundsOf(model, state));
 }
 
 /// Held corners of a face come down on another face, a thousandth of its edge from a held corner.
@@ -265,6 +281,125 @@ TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
     }
   }
   EXPECT_GT(meeting, 20);
+}
+
+TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 21;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  RandomPoints random(9);
+  FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
+  MaterialTree tree;
+  tree.build(model, 0);
+  tree.refit(bounds.boxes, bounds.balls);
+  std::vector<FaceIds> pairs;
+  tree.collectOwn(bounds.boxes, pairs);
+  std::set<std::pair<FaceId, FaceId>> known;
+  std::size_t added = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (const FaceIds& pair : pairs) added += known.insert({pair.first, pair.second}).second;
+    for (const FaceIds& pair : searchPairs(model, bounds)) {
+      ASSERT_EQ(known.count({pair.first, pair.second}), 1U) << "round " << round;
+    }
+    std::vector<FaceId> changed;
+    for (int k = 0; k <= round % 5; ++k) {
+      const auto f = static_cast<FaceId>(std::abs(random.number()) * 0.999 *
+                                         static_cast<double>(model.mesh.faceCount()));
+      const Vec3 at = 0.5 * random.point();
+      bounds.boxes[f].add(QuickBox({at, at}));
+      bounds.balls[f].radius = std::abs(random.number());
+      changed.push_back(f);
+    }
+    tree.refit(changed, bounds.boxes, bounds.balls);
+    pairs.clear();
+    tree.collectOwn(bounds.boxes, pairs);
+  }
+  EXPECT_GT(added, 500U);
+}
+
+TEST(FacePairSet, KnowsWhatWasInserted) {
+  FacePairSet pairs;
+  pairs.clear(10);
+  EXPECT_TRUE(pairs.isEmpty());
+  EXPECT_TRUE(pairs.insert({1, 2}));
+  EXPECT_TRUE(pairs.insert({1, 3}));
+  EXPECT_TRUE(pairs.insert({2, 3}));
+  EXPECT_FALSE(pairs.insert({1, 2}));
+  EXPECT_FALSE(pairs.isEmpty());
+  pairs.clear(10);
+  EXPECT_TRUE(pairs.insert({1, 2}));
+}
+
+/// Particles of a cloth in slots that run backwards, so that a slot is not its vertex.
+struct Backwards {
+  std::vector<double> x, y, z, mass;
+  std::vector<std::int32_t> slotOf;
+
+  explicit Backwards(const std::vector<Vec3>& at) : x(at.size()), y(at.size()), z(at.size()) {
+    for (std::size_t v = 0; v < at.size(); ++v) {
+      slotOf.push_back(static_cast<std::int32_t>(at.size() - 1 - v));
+      const std::size_t k = at.size() - 1 - v;
+      x[k] = at[v].x();
+      y[k] = at[v].y();
+      z[k] = at[v].z();
+    }
+    mass.assign(at.size(), 1.0);
+  }
+  ParticleView view() {
+    ParticleView particles;
+    particles.x = x.data();
+    particles.y = y.data();
+    particles.z = z.data();
+    particles.mass = mass.data();
+    particles.slotOf = slotOf.data();
+    return particles;
+  }
+};
+
+TEST(Allowance, IsKeptUntilAVertexOrAGradientLeavesIt) {
+  ClothSpec cloth;
+  cloth.columns = 21;
+  cloth.rows = 17;  // 357 vertices: the last segment of slots is not whole
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  const std::vector<Vec3> start = rolled(model, 0.2, 0.0).x.values();
+  Allowance allowance;
+  allowance.build(model);
+  constexpr double kMotion = 2e-3;
+  constexpr double kTurn = 0.02;
+  const double cell = (start[1] - start[0]).norm();
+  RandomPoints random(11);
+  int kept = 0;
+  for (int round = 0; round < 200; ++round) {
+    allowance.renew(start, start, {4.0, kMotion, 5e-3, kTurn});
+    allowance.follow(Backwards(start).view());
+    std::vector<Vec3> end = start;
+    const Vec3 common = random.point();  // does not count
+    const Vec3 wave = 0.3 * cell * kTurn * random.point();
+    for (Vec3& x : end) x += common + std::sin(9.0 * x.y()) * wave;
+    const auto v = static_cast<std::size_t>(std::abs(random.number()) * 356.9);
+    const double far = (round % 2 == 0 ? 0.4 : 3.0) * kTurn * cell;
+    end[v] += far * Vec3::UnitX();
+    const bool isKept = allowance.isKept(Backwards(end).view());
+    EXPECT_EQ(isKept, round % 2 == 0) << round;
+    if (!isKept) {
+      ASSERT_TRUE(allowance.renewLeft(end, end));
+      const std::vector<FaceId>& faces = allowance.renewed().faces;
+      for (const FaceId f : model.mesh.facesAround(static_cast<VertexId>(v))) {
+        EXPECT_TRUE(std::binary_search(faces.begin(), faces.end(), f));
+      }
+      EXPECT_TRUE(allowance.isKept(Backwards(end).view()));
+    }
+    kept += isKept ? 1 : 0;
+  }
+  EXPECT_EQ(kept, 100);
+  std::vector<Vec3> end = start;
+  end[356].z() = std::nan("");
+  EXPECT_FALSE(allowance.isKept(Backwards(end).view()));
+  end = start;
+  end[0].z() = std::nan("");
+  EXPECT_FALSE(allowance.isKept(Backwards(end).view()));
 }
 
 }  // namespace
