@@ -40,8 +40,12 @@ class LayerContacts {
 
   /// Contacts that were too near in the last substep.
   int active() const { return active_; }
-  /// Least distance of contacts at the last refreshing [m]; infinite without any.
-  double leastDistance() const { return least_; }
+  /// Least distance of the contacts that carried load in the last substep [m]; infinite without
+  /// any. Contacts between points that are near each other in the cloth laid flat do not count.
+  /// \param x  positions, by vertex [m].
+  double leastDistance(const std::vector<Vec3>& x) const;
+  /// Returns contacts that carried load in the last substep, `most` at most, evenly chosen.
+  std::vector<LayerContactPoint> loadedPoints(const std::vector<Vec3>& x, std::size_t most) const;
 
  private:
   /// A vertex and a face, or two edges: (v, corners) or (ends, ends).
@@ -89,6 +93,8 @@ class LayerContacts {
   void settleOne(Contact& contact, SubstepMotion motion, const std::vector<double>& mass, double h,
                  const std::vector<std::uint8_t>& supported);
   Layers layersOf(FaceId f, FaceId g) const;
+  bool isBetweenLayers(const Contact& contact) const;
+  std::vector<std::uint32_t> loaded() const;
 
   std::vector<Face> faces_;
   std::vector<Vec2> material_;                    ///< by vertex [m]
@@ -108,7 +114,7 @@ class LayerContacts {
   int sinceRefresh_ = 0;
   double travel_ = 0.0;  ///< sum of how far two vertices may have approached since `assign` [m]
   int active_ = 0;
-  double least_ = 0.0;
+  double substep_ = 0.0;  ///< length of the last substep [s]
 };
 
 }  // namespace cloth_sim
