@@ -109,9 +109,7 @@ bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
 double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
-  if (markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() +
-          contacts_.getNumSubscribers() >
-      0) {
+  if (sceneMarkers_.getNumSubscribers() > 0 || wantContacts()) {
     rate = std::max(rate, parameters_.rateMarkers);
   }
   if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
@@ -127,6 +125,7 @@ double Publishers::wantedFigures() const {
   return markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0 ? kReadable : kSeldom;
 }
 
+/// Whether somebody listens to a topic that shows the contacts between layers.
 bool Publishers::wantContacts() const {
   return markers_.getNumSubscribers() + contacts_.getNumSubscribers() > 0;
 }

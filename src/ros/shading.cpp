@@ -36,13 +36,11 @@ std_msgs::ColorRGBA strainColour(double fraction) {
 }
 
 std_msgs::ColorRGBA contactColour(double newtons) {
-  constexpr double kLeast = 1e-4;  // [N]
+  constexpr double kLeast = 1e-5;  // [N]
   constexpr double kDecades = 3.0;
   const double part = std::log10(std::max(newtons, kLeast) / kLeast) / kDecades;
-  const auto fraction = static_cast<float>(2.0 * std::min(part, 1.0));
-  const std_msgs::ColorRGBA middle = makeColour(1.0f, 0.60f, 0.10f);
-  if (fraction < 1.0f) return blend(makeColour(1.0f, 1.0f, 1.0f), middle, fraction);
-  return blend(middle, makeColour(0.85f, 0.0f, 0.05f), fraction - 1.0f);
+  return blend(makeColour(0.0f, 0.95f, 1.0f), makeColour(1.0f, 0.0f, 0.75f),
+               static_cast<float>(std::min(part, 1.0)));
 }
 
 StrainColours::StrainColours(double range, const std_msgs::ColorRGBA& wash, float part)
