@@ -211,7 +211,6 @@ void LayerContacts::findClosest(const std::vector<Vec3>& x, double ahead) {
     due_[k] = travel_ + closest.apart - candidate.thickness;
     if (!holds || due_[k] - travel_ > ahead) continue;
     closest.face = candidate.face;
-    closest.thickness = candidate.thickness;
     closest_.push_back(closest);
   }
 }

@@ -70,10 +70,9 @@ class LayerContacts {
   /// The closest points of a candidate.
   struct Closest {
     Contact contact;
-    FaceId face = kNone;     ///< as in Candidate
-    double thickness = 0.0;  ///< as in Layers [m]
-    double apart = 0.0;      ///< [m]
-    bool isInside = false;   ///< inside the face, or inside both edges
+    FaceId face = kNone;    ///< as in Candidate
+    double apart = 0.0;     ///< [m]
+    bool isInside = false;  ///< inside the face, or inside both edges
   };
 
   void addVertexFace(VertexId p, FaceId face, const std::vector<Vec3>& x, double reach,

@@ -31,7 +31,7 @@ namespace {
 
 constexpr int kPhaseColumns = 3;
 constexpr int kLeastLines = 11;  ///< of text shown, in the lowest window
-constexpr int kSpacing = 4;     ///< between rows [px]
+constexpr int kSpacing = 4;      ///< between rows [px]
 constexpr int kMostSteps = 100000;
 constexpr double kRatePeriod = 1.0;  ///< time over which frames are counted [s]
 constexpr double kLeastTear = 0.01;  ///< strain at the left end of the slider [-]
