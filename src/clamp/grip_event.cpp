@@ -16,6 +16,10 @@ const char* toString(GripEvent::Kind kind) {
       return "lost";
     case GripEvent::Kind::kReleased:
       return "released";
+    case GripEvent::Kind::kBlocked:
+      return "blocked";
+    case GripEvent::Kind::kFreed:
+      return "freed";
   }
   return "";
 }
@@ -33,6 +37,12 @@ GripContents gripContents(const Clamp& clamp, const Model& model, const State& s
   return contents;
 }
 
+bool isBlocked(const Clamp& clamp, const LayerContact* layers) {
+  const std::vector<VertexId>& held = clamp.held();
+  return layers != nullptr &&
+         std::any_of(held.begin(), held.end(), [&](VertexId v) { return layers->isBlocked(v); });
+}
+
 GripWatch::Seen& GripWatch::find(const std::string& clamp) {
   const auto named = [&](const Seen& seen) { return seen.clamp == clamp; };
   const auto found = std::find_if(seen_.begin(), seen_.end(), named);
@@ -41,23 +51,30 @@ GripWatch::Seen& GripWatch::find(const std::string& clamp) {
   return seen_.back();
 }
 
-std::vector<GripEvent::Kind> GripWatch::update(const Clamp& clamp) {
+std::vector<GripEvent::Kind> GripWatch::update(const Clamp& clamp, bool blocked) {
   Seen& before = find(clamp.spec().name);
   std::vector<GripEvent::Kind> kinds;
-  const bool held = !clamp.held().empty();
+  const Hold hold = clamp.held().empty() ? Hold::kNothing
+                    : blocked            ? Hold::kBlocked
+                                         : Hold::kFollows;
   const bool closed = clamp.state() == ClampState::kClosed;
   if (closed && before.state != ClampState::kClosed) kinds.push_back(GripEvent::Kind::kClosed);
   if (clamp.isSlipping() && !before.slipping) kinds.push_back(GripEvent::Kind::kSlipping);
   if (clamp.state() == ClampState::kOpen && before.state != ClampState::kOpen) {
     kinds.push_back(GripEvent::Kind::kReleased);
-  } else if (before.held && !held) {
+  } else if (before.hold != Hold::kNothing && hold == Hold::kNothing) {
     kinds.push_back(GripEvent::Kind::kLost);
   } else if (before.slipping && !clamp.isSlipping()) {
     kinds.push_back(GripEvent::Kind::kHolding);
   }
+  if (hold == Hold::kBlocked && before.hold != Hold::kBlocked) {
+    kinds.push_back(GripEvent::Kind::kBlocked);
+  } else if (hold == Hold::kFollows && before.hold == Hold::kBlocked) {
+    kinds.push_back(GripEvent::Kind::kFreed);
+  }
   before.state = clamp.state();
   before.slipping = clamp.isSlipping();
-  before.held = held;
+  before.hold = hold;
   return kinds;
 }
 

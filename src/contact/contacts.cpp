@@ -56,7 +56,7 @@ void Contacts::project(const ParticleView& particles, double time, double h) {
   projectObstacles(particles, time, h);
   if (layers == nullptr) return;
   layers->project(particles, h);
-  if (layers->report().contacts > 0) {
+  if (layers->carriesLoad()) {
     projectObstacles(particles, time, h);
     layers->settle(particles, h);
   }

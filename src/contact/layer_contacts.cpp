@@ -69,7 +69,6 @@ void LayerContacts::clear() {
   sinceRefresh_ = 0;
   std::fill(travel_.begin(), travel_.end(), 0.0);
   active_ = 0;
-  least_ = std::numeric_limits<double>::infinity();
 }
 
 LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
@@ -118,7 +117,10 @@ void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<
 }
 
 void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
-  clear();
+  // The contacts of the last substep stay, for whoever asks, until the next one refreshes them.
+  candidates_.clear();
+  std::fill(travel_.begin(), travel_.end(), 0.0);
+  sinceRefresh_ = 0;
   extend(near, 0, Renewed(), boxes);
 }
 
@@ -212,7 +214,6 @@ void LayerContacts::findClosest(const std::vector<Vec3>& x) {
     candidate.due = sum(travel_, candidate.v) + closest.apart - candidate.layers.thickness;
     if (!holds || candidate.due > outlook) continue;
     closest.face = candidate.face;
-    closest.thickness = candidate.layers.thickness;
     closest_.push_back(closest);
   }
 }
@@ -239,7 +240,6 @@ void LayerContacts::refresh(const std::vector<Vec3>& x) {
   findClosest(x);
   sortByVertex();
   contacts_.clear();
-  least_ = std::numeric_limits<double>::infinity();
   for (std::size_t first = 0; first < order_.size();) {
     const Closest& group = closest_[order_[first]];
     const bool areEdges = group.face == kNone;
@@ -251,9 +251,6 @@ void LayerContacts::refresh(const std::vector<Vec3>& x) {
     for (std::size_t k = first; k < last; ++k) {
       const Closest& closest = closest_[order_[k]];
       if (isListed(first, k) || (!areEdges && !isClosestFace(first, last, k))) continue;
-      if (closest.contact.distance > 0.5 * closest.thickness) {
-        least_ = std::min(least_, closest.apart);
-      }
       contacts_.push_back(closest.contact);
     }
     first = last;
@@ -270,7 +267,11 @@ bool LayerContacts::isListed(std::size_t first, std::size_t at) const {
 
 void LayerContacts::project(SubstepMotion motion, double h) {
   active_ = 0;
-  if (candidates_.empty()) return;
+  substep_ = h;
+  if (candidates_.empty()) {
+    touching_.clear();
+    return;
+  }
   if (sinceRefresh_++ % kRefreshEvery == 0) {
     forMotion(motion, [this](VertexId v, double distance) {
       // At one and a half times the speed, and a little.
@@ -393,6 +394,49 @@ bool LayerContacts::projectOne(Contact& contact, SubstepMotion motion,
   contact.drag = drag;
   for (int k = 0; k < 4; ++k) motion.end[v[k]] += share[k] * move;
   return load > 0.0;
+}
+
+/// Whether the contact keeps layers apart, rather than points that are near each other in the cloth
+/// laid flat, such as the lips of a cut.
+bool LayerContacts::isBetweenLayers(const Contact& contact) const {
+  const Layers layers = layersOf(firstFace_[contact.v.front()], firstFace_[contact.v.back()]);
+  return contact.distance > 0.5 * layers.thickness;
+}
+
+/// Numbers of the contacts that carried load in the last substep, ascending.
+std::vector<std::uint32_t> LayerContacts::loaded() const {
+  std::vector<std::uint32_t> numbers;
+  for (const std::uint32_t k : touching_) {
+    if (contacts_[k].load > 0.0) numbers.push_back(k);
+  }
+  return numbers;
+}
+
+double LayerContacts::leastDistance(const std::vector<Vec3>& x) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t k : loaded()) {
+    const Contact& contact = contacts_[k];
+    if (!isBetweenLayers(contact)) continue;
+    Vec3 apart = Vec3::Zero();
+    for (int i = 0; i < 4; ++i) apart += contact.weight[i] * x[contact.v[i]];
+    least = std::min(least, apart.norm());
+  }
+  return least;
+}
+
+std::vector<LayerContactPoint> LayerContacts::loadedPoints(const std::vector<Vec3>& x,
+                                                           std::size_t most) const {
+  const std::vector<std::uint32_t> all = loaded();
+  std::vector<LayerContactPoint> points(std::min(all.size(), most));
+  for (std::size_t n = 0; n < points.size(); ++n) {
+    const Contact& contact = contacts_[all[n * all.size() / points.size()]];
+    LayerContactPoint& point = points[n];
+    // The weights of either side add up to 1 or -1.
+    for (int i = 0; i < 4; ++i) point.place += 0.5 * std::abs(contact.weight[i]) * x[contact.v[i]];
+    point.normal = contact.normal;
+    point.force = contact.load / (substep_ * substep_);
+  }
+  return points;
 }
 
 }  // namespace cloth_sim

@@ -45,8 +45,12 @@ class LayerContacts {
 
   /// Contacts that were too near in the last substep.
   int active() const { return active_; }
-  /// Least distance of contacts at the last refreshing [m]; infinite without any.
-  double leastDistance() const { return least_; }
+  /// Least distance of the contacts that carried load in the last substep [m]; infinite without
+  /// any. Contacts between points that are near each other in the cloth laid flat do not count.
+  /// \param x  positions, by vertex [m].
+  double leastDistance(const std::vector<Vec3>& x) const;
+  /// Returns contacts that carried load in the last substep, `most` at most, evenly chosen.
+  std::vector<LayerContactPoint> loadedPoints(const std::vector<Vec3>& x, std::size_t most) const;
 
  private:
   /// A vertex and a face, or two edges: (v, corners) or (ends, ends).
@@ -71,10 +75,9 @@ class LayerContacts {
   /// The closest points of a candidate.
   struct Closest {
     Contact contact;
-    FaceId face = kNone;     ///< as in Candidate
-    double thickness = 0.0;  ///< as in Layers [m]
-    double apart = 0.0;      ///< [m]
-    bool isInside = false;   ///< inside the face, or inside both edges
+    FaceId face = kNone;    ///< as in Candidate
+    double apart = 0.0;     ///< [m]
+    bool isInside = false;  ///< inside the face, or inside both edges
   };
 
   void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
@@ -93,6 +96,8 @@ class LayerContacts {
   void settleOne(Contact& contact, SubstepMotion motion, double h,
                  const std::vector<std::uint8_t>& supported);
   Layers layersOf(FaceId f, FaceId g) const;
+  bool isBetweenLayers(const Contact& contact) const;
+  std::vector<std::uint32_t> loaded() const;
 
   std::vector<Face> faces_;
   std::vector<Vec2> material_;                    ///< by vertex [m]
@@ -114,7 +119,7 @@ class LayerContacts {
   std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
   int active_ = 0;
-  double least_ = 0.0;
+  double substep_ = 0.0;  ///< length of the last substep [s]
 };
 
 }  // namespace cloth_sim

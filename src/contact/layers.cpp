@@ -48,8 +48,10 @@ class LayerContact::Impl {
   void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
   bool isBlocked(std::size_t v) const;
+  LayerReport wholeReport() const;
+  std::vector<LayerContactPoint> contactPoints() const;
 
-  LayerReport report;
+  LayerReport report;  ///< but for leastDistance
 
  private:
   void loadSupported(const ParticleView& particles);
@@ -316,7 +318,6 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   if (pairs_.count() == 0) return;
   contacts_.project(motion(), h);
   report.contacts = contacts_.active();
-  report.leastDistance = contacts_.leastDistance();
   if (report.contacts > 0) store(particles);
 }
 
@@ -378,6 +379,17 @@ bool LayerContact::Impl::isBlocked(std::size_t v) const {
   return report.blocked > 0 && isHeldBack(v);
 }
 
+LayerReport LayerContact::Impl::wholeReport() const {
+  LayerReport whole = report;
+  if (report.contacts > 0) whole.leastDistance = contacts_.leastDistance(end_);
+  return whole;
+}
+
+std::vector<LayerContactPoint> LayerContact::Impl::contactPoints() const {
+  if (report.contacts == 0) return {};
+  return contacts_.loadedPoints(end_, kMostContactPoints);
+}
+
 LayerContact::LayerContact(const Model& model, std::vector<LayerProperties> byCloth)
     : impl_(std::make_unique<Impl>(model, std::move(byCloth))) {}
 
@@ -399,10 +411,16 @@ void LayerContact::settle(const ParticleView& particles, double h) { impl_->sett
 
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
 
-const LayerReport& LayerContact::report() const { return impl_->report; }
+LayerReport LayerContact::report() const { return impl_->wholeReport(); }
 
 bool LayerContact::isBlocked(VertexId v) const {
   return impl_->isBlocked(static_cast<std::size_t>(v));
+}
+
+bool LayerContact::carriesLoad() const { return impl_->report.contacts > 0; }
+
+std::vector<LayerContactPoint> LayerContact::contactPoints() const {
+  return impl_->contactPoints();
 }
 
 }  // namespace cloth_sim

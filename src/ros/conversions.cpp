@@ -122,7 +122,9 @@ static_assert(static_cast<int>(GripEvent::Kind::kClosed) == int{GraspEvent::CLOS
                   static_cast<int>(GripEvent::Kind::kSlipping) == int{GraspEvent::SLIPPING} &&
                   static_cast<int>(GripEvent::Kind::kHolding) == int{GraspEvent::HOLDING} &&
                   static_cast<int>(GripEvent::Kind::kLost) == int{GraspEvent::LOST} &&
-                  static_cast<int>(GripEvent::Kind::kReleased) == int{GraspEvent::RELEASED},
+                  static_cast<int>(GripEvent::Kind::kReleased) == int{GraspEvent::RELEASED} &&
+                  static_cast<int>(GripEvent::Kind::kBlocked) == int{GraspEvent::BLOCKED} &&
+                  static_cast<int>(GripEvent::Kind::kFreed) == int{GraspEvent::FREED},
               "GraspEvent numbers the kinds as the core does");
 
 }  // namespace
@@ -249,6 +251,21 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.step_time = observation.stepTime;
   for (const ClampSnapshot& clamp : snapshot.clamps) {
     message.clamps.push_back(toClampStatus(clamp));
+  }
+  return message;
+}
+
+ClothContacts toContactsMessage(const Snapshot& snapshot, const std_msgs::Header& header) {
+  ClothContacts message;
+  message.header = header;
+  message.time = snapshot.time;
+  if (!snapshot.contactPoints) return message;
+  for (const LayerContactPoint& contact : *snapshot.contactPoints) {
+    for (int axis = 0; axis < 3; ++axis) {
+      message.positions.push_back(static_cast<float>(contact.place[axis]));
+      message.normals.push_back(static_cast<float>(contact.normal[axis]));
+    }
+    message.forces.push_back(static_cast<float>(contact.force));
   }
   return message;
 }

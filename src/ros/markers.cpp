@@ -105,6 +105,7 @@ const ClothMarkers& MarkerBuilder::build(const Snapshot& snapshot, const Figures
   begin(stamp);
   addCloth(snapshot);
   addTornEdges(snapshot);
+  if (snapshot.layers) addContacts(snapshot);
   addSurroundings(snapshot, figures);
   markers_.array.markers.resize(used_);
   return markers_;
@@ -206,6 +207,23 @@ void MarkerBuilder::addTornEdges(const Snapshot& snapshot) {
   marker.points.clear();
   for (const auto& edge : snapshot.topology->tornEdges) {
     for (const VertexId v : edge) marker.points.push_back(toPoint(snapshot.positions[v]));
+  }
+  deleteIfEmpty(marker);
+}
+
+/// Draws a line across the layers for each contact, in the colour of its force.
+void MarkerBuilder::addContacts(const Snapshot& snapshot) {
+  Marker& marker = next("contacts", Marker::LINE_LIST);
+  marker.scale.x = kContactWidth;
+  marker.points.clear();
+  marker.colors.clear();
+  if (snapshot.contactPoints) {
+    for (const LayerContactPoint& contact : *snapshot.contactPoints) {
+      for (const double side : {-kContactReach, kContactReach}) {
+        marker.points.push_back(toPoint(contact.place + side * contact.normal));
+        marker.colors.push_back(contactColour(contact.force));
+      }
+    }
   }
   deleteIfEmpty(marker);
 }

@@ -52,6 +52,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       updater_(node, privateNode, ros::this_node::getName()),
       markersSchedule_(parameters.rateMarkers),
       sceneMarkersSchedule_(parameters.rateMarkers),
+      contactsSchedule_(parameters.rateMarkers),
       frameSchedule_(parameters.rateFrame),
       transformsSchedule_(parameters.rateState),
       stateSchedule_(parameters.rateState),
@@ -73,6 +74,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   scene_ = own.advertise<std_msgs::String>("scene", 1, true);
   points_ = own.advertise<sensor_msgs::PointCloud2>("points", 1);
   mesh_ = own.advertise<shape_msgs::Mesh>("mesh", 1);
+  contacts_ = own.advertise<ClothContacts>("contacts", 1);
   graspEvents_ = own.advertise<GraspEvent>("grasp_events", 100);
   sceneText_.data = scene;
   updater_.setHardwareID("none");
@@ -107,7 +109,7 @@ bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
 double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
   if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
-  if (markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0) {
+  if (sceneMarkers_.getNumSubscribers() > 0 || wantContacts()) {
     rate = std::max(rate, parameters_.rateMarkers);
   }
   if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
@@ -123,12 +125,18 @@ double Publishers::wantedFigures() const {
   return markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0 ? kReadable : kSeldom;
 }
 
+/// Whether somebody listens to a topic that shows the contacts between layers.
+bool Publishers::wantContacts() const {
+  return markers_.getNumSubscribers() + contacts_.getNumSubscribers() > 0;
+}
+
 void Publishers::run() {
   nameThisThread("cloth_publish");
   while (!stopping_) {
     const double rate = wantedRate();
     simulation_.setObservationRate(rate);
     simulation_.setFigureRate(wantedFigures());
+    simulation_.setContactsWanted(wantContacts());
     tick();
     simulation_.waitForObservation(diagnosed_.number, duration<double>(kPatience / rate));
   }
@@ -159,6 +167,7 @@ void Publishers::tick() {
   if (sceneMarkersSchedule_.due(now, number, sceneMarkers_.getNumSubscribers())) {
     sendSceneMarkers(observation);
   }
+  sendContacts(observation, now);
   sendSurfaces(observation, now);
   logWarnings(observation.snapshot->warnings);
   diagnosed_ = observation;
@@ -276,6 +285,14 @@ void Publishers::sendSurfaces(const Observation& observation, Clock::time_point 
 void Publishers::sendMarkers(const Observation& observation) {
   markers_.publish(
       builder_.build(*observation.snapshot, *observation.whole->figures, header_.stamp));
+}
+
+void Publishers::sendContacts(const Observation& observation, Clock::time_point now) {
+  const Snapshot& snapshot = *observation.snapshot;
+  // The observations from before someone subscribed lack the points.
+  if (snapshot.layers && !snapshot.contactPoints) return;
+  if (!contactsSchedule_.due(now, observation.number, contacts_.getNumSubscribers())) return;
+  contacts_.publish(toContactsMessage(snapshot, header_));
 }
 
 void Publishers::sendSceneMarkers(const Observation& observation) {

@@ -69,12 +69,14 @@ class Publishers {
   void sendFrame(const Observation& observation);
   void sendSurfaces(const Observation& observation, Clock::time_point now);
   void sendMarkers(const Observation& observation);
+  void sendContacts(const Observation& observation, Clock::time_point now);
   void sendSceneMarkers(const Observation& observation);
   void diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& status);
   void logWarnings(const std::vector<ResultWarning>& warnings);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   double wantedRate() const;
   double wantedFigures() const;
+  bool wantContacts() const;
 
   NodeParameters parameters_;
   SimulationThread& simulation_;
@@ -91,6 +93,7 @@ class Publishers {
   ros::Publisher commands_;
   ros::Publisher scene_;
   ros::Publisher graspEvents_;
+  ros::Publisher contacts_;
   ros::Publisher points_;
   ros::Publisher mesh_;
   tf2_ros::TransformBroadcaster broadcaster_;
@@ -98,6 +101,7 @@ class Publishers {
 
   Schedule markersSchedule_;
   Schedule sceneMarkersSchedule_;
+  Schedule contactsSchedule_;
   Schedule frameSchedule_;
   Schedule transformsSchedule_;
   Schedule stateSchedule_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace cloth_sim {
 namespace {
@@ -32,6 +33,14 @@ std_msgs::ColorRGBA strainColour(double fraction) {
   const auto& high = kStrainMap[index + 1];
   return blend(makeColour(low[0], low[1], low[2]), makeColour(high[0], high[1], high[2]),
                static_cast<float>(inMap - static_cast<double>(index)));
+}
+
+std_msgs::ColorRGBA contactColour(double newtons) {
+  constexpr double kLeast = 1e-5;  // [N]
+  constexpr double kDecades = 3.0;
+  const double part = std::log10(std::max(newtons, kLeast) / kLeast) / kDecades;
+  return blend(makeColour(0.0f, 0.95f, 1.0f), makeColour(1.0f, 0.0f, 0.75f),
+               static_cast<float>(std::min(part, 1.0)));
 }
 
 StrainColours::StrainColours(double range, const std_msgs::ColorRGBA& wash, float part)

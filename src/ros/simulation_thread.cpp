@@ -142,6 +142,12 @@ void SimulationThread::cancelRun(std::uint64_t number) {
   requestsArrived_.notify_all();
 }
 
+void SimulationThread::setContactsWanted(bool wanted) {
+  if (contactsWanted_.exchange(wanted) || !wanted) return;
+  // A request publishes an observation if no step does it soon.
+  enqueue({Inspection([](const Simulation& /*simulation*/) {}), nullptr, nullptr});
+}
+
 Observation SimulationThread::observe() const {
   Observation result = board_.latest();
   const std::lock_guard<std::mutex> lock(requestMutex_);
@@ -390,7 +396,9 @@ void SimulationThread::show() {
 void SimulationThread::publish(Detail detail) {
   unseen_ = false;
   Observation observation;
-  observation.snapshot = simulation_.snapshot(detail);
+  const bool points = contactsWanted_;
+  observation.snapshot =
+      simulation_.snapshot(detail, points ? ContactDetail::kPoints : ContactDetail::kReport);
   if (detail == Detail::kFigures) observation.whole = observation.snapshot;
   observation.phases = simulation_.script().history();
   observation.realTimeFactor = meter_.realTimeFactor();

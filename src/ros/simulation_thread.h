@@ -88,6 +88,9 @@ class SimulationThread {
   void setObservationRate(double rate) { observationRate_ = rate; }
   /// Sets the rate of observations with figures [Hz], > 0. Those others always have figures.
   void setFigureRate(double rate) { figureRate_ = rate; }
+  /// Sets whether observations have the contact points of layers of cloth. If they did not before,
+  /// there is an observation that has them soon, also while paused.
+  void setContactsWanted(bool wanted);
 
   /// Returns the latest observation; its snapshots are never null.
   Observation observe() const;
@@ -167,6 +170,7 @@ class SimulationThread {
 
   std::atomic<double> observationRate_{30.0};
   std::atomic<double> figureRate_{30.0};
+  std::atomic<bool> contactsWanted_{false};
   std::atomic<double> realTimeFactorAsked_;
 
   mutable std::mutex requestMutex_;

@@ -15,6 +15,8 @@
 #include <chrono>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "cloth_sim/ros/shading.h"
+#include "contact_visual.h"
 #include "strain_legend.h"
 
 namespace cloth_sim {
@@ -37,10 +39,9 @@ std_msgs::ColorRGBA toColour(const rviz::ColorProperty& property) {
                     static_cast<float>(colour.blueF()));
 }
 
-/// Returns the topic of the topology beside a topic of frames: "/cloth/topology" for
-/// "/cloth/frame".
-std::string topologyTopic(const std::string& frameTopic) {
-  return ros::names::append(ros::names::parentNamespace(frameTopic), "topology");
+/// Returns a topic beside that of frames: "/cloth/topology" beside "/cloth/frame".
+std::string topicBeside(const std::string& frameTopic, const std::string& name) {
+  return ros::names::append(ros::names::parentNamespace(frameTopic), name);
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ std::string topologyTopic(const std::string& frameTopic) {
 ClothDisplay::ClothDisplay() {
   topic_ = new rviz::RosTopicProperty(
       "Topic", "/cloth/frame", QString::fromStdString(ros::message_traits::datatype<ClothFrame>()),
-      "Frames of a cloth; the topic \"topology\" in the same namespace is subscribed, too.", this);
+      "Frames of a cloth; \"topology\" and \"contacts\" are taken from the same namespace.", this);
   connect(topic_, &rviz::Property::changed, this, [this] {
     unsubscribe();
     surface_ = Surface();
@@ -80,6 +81,14 @@ ClothDisplay::ClothDisplay() {
   tornWidth_ = new rviz::FloatProperty("Torn Width", 0.005f,
                                        "Width of the edges made by tears and cuts [m].", this);
   tornWidth_->setMin(0.0f);
+  showContacts_ = new rviz::BoolProperty(
+      "Contacts", false, "Show where layers of cloth carry load, in the colour of the force.",
+      this);
+  contactLength_ =
+      new rviz::FloatProperty("Length", static_cast<float>(2.0 * kContactReach),
+                              "Length of the line across the layers [m].", showContacts_);
+  contactLength_->setMin(0.0f);
+  connect(showContacts_, &rviz::Property::changed, this, [this] { subscribeContacts(); });
   for (rviz::Property* property : std::initializer_list<rviz::Property*>{
            mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
            wireColour_, tornColour_, tornWidth_}) {
@@ -91,6 +100,7 @@ ClothDisplay::~ClothDisplay() { unsubscribe(); }
 
 void ClothDisplay::onInitialize() {
   visual_ = std::make_unique<SurfaceVisual>(*scene_manager_, *scene_node_);
+  contactVisual_ = std::make_unique<ContactVisual>(*scene_manager_, *scene_node_);
   legend_ = std::make_unique<StrainLegend>();
   applyStyle();
 }
@@ -116,6 +126,8 @@ void ClothDisplay::reset() {
   drawn_.reset();
   statistics_ = Statistics();
   if (visual_) visual_->hide();
+  waitingContacts_.reset();
+  if (contactVisual_) contactVisual_->hide();
 }
 
 void ClothDisplay::subscribe() {
@@ -123,11 +135,27 @@ void ClothDisplay::subscribe() {
   if (!isEnabled() || frames.empty()) return;
   try {
     topologySubscriber_ =
-        update_nh_.subscribe(topologyTopic(frames), 10, &ClothDisplay::onTopology, this);
+        update_nh_.subscribe(topicBeside(frames, "topology"), 10, &ClothDisplay::onTopology, this);
     // A queue of one: a slow screen shows fewer frames instead of old ones.
     frameSubscriber_ = update_nh_.subscribe(frames, 1, &ClothDisplay::onFrame, this,
                                             ros::TransportHints().tcpNoDelay());
     setStatus(Status::Warn, "Topic", "no topology yet");
+  } catch (const ros::Exception& error) {
+    setStatusStd(Status::Error, "Topic", error.what());
+  }
+  subscribeContacts();
+}
+
+/// Subscribes to the contacts if they are shown, so that the node computes them for nobody else.
+void ClothDisplay::subscribeContacts() {
+  contactSubscriber_.shutdown();
+  waitingContacts_.reset();
+  if (contactVisual_) contactVisual_->hide();
+  const std::string frames = topic_->getTopicStd();
+  if (!isEnabled() || frames.empty() || !showContacts_->getBool()) return;
+  try {
+    contactSubscriber_ =
+        update_nh_.subscribe(topicBeside(frames, "contacts"), 1, &ClothDisplay::onContacts, this);
   } catch (const ros::Exception& error) {
     setStatusStd(Status::Error, "Topic", error.what());
   }
@@ -136,6 +164,7 @@ void ClothDisplay::subscribe() {
 void ClothDisplay::unsubscribe() {
   topologySubscriber_.shutdown();
   frameSubscriber_.shutdown();
+  contactSubscriber_.shutdown();
 }
 
 void ClothDisplay::onTopology(const ClothTopology::ConstPtr& topology) {
@@ -151,8 +180,13 @@ void ClothDisplay::onTopology(const ClothTopology::ConstPtr& topology) {
 
 void ClothDisplay::onFrame(const ClothFrame::ConstPtr& frame) { waiting_ = frame; }
 
+void ClothDisplay::onContacts(const ClothContacts::ConstPtr& contacts) {
+  waitingContacts_ = contacts;
+}
+
 void ClothDisplay::update(float wallDt, float /*rosDt*/) {
   drawWaiting();
+  drawContacts();
   report(wallDt);
 }
 
@@ -179,6 +213,14 @@ void ClothDisplay::drawWaiting() {
     setStatusStd(Status::Error, "Topic", "frame: " + error);
   }
   waiting_.reset();
+}
+
+/// The contacts are in the frame of the cloth, whose node is in place once a frame is drawn.
+void ClothDisplay::drawContacts() {
+  if (!waitingContacts_ || !drawn_) return;
+  contactVisual_->show(*waitingContacts_, contactLength_->getFloat());
+  waitingContacts_.reset();
+  context_->queueRender();
 }
 
 /// Moves the scene node to the pose of the positions' frame in the fixed frame.

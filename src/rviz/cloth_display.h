@@ -1,11 +1,12 @@
 #pragma once
-/// \file rviz display of a cloth, from ~topology and ~frame.
+/// \file rviz display of a cloth, from ~topology, ~frame and ~contacts.
 
 #include <ros/subscriber.h>
 #include <rviz/display.h>
 
 #include <memory>
 
+#include "cloth_sim/ClothContacts.h"
 #include "ros/surface.h"
 #include "surface_visual.h"
 
@@ -19,10 +20,12 @@ class RosTopicProperty;
 
 namespace cloth_sim {
 
+class ContactVisual;
 class StrainLegend;
 
 /// Draws the newest frame whose topology is known, once per frame of rviz. A frame that arrives
-/// before its topology waits for it; other frames of another revision are dropped.
+/// before its topology waits for it; other frames of another revision are dropped. Contacts between
+/// layers are subscribed only while they are shown.
 class ClothDisplay : public rviz::Display {
  public:
   ClothDisplay();
@@ -52,7 +55,10 @@ class ClothDisplay : public rviz::Display {
   void unsubscribe();
   void onTopology(const ClothTopology::ConstPtr& topology);
   void onFrame(const ClothFrame::ConstPtr& frame);
+  void onContacts(const ClothContacts::ConstPtr& contacts);
+  void subscribeContacts();
   void drawWaiting();
+  void drawContacts();
   bool placeInScene(const std::string& frame);
   void applyStyle();
   SurfaceStyle style() const;
@@ -61,13 +67,16 @@ class ClothDisplay : public rviz::Display {
 
   Surface surface_;
   std::unique_ptr<SurfaceVisual> visual_;
+  std::unique_ptr<ContactVisual> contactVisual_;
   std::unique_ptr<StrainLegend> legend_;
   ros::Subscriber topologySubscriber_;
   ros::Subscriber frameSubscriber_;
+  ros::Subscriber contactSubscriber_;
   ClothFrame::ConstPtr waiting_;  ///< received, not drawn yet
   ClothFrame::ConstPtr counted_;  ///< the last frame counted as dropped
   ClothFrame::ConstPtr drawn_;
-  bool visualIsStale_ = true;  ///< the triangles of `visual_` are of another revision
+  ClothContacts::ConstPtr waitingContacts_;  ///< received, not drawn yet
+  bool visualIsStale_ = true;                ///< the triangles of `visual_` are of another revision
   Statistics statistics_;
 
   // Owned by rviz.
@@ -82,6 +91,8 @@ class ClothDisplay : public rviz::Display {
   rviz::ColorProperty* wireColour_ = nullptr;
   rviz::ColorProperty* tornColour_ = nullptr;
   rviz::FloatProperty* tornWidth_ = nullptr;
+  rviz::BoolProperty* showContacts_ = nullptr;
+  rviz::FloatProperty* contactLength_ = nullptr;
 };
 
 }  // namespace cloth_sim

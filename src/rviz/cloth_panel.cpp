@@ -10,6 +10,7 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
+#include <QScrollArea>
 #include <QSignalBlocker>
 #include <QSpinBox>
 #include <QVBoxLayout>
@@ -29,6 +30,8 @@ namespace cloth_sim {
 namespace {
 
 constexpr int kPhaseColumns = 3;
+constexpr int kLeastLines = 11;  ///< of text shown, in the lowest window
+constexpr int kSpacing = 4;      ///< between rows [px]
 constexpr int kMostSteps = 100000;
 constexpr double kRatePeriod = 1.0;  ///< time over which frames are counted [s]
 constexpr double kLeastTear = 0.01;  ///< strain at the left end of the slider [-]
@@ -73,17 +76,17 @@ QString errorsText(const ErrorInfo& error) {
   return QString("<br>estimated error: strain %1, positions %2 %%3")
       .arg(error.strain, 0, 'f', 4)
       .arg(100.0 * error.position, 0, 'f', 2)
-      .arg(error.budget_sufficed ? "" : "; the budget of substeps did not suffice");
+      .arg(error.budget_sufficed ? "" : "<br>the budget of substeps did not suffice");
 }
 
 /// "", or the contact between layers of cloth.
 QString contactText(const ContactInfo& contact) {
   if (!contact.on) return {};
   QString text = QString("<br>layers: %1 contacts").arg(contact.contacts);
-  if (contact.contacts > 0) {
-    text += QString(", %1 mm apart at least").arg(1e3 * contact.smallest_distance, 0, 'f', 2);
+  if (contact.smallest_distance > 0.0) {
+    text += QString(", least distance %1 mm").arg(1e3 * contact.smallest_distance, 0, 'f', 2);
   }
-  if (contact.blocked > 0) text += QString("; %1 held particles blocked").arg(contact.blocked);
+  if (contact.blocked > 0) text += QString("<br>%1 held particles blocked").arg(contact.blocked);
   return text;
 }
 
@@ -96,7 +99,7 @@ ClothPanel::ClothPanel(QWidget* parent)
   addTimeRow(*column);
   addSliders(*column);
   addFigures(*column);
-  column->addStretch(1);
+  column->setSpacing(kSpacing);
   connectTo("/cloth");
 }
 
@@ -170,9 +173,19 @@ void ClothPanel::addFigures(QBoxLayout& column) {
   message_ = new QLabel;
   message_->setWordWrap(true);
   message_->setStyleSheet("color: #b00020");
-  for (QWidget* widget : std::initializer_list<QWidget*>{rates_, counts_, chart_, message_}) {
-    column.addWidget(widget);
-  }
+  auto* text = new QWidget;
+  auto* lines = new QVBoxLayout(text);
+  lines->setContentsMargins(0, 0, 0, 0);
+  for (QLabel* label : {rates_, message_, counts_}) lines->addWidget(label);
+  lines->addStretch(1);
+  // Scrolls where the window is too low for all lines; the controls stay.
+  auto* scroll = new QScrollArea;
+  scroll->setFrameShape(QFrame::NoFrame);
+  scroll->setWidgetResizable(true);
+  scroll->setWidget(text);
+  scroll->setMinimumHeight(kLeastLines * fontMetrics().lineSpacing());
+  column.addWidget(scroll, 1);
+  column.addWidget(chart_);
 }
 
 void ClothPanel::load(const rviz::Config& config) {
@@ -310,7 +323,10 @@ void ClothPanel::sendParameters(const dynamic_reconfigure::Config& change) {
   });
 }
 
-void ClothPanel::showMessage(const QString& text) { message_->setText(text); }
+void ClothPanel::showMessage(const QString& text) {
+  message_->setText(text);
+  message_->setVisible(!text.isEmpty());
+}
 
 void ClothPanel::countFrame() {
   ++frames_;

@@ -122,10 +122,10 @@ void Holders::addReactions(const Controls& controls, const StepReport& report, c
   }
 }
 
-void Holders::recordGripEvents(const Model& model, const State& state,
-                               const ColliderSet& colliders) {
+void Holders::recordGripEvents(const Model& model, const State& state, const ColliderSet& colliders,
+                               const LayerContact* layers) {
   for (const Clamp& clamp : clamps_) {
-    for (const GripEvent::Kind kind : gripWatch_.update(clamp)) {
+    for (const GripEvent::Kind kind : gripWatch_.update(clamp, isBlocked(clamp, layers))) {
       gripEvents_.push_back({state.t, clamp.spec().name, kind,
                              gripContents(clamp, model, state, colliders), clamp.wrench().force,
                              clamp.slipped()});

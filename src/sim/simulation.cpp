@@ -53,7 +53,7 @@ void Simulation::step() {
   parts_.obstacles.steer(time(), parts_.dt());
   for (double done = 0.0; done < 1.0 && !failed();) done = solveFrom(done);
   if (failed()) return;
-  parts_.holders.recordGripEvents(model(), state(), colliders());
+  parts_.holders.recordGripEvents(model(), state(), colliders(), parts_.layers.get());
   ++parts_.stepCount;
   parts_.watch.observe(parts_.stepCount, model(), state(), parts_.controls, contacts(),
                        lastReport());
@@ -110,8 +110,8 @@ std::vector<PieceSnapshot> Simulation::describePieces() const {
   return cloth_sim::describePieces(model(), state(), parts_.surgery.pieces());
 }
 
-std::shared_ptr<const Snapshot> Simulation::snapshot(Detail detail) {
-  return takeSnapshot(parts_, detail);
+std::shared_ptr<const Snapshot> Simulation::snapshot(Detail detail, ContactDetail contacts) {
+  return takeSnapshot(parts_, detail, contacts);
 }
 
 }  // namespace cloth_sim

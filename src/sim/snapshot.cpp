@@ -5,12 +5,6 @@
 namespace cloth_sim {
 namespace {
 
-bool isBlocked(const Clamp& clamp, const SimulationParts& parts) {
-  const std::vector<VertexId>& held = clamp.held();
-  return parts.layers && std::any_of(held.begin(), held.end(),
-                                     [&](VertexId v) { return parts.layers->isBlocked(v); });
-}
-
 ClampSnapshot capture(const Clamp& clamp, const SimulationParts& parts) {
   ClampSnapshot shot;
   shot.name = clamp.spec().name;
@@ -20,7 +14,7 @@ ClampSnapshot capture(const Clamp& clamp, const SimulationParts& parts) {
   shot.state = clamp.state();
   shot.contents = gripContents(clamp, parts.model, parts.state, parts.obstacles.colliders());
   shot.slipping = clamp.isSlipping();
-  shot.blocked = isBlocked(clamp, parts);
+  shot.blocked = isBlocked(clamp, parts.layers.get());
   shot.slipped = clamp.slipped();
   shot.gripForce = clamp.spec().gripForce;
   shot.wrench = clamp.wrench();
@@ -70,7 +64,8 @@ void showSurroundings(const SimulationParts& parts, Snapshot& shot) {
 
 }  // namespace
 
-std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail detail) {
+std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail detail,
+                                             ContactDetail contacts) {
   auto shot = std::make_shared<Snapshot>();
   shot->time = parts.time();
   shot->step = parts.stepCount;
@@ -80,6 +75,9 @@ std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail deta
   shot->substeps = parts.solver.report().substeps;
   shot->error = parts.solver.report().error;
   if (parts.layers) shot->layers = parts.layers->report();
+  if (parts.layers && contacts == ContactDetail::kPoints) {
+    shot->contactPoints = parts.layers->contactPoints();
+  }
   shot->guard = parts.solver.guard();
   shot->failed = parts.failed();
   shot->failure = parts.failure;

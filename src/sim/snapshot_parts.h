@@ -11,6 +11,7 @@ std::vector<PieceSnapshot> describePieces(const Model& model, const State& state
 
 /// Returns a copy of everything that others may see.
 /// \param parts  measurements in there remember what they measure.
-std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail detail);
+std::shared_ptr<const Snapshot> takeSnapshot(SimulationParts& parts, Detail detail,
+                                             ContactDetail contacts);
 
 }  // namespace cloth_sim

@@ -193,7 +193,7 @@ std::string validationError(const ColliderSet& colliders, const ColliderSet& ofS
 std::string validationError(const std::vector<GripEvent>& events) {
   const bool areEvents = std::all_of(events.begin(), events.end(), [](const GripEvent& event) {
     return isOneLine(event.clamp) && event.kind >= GripEvent::Kind::kClosed &&
-           event.kind <= GripEvent::Kind::kReleased;
+           event.kind <= GripEvent::Kind::kFreed;
   });
   return areEvents ? "" : "an event of a grasp is of no kind";
 }

@@ -8,6 +8,8 @@
 #include <QCheckBox>
 #include <QLabel>
 #include <QPushButton>
+#include <QScrollArea>
+#include <QScrollBar>
 #include <QSlider>
 #include <QSpinBox>
 #include <chrono>
@@ -79,6 +81,23 @@ class PanelTest : public testing::Test {
 TEST_F(PanelTest, ShowsCounts) {
   EXPECT_TRUE(becomes([this] { return says("289 particles, 512 faces, pieces 1"); }));
   EXPECT_TRUE(says("broken: 0"));
+}
+
+TEST_F(PanelTest, TextScrollsWhereTheWindowIsLow) {
+  ASSERT_TRUE(becomes([this] { return says("289 particles"); }));
+  auto* scroll = panel_.findChild<QScrollArea*>();
+  ASSERT_NE(scroll, nullptr);
+  for (const int height : {420, 900}) {
+    panel_.resize(340, height);
+    EXPECT_TRUE(becomes([&] {
+      for (auto* label : scroll->findChildren<QLabel*>()) {
+        if (label->height() < label->heightForWidth(label->width())) return false;
+      }
+      return true;
+    })) << "a line is cut off at "
+        << height << " px";
+  }
+  EXPECT_EQ(scroll->verticalScrollBar()->maximum(), 0) << "900 px show all lines";
 }
 
 TEST_F(PanelTest, PlaysAndPauses) {

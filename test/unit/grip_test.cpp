@@ -255,5 +255,46 @@ TEST(GuidedObstacle, IsWhereItsTargetIsAtTheEndOfEveryStep) {
   EXPECT_THAT(simulation.apply(GuideObstacle{"bowl", target}).message, HasSubstr("known: ball"));
 }
 
+/// Cloth above cloth that is held all over; a clamp goes down with the upper one.
+const char* const kLayers = R"(
+cloth:
+  - {name: lower, size: [0.1, 0.1], particles: [7, 7], fabric: cotton, thickness: 0.001}
+  - {name: upper, size: [0.1, 0.1], particles: [7, 7], fabric: cotton, thickness: 0.001,
+     pose: {position: [0, 0, 0.02]}}
+self_contact: true
+gravity: [0, 0, 0]
+drag: 2
+solver: {method: line_xpbd, error: 0.01}
+clamps:
+  floor: {patch: {cloth: lower, particle: [3, 3], radius: 6}, pose: {position: [0, 0, 0]}}
+  hand: {patch: {cloth: upper, particle: [3, 3], radius: 1}, pose: {position: [0, 0, 0.02]}}
+phases:
+  - name: grasp
+    clamps: {all: {grasp: true}}
+    until: {clamps: closed}
+    timeout: 2
+  - name: down
+    clamps: {hand: {move_by: [0, 0, -0.03], speed: 0.2}}
+    until: {clamps: at_target}
+    timeout: 2
+  - name: up
+    clamps: {hand: {move_by: [0, 0, 0.03], speed: 0.2}}
+    until: {clamps: at_target}
+    timeout: 2
+)";
+
+TEST(Grip, ReportsOnceThatALayerBlocksItAndOnceThatItIsFree) {
+  Simulation simulation(parseScene(kLayers, "layers.yaml", {}));
+  std::vector<Kind> ofHand;
+  while (simulation.script().status() != ScriptStatus::kDone) {
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    for (const GripEvent& event : simulation.takeGripEvents()) {
+      if (event.clamp == "hand") ofHand.push_back(event.kind);
+    }
+  }
+  EXPECT_THAT(ofHand, ElementsAre(Kind::kClosed, Kind::kBlocked, Kind::kFreed));
+}
+
 }  // namespace
 }  // namespace cloth_sim

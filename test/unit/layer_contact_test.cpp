@@ -7,6 +7,8 @@
 #include <random>
 
 #include "cloth_sim/scene/build.h"
+#include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/simulation.h"
 #include "contact/allowance.h"
 #include "contact/face_pair_set.h"
 #include "contact/face_pairs.h"  // private, as the next: pairs are tested one by one
@@ -254,6 +256,38 @@ TEST(LayerContacts, APushThrowsNoLightVertexBesideAHeldOne) {
   contacts.project({start, end, mass, all}, 1e-3);
   EXPECT_GT(contacts.active(), 0);
   EXPECT_LT((end[below[1]] - start[below[1]]).norm(), 0.02);
+}
+
+TEST(LayerContacts, PointsAndLeastDistanceAreOfContactsThatCarryLoad) {
+  const std::string yaml = R"(
+cloth:
+  - {name: lower, size: [0.1, 0.1], particles: [9, 9], fabric: cotton, thickness: 0.001}
+  - {name: upper, size: [0.1, 0.1], particles: [9, 9], fabric: cotton, thickness: 0.001,
+     pose: {position: [0, 0, 0.01]}}
+self_contact: true
+drag: 2
+solver: {method: line_xpbd, error: 0.01}
+obstacles: {table: {type: board, size: [1, 1, 0.1], position: [0, 0, -0.0505]}}
+)";
+  Simulation simulation(parseScene(yaml, "two"));
+  simulation.step();
+  ASSERT_TRUE(simulation.layerReport().has_value());
+  EXPECT_EQ(simulation.layerReport()->contacts, 0) << "the upper cloth is still in the air";
+  EXPECT_TRUE(std::isinf(simulation.layerReport()->leastDistance));
+  for (int k = 0; k < 60; ++k) simulation.step();
+  const auto snapshot = simulation.snapshot(Detail::kShape, ContactDetail::kPoints);
+  EXPECT_NEAR(simulation.layerReport()->leastDistance, 0.001, 2e-5);
+  ASSERT_TRUE(snapshot->contactPoints.has_value());
+  double force = 0.0;
+  for (const LayerContactPoint& contact : *snapshot->contactPoints) {
+    EXPECT_NEAR(contact.place.z(), 0.0005, 1e-4) << "in the middle between the cloths";
+    EXPECT_NEAR(contact.normal.norm(), 1.0, 1e-12);
+    EXPECT_GT(contact.force, 0.0);
+    force += contact.force * std::abs(contact.normal.z());
+  }
+  const double weight = 9.81 * 0.5 * totalMass(simulation.model());
+  EXPECT_NEAR(force, weight, 0.05 * weight) << "the lower cloth carries the upper one";
+  EXPECT_FALSE(simulation.snapshot(Detail::kShape)->contactPoints) << "not asked for";
 }
 
 TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {

@@ -6,6 +6,7 @@
 
 #include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/contact/collider.h"
+#include "cloth_sim/contact/layers.h"
 
 namespace cloth_sim {
 
@@ -28,6 +29,11 @@ constexpr double kTouching = 1e-4;
 GripContents gripContents(const Clamp& clamp, const Model& model, const State& state,
                           const ColliderSet& colliders);
 
+/// Whether a layer of cloth kept a particle that the clamp holds from following it in the last
+/// substep.
+/// \param layers  null if layers do not touch: then never.
+bool isBlocked(const Clamp& clamp, const LayerContact* layers);
+
 /// A change of a clamp's grip, noticed at the end of a step.
 struct GripEvent {
   enum class Kind {
@@ -35,7 +41,9 @@ struct GripEvent {
     kSlipping,  ///< the cloth pulls with more than the grip force, and slides
     kHolding,   ///< the cloth has stopped sliding
     kLost,      ///< the last held particle has slid out of the plates
-    kReleased   ///< the clamp was opened
+    kReleased,  ///< the clamp was opened
+    kBlocked,   ///< a layer of cloth keeps what the clamp holds from following it
+    kFreed      ///< all that the clamp holds follows it again
   };
   double time = 0.0;  ///< [s]
   std::string clamp;
@@ -55,21 +63,25 @@ const char* toString(GripEvent::Kind kind);  ///< "closed", "slipping", ...
 class GripWatch {
  public:
   /// Returns the kinds of events since the last call for this clamp, in order.
-  std::vector<GripEvent::Kind> update(const Clamp& clamp);
+  /// \param blocked  whether a layer of cloth keeps what it holds from following it.
+  std::vector<GripEvent::Kind> update(const Clamp& clamp, bool blocked);
   /// Forgets a clamp that was removed.
   void forget(const std::string& clamp);
 
  private:
+  /// Saved as one byte: 0 and 1 are what it was before clamps could be blocked.
+  enum class Hold : std::uint8_t { kNothing, kFollows, kBlocked };
+
   /// The grip of a clamp at the last call.
   struct Seen {
     std::string clamp;
     ClampState state = ClampState::kOpen;
     bool slipping = false;
-    bool held = false;
+    Hold hold = Hold::kNothing;
 
     template <class Archive>
     void serialize(Archive& archive) {
-      archive(clamp, state, slipping, held);
+      archive(clamp, state, slipping, hold);
     }
   };
 

@@ -25,13 +25,24 @@ struct LayerReport {
   std::int64_t moves = 0;      ///< motions of vertices, over all substeps
   std::int64_t unproven = 0;   ///< pairs that touched or intersected at the start of a substep
   int blocked = 0;             ///< held vertices whose motion was shortened in the last substep
-  /// Least distance of two layers in contact [m]; infinite without any.
+  /// Least distance of two layers among the contacts that carried load in the last substep, at its
+  /// end [m]; infinite without any. Contacts across the lips of a cut do not count.
   double leastDistance = std::numeric_limits<double>::infinity();
 
   /// Share of the motions of vertices that were shortened, in [0, 1].
   double truncatedShare() const {
     return moves > 0 ? static_cast<double>(truncated) / static_cast<double>(moves) : 0.0;
   }
+};
+
+/// Most contacts that `LayerContact::contactPoints` lists.
+constexpr std::size_t kMostContactPoints = 5000;
+
+/// A contact between layers that carried load in the last substep.
+struct LayerContactPoint {
+  Vec3 place = Vec3::Zero();   ///< in the middle between the layers [m]
+  Vec3 normal = Vec3::Zero();  ///< across the layers, of unit length
+  double force = 0.0;          ///< along the normal, mean over the substep [N], > 0
 };
 
 /// Faces that touch or intersect each other.
@@ -76,9 +87,16 @@ class LayerContact {
   /// same substep.
   void certify(const ParticleView& particles);
 
-  const LayerReport& report() const;
+  /// Figures of the step so far. Takes a pass over the contacts.
+  LayerReport report() const;
   /// Whether a held vertex was kept from following its holder at the end of the last step.
   bool isBlocked(VertexId v) const;
+  /// Whether contacts carried load in the last substep.
+  bool carriesLoad() const;
+  /// Returns the contacts that carried load in the last substep, at its end; of more than
+  /// kMostContactPoints, as many that are evenly spread over the list of all. Computed at each
+  /// call.
+  std::vector<LayerContactPoint> contactPoints() const;
 
  private:
   class Impl;

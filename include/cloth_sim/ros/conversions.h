@@ -10,6 +10,7 @@
 
 #include "cloth_sim/BrokenSprings.h"
 #include "cloth_sim/ClothCommand.h"
+#include "cloth_sim/ClothContacts.h"
 #include "cloth_sim/ClothFrame.h"
 #include "cloth_sim/ClothState.h"
 #include "cloth_sim/ClothTopology.h"
@@ -48,6 +49,8 @@ ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header
 void fillFrame(const Snapshot& snapshot, const std_msgs::Header& header, ClothFrame& message);
 /// Converts the snapshot of the observation that has figures.
 ClothState toStateMessage(const Observation& observation, const std_msgs::Header& header);
+/// Lists nothing if the snapshot has no contact points.
+ClothContacts toContactsMessage(const Snapshot& snapshot, const std_msgs::Header& header);
 ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Header& header);
 PhaseInfo toPhaseInfo(const PhaseRecord& record);
 GraspEvent toGraspEventMessage(const GripEvent& event, const std_msgs::Header& header);

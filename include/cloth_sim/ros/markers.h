@@ -20,8 +20,9 @@ struct MarkerStyle {
 };
 
 /// Builds the markers of a simulation: `cloth` and `cloth_back` shaded and coloured by strain,
-/// `torn_edges`, `obstacles`, `bounds`, `text` and `clamps`. A marker without points has the action
-/// DELETE, because some versions of rviz crash on an empty list.
+/// `torn_edges`, `contacts` between layers (if they touch each other), `obstacles`, `bounds`,
+/// `text` and `clamps`. A marker without points has the action DELETE, because some versions of
+/// rviz crash on an empty list.
 ///
 /// Reuses the buffers of its message from call to call.
 class MarkerBuilder {
@@ -33,7 +34,7 @@ class MarkerBuilder {
   const ClothMarkers& build(const Snapshot& snapshot, const Figures& figures,
                             const ros::Time& stamp);
 
-  /// Builds the markers without the cloth and its torn edges.
+  /// Builds the markers without the cloth, its torn edges and its contacts.
   const visualization_msgs::MarkerArray& buildSurroundings(const Snapshot& snapshot,
                                                            const Figures& figures,
                                                            const ros::Time& stamp);
@@ -49,6 +50,7 @@ class MarkerBuilder {
   void paintFaces(const Snapshot& snapshot);
   void paint(std::size_t k, const Eigen::Vector3f& normal, float strain);
   void addTornEdges(const Snapshot& snapshot);
+  void addContacts(const Snapshot& snapshot);
   void addSurroundings(const Snapshot& snapshot, const Figures& figures);
   void addObstacle(const Obstacle& obstacle);
   void addClamp(const ClampSnapshot& clamp);

@@ -22,6 +22,15 @@ inline std_msgs::ColorRGBA makeColour(float r, float g, float b, float a = 1.0f)
 /// \param fraction  strain over the range of the map [-]; values outside 0 to 1 are clamped.
 std_msgs::ColorRGBA strainColour(double fraction);
 
+/// Returns the colour of a contact between layers by its force, on a logarithmic scale: from cyan
+/// at 0.01 mN to magenta at 10 mN. Neither is a colour of the cloth.
+std_msgs::ColorRGBA contactColour(double newtons);
+
+/// Half the length of the line across the layers that shows a contact [m].
+constexpr double kContactReach = 0.006;
+/// Width of that line [m].
+constexpr double kContactWidth = 0.0015;
+
 /// Table of `strainColour` in even steps, so that a vertex costs a look-up instead of a blend.
 class StrainColours {
  public:

@@ -55,7 +55,9 @@ class Holders {
                     const State& state, double fraction);
 
   /// Records what has happened to the grips during the step.
-  void recordGripEvents(const Model& model, const State& state, const ColliderSet& colliders);
+  /// \param layers  null if layers of cloth do not touch.
+  void recordGripEvents(const Model& model, const State& state, const ColliderSet& colliders,
+                        const LayerContact* layers);
   /// Returns the recorded events since the last call, in order.
   std::vector<GripEvent> takeGripEvents();
 

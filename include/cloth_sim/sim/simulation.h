@@ -94,7 +94,8 @@ class Simulation {
 
   /// Returns a copy of everything that others may see. The topology is shared between snapshots
   /// until it changes.
-  std::shared_ptr<const Snapshot> snapshot(Detail detail = Detail::kFigures);
+  std::shared_ptr<const Snapshot> snapshot(Detail detail = Detail::kFigures,
+                                           ContactDetail contacts = ContactDetail::kReport);
 
  private:
   void sleepThrough();

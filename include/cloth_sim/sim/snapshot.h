@@ -85,6 +85,9 @@ struct Figures {
 /// Contents of a snapshot: without or with figures.
 enum class Detail { kShape, kFigures };
 
+/// Contact between layers in a snapshot: its report alone, or with the places of the contacts.
+enum class ContactDetail { kReport, kPoints };
+
 /// A copy of a simulation between two steps.
 struct Snapshot {
   double time = 0.0;       ///< [s]
@@ -104,7 +107,9 @@ struct Snapshot {
   int substeps = 0;                    ///< of the last step
   std::optional<ErrorEstimate> error;  ///< after the last step; absent: the method estimates none
   std::optional<LayerReport> layers;   ///< of the last step; absent: layers do not touch
-  GuardRecord guard;                   ///< interventions of the step guard
+  /// After the last step, with ContactDetail::kPoints; absent: not asked for, or as `layers`.
+  std::optional<std::vector<LayerContactPoint>> contactPoints;
+  GuardRecord guard;  ///< interventions of the step guard
   bool failed = false;
   std::string failure;                  ///< why the simulation stopped; "" if it did not
   std::vector<ResultWarning> warnings;  ///< what is doubtful although it goes on

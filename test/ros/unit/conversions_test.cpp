@@ -81,6 +81,19 @@ TEST(StateMessage, SaysWhetherLayersTouchAndHow) {
   EXPECT_EQ(contact.smallest_distance, 0.001);
 }
 
+TEST(ContactsMessage, ListsPlacesNormalsAndForcesOfThoseThatWereAskedFor) {
+  Snapshot snapshot = cutCloth();
+  snapshot.time = 2.0;
+  EXPECT_TRUE(toContactsMessage(snapshot, std_msgs::Header()).forces.empty());
+  snapshot.contactPoints = {{Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), 0.5},
+                            {Vec3(4.0, 5.0, 6.0), Vec3::UnitX(), 0.25}};
+  const ClothContacts message = toContactsMessage(snapshot, std_msgs::Header());
+  EXPECT_EQ(message.time, 2.0);
+  EXPECT_THAT(message.positions, testing::ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(message.normals, testing::ElementsAre(0, 0, 1, 1, 0, 0));
+  EXPECT_THAT(message.forces, testing::ElementsAre(0.5F, 0.25F));
+}
+
 TEST(TopologyMessage, SaysWhichParticlesAreOfWhichCloth) {
   Topology topology;
   topology.cloths = {{"scarf", 0, 12, 0.0}, {"banner", 12, 6, 2.0}};

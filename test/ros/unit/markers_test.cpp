@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
 #include "ros/unit/received.h"
 
@@ -205,6 +206,37 @@ TEST(Markers, EmptyListsAreDeletedAndComeBack) {
       EXPECT_EQ(marker.action, Marker::DELETE) << marker.ns;
     }
   }
+}
+
+TEST(Markers, ContactsAreLinesAcrossTheLayersInTheColourOfTheirForce) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(4);
+  EXPECT_EQ(find(sent(builder, snapshot, ros::Time(1.0)), "contacts"), nullptr)
+      << "layers do not touch in this scene";
+  snapshot.layers.emplace();
+  EXPECT_EQ(find(sent(builder, snapshot, ros::Time(1.0)), "contacts")->action, Marker::DELETE);
+  snapshot.contactPoints = {{Vec3(1.0, 2.0, 3.0), Vec3::UnitZ(), 1e-5},
+                            {Vec3(0.0, 2.0, 3.0), Vec3::UnitX(), 1.0}};
+  const auto array = sent(builder, snapshot, ros::Time(1.0));
+  const Marker* contacts = find(array, "contacts");
+  ASSERT_NE(contacts, nullptr);
+  EXPECT_EQ(contacts->type, Marker::LINE_LIST);
+  EXPECT_EQ(contacts->action, Marker::ADD);
+  ASSERT_EQ(contacts->points.size(), 4U);
+  ASSERT_EQ(contacts->colors.size(), 4U);
+  EXPECT_EQ(fromPoint(contacts->points[0]), Vec3(1.0, 2.0, 3.0 - kContactReach));
+  EXPECT_EQ(fromPoint(contacts->points[1]), Vec3(1.0, 2.0, 3.0 + kContactReach));
+  EXPECT_EQ(fromPoint(contacts->points[3]), Vec3(kContactReach, 2.0, 3.0));
+  EXPECT_EQ(contacts->colors[0].r, 0.0f) << "cyan";
+  EXPECT_EQ(contacts->colors[2].g, 0.0f) << "magenta";
+}
+
+TEST(Markers, TheColourOfAContactGoesWithItsForceAndEndsInMagenta) {
+  for (double force = 1e-5; force < 0.006; force *= 1.5) {
+    EXPECT_LT(contactColour(1.5 * force).g, contactColour(force).g) << force;
+  }
+  EXPECT_EQ(contactColour(0.0).g, contactColour(1e-5).g);
+  EXPECT_EQ(contactColour(1e3).g, contactColour(0.2).g);
 }
 
 TEST(Markers, ClothMayGrowAndShrink) {

@@ -317,6 +317,20 @@ TEST(SimulationThread, TellsTheTimeInOrder) {
   EXPECT_EQ(times.back(), 0.0);
 }
 
+TEST(SimulationThread, HasTheContactsOfLayersWhenTheyAreAskedForAlsoWhilePaused) {
+  SimulationThread simulation(
+      parseScene("{self_contact: true, cloth: {particles: [5, 5]}}", "test"), paused());
+  ASSERT_TRUE(simulation.observe().snapshot->layers);
+  EXPECT_FALSE(simulation.observe().snapshot->contactPoints);
+  simulation.setContactsWanted(true);
+  EXPECT_TRUE(eventually([&] { return simulation.observe().snapshot->contactPoints.has_value(); }));
+  simulation.requestSteps(1).get();
+  EXPECT_TRUE(simulation.observe().snapshot->contactPoints);
+  simulation.setContactsWanted(false);
+  simulation.requestSteps(1).get();
+  EXPECT_FALSE(simulation.observe().snapshot->contactPoints);
+}
+
 TEST(SimulationThread, APaceChangesAtOnce) {
   SimulationThread simulation(smallScene(), {0.001, false, 1, nullptr});  // a step takes 17 s
   ASSERT_TRUE(eventually([&] { return simulation.observe().snapshot->step == 1; }));
