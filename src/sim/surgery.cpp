@@ -7,6 +7,7 @@
 #include <set>
 
 #include "cloth_sim/surgery/refine.h"
+#include "contact/lips.h"
 #include "mesh/quality.h"
 
 namespace cloth_sim {
@@ -15,8 +16,6 @@ namespace {
 /// Shortest edge that surgery makes, as a fraction of the shortest original edge, unless the scene
 /// names a length.
 constexpr double kMinEdgeFraction = 0.05;
-/// Distance by which each side of an opening moves back where layers of cloth touch [m].
-constexpr double kLipDistance = 2e-6;
 /// Largest number of strides that the tip of a tear takes in a step.
 constexpr int kMaxStrides = 16;
 
@@ -60,28 +59,11 @@ std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath&
   return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, inMaterialPlane(mesh));
 }
 
-/// Moves a vertex into the faces around it by `kLipDistance`.
-void moveInwards(const TriangleMesh& mesh, VertexId v, State& state) {
-  Vec3 inwards = Vec3::Zero();
-  for (const FaceId f : mesh.facesAround(v)) {
-    for (const VertexId w : mesh.face(f)) inwards += state.x[w] - state.x[v];
-  }
-  const double length = inwards.norm();
-  if (length > 0.0) state.x[v] += kLipDistance / length * inwards;
-}
-
-/// Parts the two sides of an opening, which lie in the same place: layers of cloth that touch each
-/// other have to be apart.
-void partLips(const MeshChanges& changes, const TriangleMesh& mesh, State& state) {
-  std::set<VertexId> lips;
-  for (const VertexEdit& edit : changes.vertices) {
-    if (edit.kind != VertexEdit::Kind::kCopy) continue;
-    lips.insert(edit.id);
-    lips.insert(edit.from[0]);
-  }
-  for (const VertexId v : lips) {
-    if (v < mesh.vertexCount()) moveInwards(mesh, v, state);
-  }
+/// Limits of an edit. Where layers of cloth touch, it must not change the surface: a vertex that
+/// moves along bent cloth, or an edge that flips, takes faces out of it, and into another layer.
+SurgeryLimits limitsOf(SurgeryLimits limits, const EditedCloth& cloth) {
+  limits.shape.keepsSurface = cloth.layers != nullptr;
+  return limits;
 }
 
 }  // namespace
@@ -118,9 +100,9 @@ SurgeryResult Surgery::cutNotch(const MaterialPath& notch, const EditedCloth& cl
 }
 
 void Surgery::refine(const RefineNear& request, const EditedCloth& cloth) {
-  applyChanges(
-      cloth_sim::refine(request, limits_, cloth.holders.heldVertices(), cloth.model, cloth.state),
-      cloth);
+  applyChanges(cloth_sim::refine(request, limitsOf(limits_, cloth), cloth.holders.heldVertices(),
+                                 cloth.model, cloth.state),
+               cloth);
 }
 
 void Surgery::tear(double dt, const EditedCloth& cloth) {
@@ -132,7 +114,8 @@ void Surgery::tear(double dt, const EditedCloth& cloth) {
 }
 
 SurgeryResult Surgery::operate(const CutPlan& plan, const EditedCloth& cloth) {
-  SurgeryResult result = cut(plan, limits_, cloth.holders.heldVertices(), cloth.model, cloth.state);
+  SurgeryResult result =
+      cut(plan, limitsOf(limits_, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
   // Before anything is renumbered.
   if (plan.cause == FailureCause::kTear) {
     tearing_.noteOpened(result);
@@ -147,9 +130,11 @@ void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth
   if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) failures_.add(event);
   cloth.holders.applyChanges(result.changes.mesh);
-  if (cloth.layers != nullptr) partLips(result.changes.mesh, cloth.model.mesh, cloth.state);
+  if (cloth.layers != nullptr) {
+    cloth.layers->onModelChanged(cloth.model);
+    partLips(result.changes.mesh, cloth.model.mesh, *cloth.layers, cloth.state);
+  }
   cloth.solver.onModelChanged(cloth.model, result.changes);
-  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
   tearing_.applyChanges(cloth.model, result.changes);
   pieces_ = connectedComponents(cloth.model.mesh);
   ++edits_;
