@@ -66,6 +66,22 @@ SurgeryLimits limitsOf(SurgeryLimits limits, const EditedCloth& cloth) {
   return limits;
 }
 
+/// Cuts cloth whose layers touch, and parts the lips.
+/// \throws OperationRefused, and nothing has changed.
+SurgeryResult cutBetweenLayers(const CutPlan& plan, const SurgeryLimits& limits,
+                               const EditedCloth& cloth) {
+  const Model model = cloth.model;
+  const State state = cloth.state;
+  SurgeryResult result =
+      cut(plan, limitsOf(limits, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
+  cloth.layers->onModelChanged(cloth.model);
+  if (partLips(result.changes.mesh, cloth.model.mesh, *cloth.layers, cloth.state)) return result;
+  cloth.model = model;
+  cloth.state = state;
+  cloth.layers->onModelChanged(cloth.model);
+  throw LayersInTheWay("layers of cloth lie too close on each other to be cut here");
+}
+
 }  // namespace
 
 Surgery::Surgery(const SurgerySettings& settings, const TearingSettings& tearing,
@@ -100,22 +116,28 @@ SurgeryResult Surgery::cutNotch(const MaterialPath& notch, const EditedCloth& cl
 }
 
 void Surgery::refine(const RefineNear& request, const EditedCloth& cloth) {
-  applyChanges(cloth_sim::refine(request, limitsOf(limits_, cloth), cloth.holders.heldVertices(),
-                                 cloth.model, cloth.state),
-               cloth);
+  const SurgeryResult result = cloth_sim::refine(
+      request, limitsOf(limits_, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
+  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
+  applyChanges(result, cloth);
 }
 
 void Surgery::tear(double dt, const EditedCloth& cloth) {
   for (int stride = 0; stride < kMaxStrides; ++stride) {
     const CutPlan plan = tearing_.plan(cloth.model, cloth.state, dt);
     if (plan.paths.empty()) return;
-    operate(plan, cloth);
+    try {
+      operate(plan, cloth);
+    } catch (const LayersInTheWay&) {
+      return;
+    }
   }
 }
 
 SurgeryResult Surgery::operate(const CutPlan& plan, const EditedCloth& cloth) {
-  SurgeryResult result =
-      cut(plan, limitsOf(limits_, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
+  SurgeryResult result = cloth.layers != nullptr ? cutBetweenLayers(plan, limits_, cloth)
+                                                 : cut(plan, limits_, cloth.holders.heldVertices(),
+                                                       cloth.model, cloth.state);
   // Before anything is renumbered.
   if (plan.cause == FailureCause::kTear) {
     tearing_.noteOpened(result);
@@ -130,10 +152,6 @@ void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth
   if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) failures_.add(event);
   cloth.holders.applyChanges(result.changes.mesh);
-  if (cloth.layers != nullptr) {
-    cloth.layers->onModelChanged(cloth.model);
-    partLips(result.changes.mesh, cloth.model.mesh, *cloth.layers, cloth.state);
-  }
   cloth.solver.onModelChanged(cloth.model, result.changes);
   tearing_.applyChanges(cloth.model, result.changes);
   pieces_ = connectedComponents(cloth.model.mesh);
@@ -153,7 +171,9 @@ void Surgery::dropScraps(const EditedCloth& cloth) {
   const double massBefore = totalMass(cloth.model);
   const double areaBefore = mesh.totalRestArea();
   dropped_.count += static_cast<int>(std::count_if(area.begin(), area.end(), isScrap));
-  applyChanges(removeComponents(faces, cloth.model, cloth.state), cloth);
+  const SurgeryResult result = removeComponents(faces, cloth.model, cloth.state);
+  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
+  applyChanges(result, cloth);
   dropped_.mass += massBefore - totalMass(cloth.model);
   dropped_.restArea += areaBefore - mesh.totalRestArea();
 }
