@@ -63,8 +63,8 @@ TEST(LayerSequences, TheLipsOfATearInCrumpledClothArePartedAlongAllFaces) {
             "");
 }
 
-// Not mended yet: after the last tear of the second step (t = 0.0208 s) nothing overlaps, at the end
-// of the step two pairs of faces with a common corner intersect.
+// Not mended yet: after the last tear of the second step (t = 0.0208 s) nothing overlaps, at the
+// end of the step two pairs of faces with a common corner intersect.
 TEST(LayerSequences, DISABLED_ATearAfterACutOfFlyingClothLeavesNoIntersection) {
   EXPECT_EQ(commandAll({16, 2, 0, {-9, 4, 10}, {2, -9, -2}, {-2, -2, -3, 0}, true},
                        {{Act::kCut, 0, {-30, 20, -18}, {301, 966}, 3}}),
