@@ -55,7 +55,7 @@ void editMesh(const PhaseSpec& phase, SimulationParts& parts) {
     for (const RefineNear& request : phase.refinements) parts.surgery.refine(request, cloth);
     for (const MaterialPath& notch : phase.notches) parts.surgery.cutNotch(notch, cloth);
     for (const Stroke& stroke : phase.strokes) parts.surgery.cutAlong(stroke, cloth);
-  } catch (const TooManyParticles& error) {
+  } catch (const OperationRefused& error) {
     parts.failure = "phase '" + phase.name + "': " + error.what();
   }
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "cloth_sim/surgery/refine.h"
+#include "contact/lips.h"
 #include "mesh/quality.h"
 
 namespace cloth_sim {
@@ -15,8 +16,6 @@ namespace {
 /// Shortest edge that surgery makes, as a fraction of the shortest original edge, unless the scene
 /// names a length.
 constexpr double kMinEdgeFraction = 0.05;
-/// Distance by which each side of an opening moves back where layers of cloth touch [m].
-constexpr double kLipDistance = 2e-6;
 /// Largest number of strides that the tip of a tear takes in a step.
 constexpr int kMaxStrides = 16;
 
@@ -60,28 +59,27 @@ std::vector<SurfacePath> pathsOver(const TriangleMesh& mesh, const MaterialPath&
   return findPaths(strokeAlong(path, Vec3::UnitZ(), 1.0), mesh, inMaterialPlane(mesh));
 }
 
-/// Moves a vertex into the faces around it by `kLipDistance`.
-void moveInwards(const TriangleMesh& mesh, VertexId v, State& state) {
-  Vec3 inwards = Vec3::Zero();
-  for (const FaceId f : mesh.facesAround(v)) {
-    for (const VertexId w : mesh.face(f)) inwards += state.x[w] - state.x[v];
-  }
-  const double length = inwards.norm();
-  if (length > 0.0) state.x[v] += kLipDistance / length * inwards;
+/// Limits of an edit. Where layers of cloth touch, it must not change the surface: a vertex that
+/// moves along bent cloth, or an edge that flips, takes faces out of it, and into another layer.
+SurgeryLimits limitsOf(SurgeryLimits limits, const EditedCloth& cloth) {
+  limits.shape.keepsSurface = cloth.layers != nullptr;
+  return limits;
 }
 
-/// Parts the two sides of an opening, which lie in the same place: layers of cloth that touch each
-/// other have to be apart.
-void partLips(const MeshChanges& changes, const TriangleMesh& mesh, State& state) {
-  std::set<VertexId> lips;
-  for (const VertexEdit& edit : changes.vertices) {
-    if (edit.kind != VertexEdit::Kind::kCopy) continue;
-    lips.insert(edit.id);
-    lips.insert(edit.from[0]);
-  }
-  for (const VertexId v : lips) {
-    if (v < mesh.vertexCount()) moveInwards(mesh, v, state);
-  }
+/// Cuts cloth whose layers touch, and parts the lips.
+/// \throws OperationRefused, and nothing has changed.
+SurgeryResult cutBetweenLayers(const CutPlan& plan, const SurgeryLimits& limits,
+                               const EditedCloth& cloth) {
+  const Model model = cloth.model;
+  const State state = cloth.state;
+  SurgeryResult result =
+      cut(plan, limitsOf(limits, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
+  cloth.layers->onModelChanged(cloth.model);
+  if (partLips(result.changes.mesh, cloth.model.mesh, *cloth.layers, cloth.state)) return result;
+  cloth.model = model;
+  cloth.state = state;
+  cloth.layers->onModelChanged(cloth.model);
+  throw LayersInTheWay("layers of cloth lie too close on each other to be cut here");
 }
 
 }  // namespace
@@ -118,21 +116,28 @@ SurgeryResult Surgery::cutNotch(const MaterialPath& notch, const EditedCloth& cl
 }
 
 void Surgery::refine(const RefineNear& request, const EditedCloth& cloth) {
-  applyChanges(
-      cloth_sim::refine(request, limits_, cloth.holders.heldVertices(), cloth.model, cloth.state),
-      cloth);
+  const SurgeryResult result = cloth_sim::refine(
+      request, limitsOf(limits_, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
+  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
+  applyChanges(result, cloth);
 }
 
 void Surgery::tear(double dt, const EditedCloth& cloth) {
   for (int stride = 0; stride < kMaxStrides; ++stride) {
     const CutPlan plan = tearing_.plan(cloth.model, cloth.state, dt);
     if (plan.paths.empty()) return;
-    operate(plan, cloth);
+    try {
+      operate(plan, cloth);
+    } catch (const LayersInTheWay&) {
+      return;
+    }
   }
 }
 
 SurgeryResult Surgery::operate(const CutPlan& plan, const EditedCloth& cloth) {
-  SurgeryResult result = cut(plan, limits_, cloth.holders.heldVertices(), cloth.model, cloth.state);
+  SurgeryResult result = cloth.layers != nullptr ? cutBetweenLayers(plan, limits_, cloth)
+                                                 : cut(plan, limits_, cloth.holders.heldVertices(),
+                                                       cloth.model, cloth.state);
   // Before anything is renumbered.
   if (plan.cause == FailureCause::kTear) {
     tearing_.noteOpened(result);
@@ -147,9 +152,7 @@ void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth
   if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) failures_.add(event);
   cloth.holders.applyChanges(result.changes.mesh);
-  if (cloth.layers != nullptr) partLips(result.changes.mesh, cloth.model.mesh, cloth.state);
   cloth.solver.onModelChanged(cloth.model, result.changes);
-  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
   tearing_.applyChanges(cloth.model, result.changes);
   pieces_ = connectedComponents(cloth.model.mesh);
   ++edits_;
@@ -168,7 +171,9 @@ void Surgery::dropScraps(const EditedCloth& cloth) {
   const double massBefore = totalMass(cloth.model);
   const double areaBefore = mesh.totalRestArea();
   dropped_.count += static_cast<int>(std::count_if(area.begin(), area.end(), isScrap));
-  applyChanges(removeComponents(faces, cloth.model, cloth.state), cloth);
+  const SurgeryResult result = removeComponents(faces, cloth.model, cloth.state);
+  if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
+  applyChanges(result, cloth);
   dropped_.mass += massBefore - totalMass(cloth.model);
   dropped_.restArea += areaBefore - mesh.totalRestArea();
 }

@@ -28,6 +28,12 @@ double distanceToLine(const Vec2& a, const Vec2& b, const Vec2& p) {
   return length > 0.0 ? std::abs(doubleArea(a, b, p)) / length : (p - a).norm();
 }
 
+/// Where the point of a segment that is nearest to `at` divides it, inside it.
+double partAlong(const Vec2& a, const Vec2& b, const Vec2& at) {
+  const Vec2 d = b - a;
+  return std::clamp(d.dot(at - a) / d.squaredNorm(), 1e-6, 1.0 - 1e-6);
+}
+
 }  // namespace
 
 std::array<double, 3> barycentric(const TriangleMesh& mesh, FaceId f, const Vec2& p) {
@@ -53,9 +59,10 @@ bool Remesher::isTooShort(const Vec2& a, const Vec2& b) const {
   return (b - a).squaredNorm() < limits_.minEdge * limits_.minEdge;
 }
 
-double Remesher::angleIfSplit(VertexId a, VertexId b, const Vec2& at) const {
+double Remesher::angleIfSplit(VertexId a, VertexId b, const Vec2& wanted) const {
   const Vec2& pa = mesh().material(a);
   const Vec2& pb = mesh().material(b);
+  const Vec2 at = limits_.keepsSurface ? Vec2(pa + partAlong(pa, pb, wanted) * (pb - pa)) : wanted;
   if (isTooShort(pa, at) || isTooShort(at, pb)) return -1.0;
   double smallest = M_PI;
   for (FaceId f : mesh().facesOnEdge(a, b)) {
@@ -74,7 +81,7 @@ double Remesher::angleIfSplit(VertexId a, VertexId b, const Vec2& at) const {
 VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
   const Vec2 pa = mesh().material(a);
   const Vec2 d = mesh().material(b) - pa;
-  const double t = std::clamp(d.dot(at - pa) / d.squaredNorm(), 1e-6, 1.0 - 1e-6);
+  const double t = partAlong(pa, pa + d, at);
   const VertexId middle = editor_.splitEdge(a, b, t);
   if (isMarked(a, b)) {
     marks_.erase(edgeKey(a, b));
@@ -84,7 +91,7 @@ VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
   if (held_.count(a) != 0 && held_.count(b) != 0) hold(middle);
   // The split is on the edge. If the point is beside it, move the vertex there; on the border it
   // stays on the edge.
-  const bool inside = mesh().facesAround(middle).size() == 4;
+  const bool inside = mesh().facesAround(middle).size() == 4 && !limits_.keepsSurface;
   if (inside && distanceToLine(pa, pa + d, at) > kOnBorder) moveVertex(middle, at);
   return middle;
 }
@@ -92,7 +99,7 @@ VertexId Remesher::splitEdge(VertexId a, VertexId b, const Vec2& at) {
 /// Returns whether `v` may move to a point: it is neither held nor on a marked edge and, if it is
 /// on the border, the point is on the lines of its border edges.
 bool Remesher::mayMove(VertexId v, const Vec2& to) const {
-  if (held_.count(v) != 0 || marked_.count(v) != 0) return false;
+  if (limits_.keepsSurface || held_.count(v) != 0 || marked_.count(v) != 0) return false;
   const std::vector<VertexId> around = mesh().neighbours(v);
   if (around.size() == mesh().facesAround(v).size()) return true;
   const double tolerance = kOnBorder * std::max(1.0, to.cwiseAbs().maxCoeff());
@@ -241,6 +248,7 @@ bool Remesher::improveFace(FaceId f, std::vector<FaceId>& flipped) {
 }
 
 void Remesher::improveAngles() {
+  if (limits_.keepsSurface) return;
   std::vector<FaceId> faces = editor_.reshaped();
   for (int pass = 0; pass < kImprovePasses && !faces.empty(); ++pass) {
     std::sort(faces.begin(), faces.end());

@@ -1,14 +1,9 @@
 /// \file Random sequences of operations, drawn and shrunk by RapidCheck.
 ///
-/// Every run draws the same sequences; RC_PARAMS="seed=... max_success=..." draws others. A failure
-/// prints its seed, and its case in the form of regressions_test.cpp.
-
-#include <gtest/gtest.h>
-#include <rapidcheck.h>
-
-#include <cstdlib>
+/// A failure prints its case in the form of regressions_test.cpp.
 
 #include "surgery/cloth_fixture.h"
+#include "surgery/sequences.h"
 
 namespace cloth_sim {
 namespace {
@@ -16,17 +11,7 @@ namespace {
 using namespace surgery_support;
 namespace gen = rc::gen;
 
-constexpr std::uint64_t kSeed = 20211121;
-constexpr int kFullSize = 100;  // size at which RapidCheck draws from whole ranges
 constexpr int kMostOperations = 6;
-
-/// Draws one of the values; shrinks towards the first.
-template <typename T>
-rc::Gen<T> pick(const std::vector<T>& from) {
-  const int count = static_cast<int>(from.size());
-  return gen::map(gen::inRange(0, count),
-                  [from](int k) { return from[static_cast<std::size_t>(k)]; });
-}
 
 rc::Gen<ClothCase> anyCloth(int most) {
   return gen::resize(kFullSize,
@@ -73,45 +58,29 @@ rc::Gen<std::vector<Operation>> anyOperations(int most) {
                                           gen::resize(kFullSize, anyOperation(most))));
 }
 
-void checkSequences(const std::string& name, int count, int most, bool deep) {
-  rc::detail::TestParams params = rc::detail::configuration().testParams;
-  const char* given = std::getenv("RC_PARAMS");
-  const std::string asked = given == nullptr ? "" : given;
-  if (asked.find("seed") == std::string::npos) params.seed = kSeed;
-  if (asked.find("max_success") == std::string::npos) params.maxSuccess = count;
-  rc::detail::TestMetadata metadata;
-  metadata.id = metadata.description = name;
-  const auto result = rc::detail::checkTestable(
-      [=] {
-        const ClothCase cloth = *anyCloth(most).as("cloth");
-        const std::vector<Operation> operations = *anyOperations(most).as("operations");
-        const std::string error = operateAll(cloth, operations, deep);
-        if (!error.empty()) RC_FAIL(error);
-      },
-      metadata, params);
-  std::ostringstream text;
-  rc::detail::printResultMessage(result, text);
-  if (!result.is<rc::detail::SuccessResult>()) {
-    FAIL() << "seed " << params.seed << "\n" << text.str();
-  }
-  // scripts/test.sh adds these up (scripts/lib/suites.txt).
-  testing::Test::RecordProperty("sequences", result.get<rc::detail::SuccessResult>().numSuccess);
+void checkOperations(const std::string& name, int count, int most, bool deep) {
+  checkSequences(name, count, [=] {
+    const ClothCase cloth = *anyCloth(most).as("cloth");
+    const std::vector<Operation> operations = *anyOperations(most).as("operations");
+    const std::string error = operateAll(cloth, operations, deep);
+    if (!error.empty()) RC_FAIL(error);
+  });
 }
 
 // 10,000 sequences in all. Three quarters of them check only what is cheap after every operation.
 // The last quarter also compares spring networks with ones built from scratch, updates every
 // method, and takes steps with it at the end.
 
-TEST(Sequences, OfSmallClothsKeepWhatMustBeKept) { checkSequences("small", 6000, 6, false); }
+TEST(Sequences, OfSmallClothsKeepWhatMustBeKept) { checkOperations("small", 6000, 6, false); }
 
-TEST(Sequences, OfLargerClothsKeepWhatMustBeKept) { checkSequences("larger", 1500, 9, false); }
+TEST(Sequences, OfLargerClothsKeepWhatMustBeKept) { checkOperations("larger", 1500, 9, false); }
 
 TEST(Sequences, LeaveNetworksAndMethodsAsIfBuiltFromScratch) {
-  checkSequences("deep", 2000, 6, true);
+  checkOperations("deep", 2000, 6, true);
 }
 
 TEST(Sequences, OfLargerClothsLeaveNetworksAndMethodsAsIfBuiltFromScratch) {
-  checkSequences("deeper", 500, 9, true);
+  checkOperations("deeper", 500, 9, true);
 }
 
 }  // namespace

@@ -24,15 +24,16 @@ class Surgery {
   Surgery(const SurgerySettings& settings, const TearingSettings& tearing, const Model& model);
 
   /// Cuts along the line in which the stroke meets the cloth; nothing if it misses.
-  /// \throws TooManyParticles, and nothing has changed.
+  /// \throws OperationRefused, and nothing has changed.
   SurgeryResult cutAlong(const Stroke& stroke, const EditedCloth& cloth);
   /// Cuts along a path in material coordinates.
-  /// \throws TooManyParticles, and nothing has changed.
+  /// \throws OperationRefused, and nothing has changed.
   SurgeryResult cutNotch(const MaterialPath& notch, const EditedCloth& cloth);
   /// Refines the mesh near points in the world.
   /// \throws TooManyParticles, and nothing has changed.
   void refine(const RefineNear& request, const EditedCloth& cloth);
-  /// Opens the surface where springs are overloaded, stride by stride until nothing more tears.
+  /// Opens the surface where springs are overloaded, stride by stride until nothing more tears or
+  /// layers of cloth are in the way; then it tears later.
   /// \param dt  how long the springs may have been overloaded [s].
   /// \throws TooManyParticles; the strides before have been made.
   void tear(double dt, const EditedCloth& cloth);

@@ -35,10 +35,22 @@ struct SurgeryResult {
   std::vector<VertexId> tips;        ///< first and last vertex of each path, in their order
 };
 
-/// Thrown if an operation would exceed SurgeryLimits::maxParticles.
-class TooManyParticles : public std::runtime_error {
+/// Thrown if an operation is not carried out; the text is one sentence.
+class OperationRefused : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// Thrown if an operation would exceed SurgeryLimits::maxParticles.
+class TooManyParticles : public OperationRefused {
+ public:
+  using OperationRefused::OperationRefused;
+};
+
+/// Thrown if layers of cloth lie too close on each other for the lips of a cut to part.
+class LayersInTheWay : public OperationRefused {
+ public:
+  using OperationRefused::OperationRefused;
 };
 
 /// Cuts cloth along paths over its surface. Conserves mass, rest area, and linear and angular

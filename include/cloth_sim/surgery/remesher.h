@@ -12,6 +12,9 @@ struct ShapeLimits {
   double minAngle = 5.0 * 3.14159265358979323846 / 180.0;  ///< [rad]
   double minEdge = 0.0;                                    ///< [m]; 0: no limit
   double snap = 0.2;                                       ///< see SurgerySettings::snap
+  /// No vertex moves, no edge flips, and edges are split on their line: cloth keeps its place in
+  /// the world, also where it is bent.
+  bool keepsSurface = false;
 };
 
 /// An undirected edge: its two ends in ascending order.

@@ -21,7 +21,7 @@ struct CutAlong {
       const SurgeryResult result = parts.surgery.cutAlong(stroke, parts.editedCloth());
       if (result.changes.mesh.empty()) return done("the stroke misses the cloth: nothing was cut");
       return done(tell(result, parts.surgery.pieces().count));
-    } catch (const TooManyParticles& error) {
+    } catch (const OperationRefused& error) {
       return refuse(error.what());
     }
   }
