@@ -292,7 +292,6 @@ double FacePairs::shareOf(const Pair& pair, const std::vector<double>& mass) {
 /// then on in this substep, however motion is shortened further. \return whether it was apart at
 /// the start; if not, its vertices stay.
 bool FacePairs::shorten(Pair& pair, const Truncation& now) const {
-  pair.isFixed = true;
   pair.due = 0.0;
   const SeparatingDirection before = bestDirection(pair, now.motion.start);
   pair.direction = before.direction;
@@ -388,8 +387,11 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
     if (failing_.empty()) return outcome;
     outcome.changed = true;
     for (const std::uint32_t k : failing_) {
-      const bool slides = pass < kSlidingPasses && slide(pairs_[k], now);
-      if (!slides && !shorten(pairs_[k], now)) ++outcome.unproven;
+      const bool maySlide = pass < kSlidingPasses;
+      if (maySlide && slide(pairs_[k], now)) continue;
+      if (!shorten(pairs_[k], now)) ++outcome.unproven;
+      // Where others may slide, what stays now may be moved again.
+      pairs_[k].isFixed = !maySlide;
     }
   }
   stop(now);
