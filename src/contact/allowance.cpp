@@ -14,9 +14,9 @@ namespace cloth_sim {
 namespace {
 
 /// Share of the faces up to which some are renewed.
-constexpr double kFew = 0.05;
+constexpr double kFew = 0.15;
 /// Share of the faces that are renewed, in sum, until all are.
-constexpr double kMostRenewed = 0.25;
+constexpr double kMostRenewed = 0.7;
 /// Slots of a segment: a box around their motion bounds how they move against each other.
 constexpr std::int32_t kSegment = 16;
 /// Side of a patch, in cells.

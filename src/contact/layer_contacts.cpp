@@ -11,6 +11,9 @@ namespace {
 
 /// Substeps after which closest points are found again.
 constexpr int kRefreshEvery = 4;
+/// Closest points are kept while their vertices have moved by less in sum [m]: a fiftieth of the
+/// thickness of thin cloth.
+constexpr double kStill = 3e-5;
 /// Layers that are nearer than their thickness when a step begins, as after a cut, part at this
 /// speed [m/s].
 constexpr double kPartingSpeed = 0.2;
@@ -119,6 +122,7 @@ void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<
 void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
   // The contacts of the last substep stay, for whoever asks, until the next one refreshes them.
   candidates_.clear();
+  refreshes_ = 0;
   std::fill(travel_.begin(), travel_.end(), 0.0);
   sinceRefresh_ = 0;
   extend(near, 0, Renewed(), boxes);
@@ -145,6 +149,7 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   Contact& contact = out.contact;
   contact.v = v;
   contact.friction = candidate.layers.friction;
+  out.face = candidate.face;
   if (candidate.areEdges()) {
     const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
     out.isInside = at.s > 0.0 && at.s < 1.0 && at.t > 0.0 && at.t < 1.0;
@@ -187,34 +192,49 @@ bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size
   return true;
 }
 
-/// Calls `visit(v, distance)` with how far each vertex moves in the substep, seen from the mean
-/// [m].
-template <typename Visit>
-void LayerContacts::forMotion(SubstepMotion motion, const Visit& visit) {
-  Vec3 common = Vec3::Zero();
-  for (const VertexId v : motion.vertices) common += motion.end[v] - motion.start[v];
-  common /= static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
+/// Motion that vertices have in common, which brings nothing together [m]: their mean, or none if
+/// most are at rest.
+Vec3 LayerContacts::commonMotion(SubstepMotion motion) {
+  Vec3 mean = Vec3::Zero();
+  for (const VertexId v : motion.vertices) mean += motion.end[v] - motion.start[v];
+  mean /= static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
+  double toMean = 0.0;
+  double toRest = 0.0;
   for (const VertexId v : motion.vertices) {
-    visit(v, (motion.end[v] - motion.start[v] - common).norm());
+    const Vec3 moved = motion.end[v] - motion.start[v];
+    toMean += (moved - mean).norm();
+    toRest += moved.norm();
   }
+  return toMean < toRest ? mean : Vec3(Vec3::Zero());
 }
 
 /// Finds the closest points of the candidates that may come into contact before the next
-/// refreshing.
+/// refreshing. Those of a candidate that has hardly moved since they were found are kept.
 void LayerContacts::findClosest(const std::vector<Vec3>& x) {
+  closest_.swap(before_);
   closest_.clear();
-  Closest closest;
+  ++refreshes_;
   const auto sum = [](const std::vector<double>& of, const std::array<VertexId, 4>& v) {
     return of[v[0]] + of[v[1]] + of[v[2]] + of[v[3]];
   };
   for (Candidate& candidate : candidates_) {
-    const double outlook = sum(outlook_, candidate.v);
-    if (candidate.due > outlook) continue;
-    const bool holds = find(candidate, x, closest);
-    candidate.due = sum(travel_, candidate.v) + closest.apart - candidate.layers.thickness;
-    if (!holds || candidate.due > outlook) continue;
-    closest.face = candidate.face;
-    closest_.push_back(closest);
+    if (candidate.due > sum(outlook_, candidate.v)) continue;
+    const double travel = sum(travel_, candidate.v);
+    const bool isKept = travel - candidate.found < kStill && candidate.refresh == refreshes_ - 1;
+    candidate.refresh = refreshes_;
+    if (isKept && candidate.place < 0) continue;
+    Closest& closest = closest_.emplace_back();
+    if (isKept) {
+      closest = before_[candidate.place];
+    } else {
+      const bool holds = find(candidate, x, closest);
+      candidate.found = travel;
+      candidate.due = travel + closest.apart - candidate.layers.thickness;
+      candidate.place = -1;
+      if (!holds) closest_.pop_back();
+      if (!holds) continue;
+    }
+    candidate.place = static_cast<std::int32_t>(closest_.size()) - 1;
   }
 }
 
@@ -272,14 +292,18 @@ void LayerContacts::project(SubstepMotion motion, double h) {
     touching_.clear();
     return;
   }
+  const Vec3 common = commonMotion(motion);
+  const auto distanceOf = [&](VertexId v) {
+    return (motion.end[v] - motion.start[v] - common).norm();
+  };
   if (sinceRefresh_++ % kRefreshEvery == 0) {
-    forMotion(motion, [this](VertexId v, double distance) {
+    for (const VertexId v : motion.vertices) {
       // At one and a half times the speed, and a little.
-      outlook_[v] = travel_[v] + 1.5 * kRefreshEvery * distance + 2.5e-5;
-    });
+      outlook_[v] = travel_[v] + 1.5 * kRefreshEvery * distanceOf(v) + 2.5e-5;
+    }
     refresh(motion.start);
   }
-  forMotion(motion, [this](VertexId v, double distance) { travel_[v] += distance; });
+  for (const VertexId v : motion.vertices) travel_[v] += distanceOf(v);
   findTouching(motion.end);
   for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, h);
   for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {

@@ -58,7 +58,10 @@ class LayerContacts {
     std::array<VertexId, 4> v{};
     FaceId face = kNone;  ///< kNone for two edges
     Layers layers;
-    double due = -1e300;  ///< sum of `travel_` of its vertices at which it may touch [m]
+    double due = -1e300;        ///< sum of `travel_` of its vertices at which it may touch [m]
+    double found = -1e300;      ///< the same sum when its closest points were found last [m]
+    std::int32_t refresh = -1;  ///< number of the last refreshing that looked at them
+    std::int32_t place = -1;    ///< in `closest_` after that; -1: they cannot carry a contact
     bool areEdges() const { return face == kNone; }
   };
   /// The weighted sum of the positions of four vertices points from one side to the other.
@@ -81,8 +84,7 @@ class LayerContacts {
   };
 
   void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
-  template <typename Visit>
-  static void forMotion(SubstepMotion motion, const Visit& visit);
+  static Vec3 commonMotion(SubstepMotion motion);
   void refresh(const std::vector<Vec3>& x);
   void findClosest(const std::vector<Vec3>& x);
   void sortByVertex();
@@ -111,6 +113,7 @@ class LayerContacts {
   std::vector<double> travel_;    ///< how far a vertex has moved since `assign`, by vertex [m]
   std::vector<double> outlook_;   ///< how far it may have until the next refreshing, by vertex [m]
   std::vector<Closest> closest_;  ///< of candidates that may touch soon
+  std::vector<Closest> before_;   ///< the same before the last refreshing
   std::vector<std::uint32_t> order_;  ///< of closest_: faces by their vertex, then edges by theirs
   std::vector<std::uint32_t> first_;  ///< scratch: by vertex of faces, and of edges
   std::vector<Contact> contacts_;
@@ -118,6 +121,7 @@ class LayerContacts {
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
   std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
+  std::int32_t refreshes_ = 0;
   int active_ = 0;
   double substep_ = 0.0;  ///< length of the last substep [s]
 };
