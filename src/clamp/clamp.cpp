@@ -168,6 +168,22 @@ void Clamp::moveGap(double dt) {
                                      : std::max(spec_.gapClosed, gap_ - travel);
 }
 
+void Clamp::holdBack(const State& state, double dt) {
+  double missing = 0.0;  // share of the motion
+  for (const Grip& grip : grips_) {
+    const Vec3 arm = pose_.orientation * grip.local;
+    const Vec3 motion = dt * (linearVelocity_ + angularVelocity_.cross(arm));
+    const Vec3 lag = pose_.position + arm - state.x[grip.vertex];
+    const double square = motion.squaredNorm();
+    if (square > 0.0) missing = std::max(missing, lag.dot(motion) / square);
+  }
+  missing = std::min(missing, 1.0);
+  pose_.position -= missing * dt * linearVelocity_;
+  pose_.orientation = turned(pose_.orientation, angularVelocity_, -missing * dt);
+  linearVelocity_.setZero();
+  angularVelocity_.setZero();
+}
+
 void Clamp::appendTargets(std::vector<KinematicTarget>& out) const {
   if (slip_.on) return;
   for (const Grip& grip : grips_) {

@@ -122,6 +122,12 @@ void Holders::addReactions(const Controls& controls, const StepReport& report, c
   }
 }
 
+void Holders::holdBack(const State& state, double dt, const LayerContact* layers) {
+  for (Clamp& clamp : clamps_) {
+    if (isBlocked(clamp, layers)) clamp.holdBack(state, dt);
+  }
+}
+
 void Holders::recordGripEvents(const Model& model, const State& state, const ColliderSet& colliders,
                                const LayerContact* layers) {
   for (const Clamp& clamp : clamps_) {

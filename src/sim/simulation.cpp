@@ -53,6 +53,7 @@ void Simulation::step() {
   parts_.obstacles.steer(time(), parts_.dt());
   for (double done = 0.0; done < 1.0 && !failed();) done = solveFrom(done);
   if (failed()) return;
+  parts_.holders.holdBack(state(), parts_.dt(), parts_.layers.get());
   parts_.holders.recordGripEvents(model(), state(), colliders(), parts_.layers.get());
   ++parts_.stepCount;
   parts_.watch.observe(parts_.stepCount, model(), state(), parts_.controls, contacts(),

@@ -366,6 +366,30 @@ TEST(ClampGrasp, HeldParticlesMoveRigidlyWithMatchingVelocities) {
   }
 }
 
+TEST(ClampGrasp, WaitsForParticlesThatCouldNotFollow) {
+  const Model model;
+  State state = stateAt({Vec3(0.0, 0.0, 0.0), Vec3(0.01, 0.0, 0.0)});
+  Clamp clamp(spec());
+  closeFully(clamp, model, state);
+  ASSERT_EQ(clamp.held().size(), 2U);
+  clamp.setTarget({Vec3(0.0, 1.0, 0.0), Quat::Identity()});
+  for (int step = 0; step < 10; ++step) clamp.advance(model, state, kDt);
+  const Pose wanted = clamp.pose();
+  const double motion = clamp.linearVelocity().norm() * kDt;
+  const std::vector<KinematicTarget> targets = targetsOf(clamp);
+  for (const KinematicTarget& target : targets) state.x[target.vertex] = target.position;
+  state.x[targets[1].vertex].y() -= 0.25 * motion;
+  clamp.holdBack(state, kDt);
+  EXPECT_NEAR(clamp.pose().position.y(), wanted.position.y() - 0.25 * motion, 1e-12);
+  EXPECT_TRUE(clamp.linearVelocity().isZero());
+  clamp.advance(model, state, kDt);
+  const Pose again = clamp.pose();
+  const double second = clamp.linearVelocity().norm() * kDt;
+  state.x[targets[1].vertex].y() -= 1.0;
+  clamp.holdBack(state, kDt);
+  EXPECT_NEAR(clamp.pose().position.y(), again.position.y() - second, 1e-12) << "its step, no more";
+}
+
 TEST(ClampGrasp, JumpsOnlyWithoutCloth) {
   Clamp clamp(spec());
   const Pose pose{Vec3(0.0, 0.0, 1.0), Quat::Identity()};

@@ -144,6 +144,11 @@ class Clamp {
   /// \param state  before the step.
   void advance(const Model& model, const State& state, double dt);
 
+  /// Stops the clamp, and takes back of its motion in the last step what its held particles could
+  /// not follow: layers of cloth were in their way.
+  /// \param state  after the step of `dt` [s].
+  void holdBack(const State& state, double dt);
+
   /// Appends where the held particles are to be at the end of the step, ascending by vertex;
   /// nothing while they slip.
   void appendTargets(std::vector<KinematicTarget>& out) const;

@@ -54,6 +54,11 @@ class Holders {
   void addReactions(const Controls& controls, const StepReport& report, const Model& model,
                     const State& state, double fraction);
 
+  /// Lets clamps whose cloth other layers have stopped wait for it.
+  /// \param state   after a step of `dt` [s].
+  /// \param layers  null if layers of cloth do not touch.
+  void holdBack(const State& state, double dt, const LayerContact* layers);
+
   /// Records what has happened to the grips during the step.
   /// \param layers  null if layers of cloth do not touch.
   void recordGripEvents(const Model& model, const State& state, const ColliderSet& colliders,
