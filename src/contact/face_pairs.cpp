@@ -72,6 +72,7 @@ void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>
                        double least) {
   least_ = least;
   pairs_.clear();
+  due_.clear();
   travel_ = 0.0;
   append(near, 0, faces);
 }
@@ -80,6 +81,7 @@ void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first,
                        const std::vector<Face>& faces) {
   for (std::size_t k = first; k < near.size(); ++k) {
     pairs_.push_back(pairOf(faces[near[k].first], faces[near[k].second]));
+    due_.push_back(0.0);
   }
 }
 
@@ -128,11 +130,12 @@ SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector
 }
 
 /// Whether the pair stays apart in the substep; finds other directions where that helps.
-bool FacePairs::isProven(Pair& pair, SubstepMotion motion) const {
-  if (!pair.direction.isZero() && separates(pair, motion)) return true;
+bool FacePairs::isProven(std::size_t k, SubstepMotion motion) {
+  Pair& pair = pairs_[k];
+  if (!pair.direction.isZero() && separates(k, motion)) return true;
   if (pair.shared < 2) {
     pair.direction = pair.shared == 0 ? bestAxis(pair, motion.end) : fromVertex(pair, motion.end);
-    if (separates(pair, motion)) return true;
+    if (separates(k, motion)) return true;
   }
   const SeparatingDirection before = bestDirection(pair, motion.start);
   const SeparatingDirection after = bestDirection(pair, motion.end);
@@ -140,7 +143,7 @@ bool FacePairs::isProven(Pair& pair, SubstepMotion motion) const {
   if (!(before.distance > 0.0) || after.distance < kApart) return false;
   if (!staysApart(pair, before.direction, after.direction, motion)) return false;
   pair.direction = after.direction;
-  pair.due = travel_ + (after.distance - kApart) / rateOf(pair);
+  due_[k] = travel_ + (after.distance - kApart) / rateOf(pair);
   return true;
 }
 
@@ -231,10 +234,11 @@ Vec3 FacePairs::fromVertex(const Pair& pair, const std::vector<Vec3>& x) {
 }
 
 /// Whether the direction of a pair separates it at both ends of the substep.
-bool FacePairs::separates(Pair& pair, SubstepMotion motion) const {
+bool FacePairs::separates(std::size_t k, SubstepMotion motion) {
+  const Pair& pair = pairs_[k];
   const double apart = separationOf(pair, motion.end);
   if (apart < kApart || separationOf(pair, motion.start) <= 0.0) return false;
-  pair.due = travel_ + (apart - kApart) / rateOf(pair);
+  due_[k] = travel_ + (apart - kApart) / rateOf(pair);
   return true;
 }
 
@@ -291,8 +295,9 @@ double FacePairs::shareOf(const Pair& pair, const std::vector<double>& mass) {
 /// Shortens the motion of the vertices of a pair that would not stay apart. It stays apart from
 /// then on in this substep, however motion is shortened further. \return whether it was apart at
 /// the start; if not, its vertices stay.
-bool FacePairs::shorten(Pair& pair, const Truncation& now) const {
-  pair.due = 0.0;
+bool FacePairs::shorten(std::size_t k, const Truncation& now) {
+  Pair& pair = pairs_[k];
+  due_[k] = 0.0;
   const SeparatingDirection before = bestDirection(pair, now.motion.start);
   pair.direction = before.direction;
   if (!(before.distance > 0.0)) {
@@ -359,10 +364,9 @@ void FacePairs::findFailing(bool isFirst, SubstepMotion motion,
   parallelFor(
       static_cast<std::int32_t>(pairs_.size()), kGrain, [&](std::int32_t first, std::int32_t last) {
         for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
-          Pair& pair = pairs_[k];
-          if (isFirst) pair.isFixed = false;
-          const bool isDue = isFirst ? travel_ >= pair.due : mayFail(k, truncated);
-          fails_[k] = isDue && !isProven(pair, motion) ? 1 : 0;
+          const bool isDue = isFirst ? travel_ >= due_[k] : mayFail(k, truncated);
+          if (isFirst && isDue) pairs_[k].isFixed = false;
+          fails_[k] = isDue && !isProven(k, motion) ? 1 : 0;
         }
       });
   failing_.clear();
@@ -389,7 +393,7 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
     for (const std::uint32_t k : failing_) {
       const bool maySlide = pass < kSlidingPasses;
       if (maySlide && slide(pairs_[k], now)) continue;
-      if (!shorten(pairs_[k], now)) ++outcome.unproven;
+      if (!shorten(k, now)) ++outcome.unproven;
       // Where others may slide, what stays now may be moved again.
       pairs_[k].isFixed = !maySlide;
     }

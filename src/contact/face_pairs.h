@@ -60,29 +60,30 @@ class FacePairs {
     std::int32_t shared = 0;        ///< number of shared corners: 0, 1 or 2
     bool isFixed = false;           ///< motion of its vertices was shortened in this substep
     Vec3 direction = Vec3::Zero();  ///< n, from b to a; 0: not known yet
-    double due = 0.0;               ///< value of `travel_` from which n is to be checked again [m]
   };
 
   static Pair pairOf(const Face& a, const Face& b);
   static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
-  bool separates(Pair& pair, SubstepMotion motion) const;
+  bool separates(std::size_t k, SubstepMotion motion);
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
   static bool hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated);
   bool mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const;
   void findFailing(bool isFirst, SubstepMotion motion, const std::vector<std::uint8_t>& truncated);
-  bool isProven(Pair& pair, SubstepMotion motion) const;
+  bool isProven(std::size_t k, SubstepMotion motion);
   static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
   static double rateOf(const Pair& pair);
   static Vec3 endDirection(Pair pair, const Vec3& before, const std::vector<Vec3>& end);
   bool slide(Pair& pair, const Truncation& now) const;
   static double shareOf(const Pair& pair, const std::vector<double>& mass);
-  bool shorten(Pair& pair, const Truncation& now) const;
+  bool shorten(std::size_t k, const Truncation& now);
   static void shortenAtShared(const Pair& pair, double apart, const Truncation& now);
   void shortenApart(const Pair& pair, const Truncation& now) const;
 
   std::vector<Pair> pairs_;
+  std::vector<double>
+      due_;  ///< by pair: value of `travel_` from which n is to be checked again [m]
   std::vector<std::uint8_t> fails_;     ///< scratch: 1 for pairs that are not proven
   std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven
   double least_ = 0.0;                  ///< see `assign` [m]

@@ -10,7 +10,7 @@ namespace cloth_sim {
 namespace {
 
 /// Substeps after which closest points are found again.
-constexpr int kRefreshEvery = 4;
+constexpr int kRefreshEvery = 6;
 /// Closest points are kept while their vertices have moved by less in sum [m]: a fiftieth of the
 /// thickness of thin cloth.
 constexpr double kStill = 3e-5;
