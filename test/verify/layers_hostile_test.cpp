@@ -250,7 +250,8 @@ phases:
   - name: drive
     clamps: {hand: {move_by: [0.02, 0, -0.08], speed: 2}}
     until: {clamps: at_target}
-    timeout: 2
+    timeout: 0.3
+    on_timeout: continue
   - {name: stay, timeout: 0.05, on_timeout: continue}
 )" + kLineXpbd,
                                    "driven"));
