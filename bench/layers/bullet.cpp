@@ -69,6 +69,7 @@ class BulletLayers final : public LayeredCloth {
     }
     return count;
   }
+  int substeps() const override { return kSubsteps; }
 
  private:
   /// Adds a cloth laid flat, so that clusters and rest lengths are those of flat cloth.
@@ -113,9 +114,9 @@ class BulletLayers final : public LayeredCloth {
   SoftBodyWorld world_;
 };
 
-template <Touch touch, int clusters>
+template <Touch kTouch, int kClusters>
 std::unique_ptr<LayeredCloth> make(const LayersTask& task) {
-  return std::make_unique<BulletLayers>(task, touch, clusters);
+  return std::make_unique<BulletLayers>(task, kTouch, kClusters);
 }
 
 }  // namespace

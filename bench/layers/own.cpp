@@ -1,3 +1,4 @@
+#include <cmath>
 #include <stdexcept>
 
 #include "cloth_sim/sim/simulation.h"
@@ -24,8 +25,12 @@ class OwnCloth final : public LayeredCloth {
     const auto report = simulation_.layerReport();
     return report ? report->pairs : 0;
   }
+  int substeps() const override {
+    return static_cast<int>(std::lround(simulation_.scene().solver.dt / simulation_.substep()));
+  }
 
  private:
+  /// The scene's saved state, with the positions of the task.
   static std::string stateAtStart(const LayersTask& task, bool layers) {
     SimulationParts parts(sceneOf(task, layers));
     const std::vector<Vec3> x = startOf(task);

@@ -68,7 +68,8 @@ Scene sceneOf(const LayersTask& task, bool layers) {
   std::ostringstream out;
   out << "cloth:\n";
   if (task.start == Start::kTwoHalves) {
-    const double half = kSide * (n / 2 - 1) / (n - 1);
+    const int cells = n / 2 - 1;  // across a half
+    const double half = kSide * cells / (n - 1);
     out << clothText("lower", half, n / 2, n) << "}\n"
         << clothText("upper", half, n / 2, n) << ", pose: {position: [0, 0, 1]}}\n";
   } else if (task.start == Start::kHanging) {

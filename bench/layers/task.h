@@ -47,6 +47,7 @@ class LayeredCloth {
   virtual int contacts() const = 0;
   /// Pairs of faces near each other; 0 where an engine has none.
   virtual int pairs() const { return 0; }
+  virtual int substeps() const = 0;  ///< per frame
 };
 
 /// An engine with a setting.
@@ -58,6 +59,7 @@ struct LayersContender {
   bool halves = false;  ///< simulates two halves where the task is a folded cloth
 };
 
+/// A cloth of this package, with its default method.
 std::unique_ptr<LayeredCloth> ownCloth(const LayersTask& task, bool layers);
 /// This package, without and with contact between layers.
 std::vector<LayersContender> contenders();
