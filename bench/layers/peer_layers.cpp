@@ -218,7 +218,18 @@ void printMemory(const Settings& settings) {
   }
 }
 
+void checkSizes(const Settings& settings) {
+  std::vector<int> all = settings.sizes;
+  all.push_back(settings.particles);
+  for (const int n : all) {
+    if (n % 2 != 0) {
+      throw std::invalid_argument("expected an even number of particles, not " + std::to_string(n));
+    }
+  }
+}
+
 void measure(const Settings& settings) {
+  checkSizes(settings);
   const std::string size = std::to_string(settings.particles);
   const LayersTask hanging{Start::kHanging, settings.particles};
   printRace("A hanging cloth, " + size + " x " + size, race(hanging, settings), settings);
