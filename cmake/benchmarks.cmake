@@ -25,15 +25,22 @@ foreach(source ${client_sources})
   add_dependencies(node_clients ${name})
 endforeach()
 
-# bench/peer: the same scenes in this package and in Bullet; `make peer_bullet`.
+# bench/peer: the same scenes in this package and in Bullet; `make peer_bullet`. bench/layers: contact
+# between layers in both; `make peer_layers`.
 find_package(Bullet CONFIG QUIET)
-file(GLOB peer_sources CONFIGURE_DEPENDS bench/peer/*.cpp)
 if(BULLET_FOUND)
-  add_executable(peer_bullet EXCLUDE_FROM_ALL ${peer_sources})
-  cloth_sim_compile_options(peer_bullet)
-  target_include_directories(peer_bullet SYSTEM PRIVATE ${BULLET_ROOT_DIR}/${BULLET_INCLUDE_DIR})
-  target_link_libraries(peer_bullet cloth_study_core BulletSoftBody BulletDynamics BulletCollision
-    LinearMath)
+  foreach(pair "peer_bullet peer" "peer_layers layers")
+    separate_arguments(pair)
+    list(GET pair 0 name)
+    list(GET pair 1 folder)
+    file(GLOB peer_sources CONFIGURE_DEPENDS bench/${folder}/*.cpp)
+    add_executable(${name} EXCLUDE_FROM_ALL ${peer_sources})
+    cloth_sim_compile_options(${name})
+    target_include_directories(${name} SYSTEM PRIVATE ${BULLET_ROOT_DIR}/${BULLET_INCLUDE_DIR})
+    target_link_libraries(${name} cloth_study_core BulletSoftBody BulletDynamics BulletCollision
+      LinearMath)
+  endforeach()
 else()
-  cloth_sim_leave_out(bullet "Bullet was not found (Debian: libbullet-dev): peer_bullet is not built")
+  cloth_sim_leave_out(bullet
+    "Bullet was not found (Debian: libbullet-dev): peer_bullet and peer_layers are not built")
 endif()

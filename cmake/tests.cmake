@@ -20,7 +20,7 @@ if(NOT rostest_FOUND)
     "master are not built")
 endif()
 
-foreach(program cloth_bench peer_bullet node_clients)
+foreach(program cloth_bench peer_bullet peer_layers node_clients)
   if(TARGET ${program})
     add_dependencies(tests ${program})
   endif()

@@ -1,89 +1,15 @@
 // Bullet's soft body (position-based links), set up as its own cloth demos do.
 
-#include <BulletSoftBody/btSoftBodyHelpers.h>
-#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
-#include <BulletSoftBody/btSoftRigidDynamicsWorld.h>
-#include <btBulletDynamicsCommon.h>
-
 #include <cmath>
 #include <stdexcept>
 
 #include "cloth.h"
 #include "cloth_sim/scene/build.h"
 #include "motion_cloth.h"
+#include "soft_body_world.h"
 
 namespace cloth_sim::bench {
 namespace {
-
-btVector3 toBullet(const Vec3& p) {
-  return {static_cast<btScalar>(p.x()), static_cast<btScalar>(p.y()), static_cast<btScalar>(p.z())};
-}
-
-Vec3 fromBullet(const btVector3& p) { return {p.x(), p.y(), p.z()}; }
-
-/// The corners of a patch of n x n nodes, whose rows follow each other from the lower two to the
-/// upper two.
-struct Corners {
-  Vec3 lowerLeft, lowerRight, upperLeft, upperRight;  ///< [m]
-};
-
-/// A soft body of position-based links, alone in a world.
-class SoftBodyWorld {
- public:
-  explicit SoftBodyWorld(const Vec3& gravity)
-      : dispatcher_(&configuration_),
-        world_(&dispatcher_, &broadphase_, &constraints_, &configuration_) {
-    world_.setGravity(toBullet(gravity));
-    info_ = &world_.getWorldInfo();
-    info_->m_gravity = toBullet(gravity);
-    info_->m_dispatcher = &dispatcher_;
-    info_->m_broadphase = &broadphase_;
-    info_->m_sparsesdf.Initialize();
-  }
-  SoftBodyWorld(const SoftBodyWorld&) = delete;
-  SoftBodyWorld& operator=(const SoftBodyWorld&) = delete;
-  ~SoftBodyWorld() {
-    if (cloth_) world_.removeSoftBody(cloth_.get());
-    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
-  }
-
-  /// Adds the cloth, with full stiffness. \return it, to be given masses and settings.
-  /// \param fixed  flags of fixed corners, as CreatePatch has them.
-  btSoftBody& addPatch(const Corners& corners, int n, int fixed, bool bends) {
-    cloth_.reset(btSoftBodyHelpers::CreatePatch(
-        *info_, toBullet(corners.lowerLeft), toBullet(corners.lowerRight),
-        toBullet(corners.upperLeft), toBullet(corners.upperRight), n, n, fixed, true));
-    cloth_->m_materials[0]->m_kLST = 1;
-    if (bends) cloth_->generateBendingConstraints(2);
-    world_.addSoftBody(cloth_.get());
-    return *cloth_;
-  }
-
-  void addBody(std::unique_ptr<btCollisionShape> shape, const Vec3& place) {
-    btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, shape.get());
-    info.m_startWorldTransform.setIdentity();
-    info.m_startWorldTransform.setOrigin(toBullet(place));
-    info.m_friction = btScalar(0.5);
-    shapes_.push_back(std::move(shape));
-    bodies_.push_back(std::make_unique<btRigidBody>(info));
-    world_.addRigidBody(bodies_.back().get());
-  }
-
-  btSoftRigidDynamicsWorld& world() { return world_; }
-  btSoftBodyWorldInfo& info() { return *info_; }
-  const btSoftBody& cloth() const { return *cloth_; }
-
- private:
-  btSoftBodyRigidBodyCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_;
-  btDbvtBroadphase broadphase_;
-  btSequentialImpulseConstraintSolver constraints_;
-  btSoftRigidDynamicsWorld world_;
-  btSoftBodyWorldInfo* info_ = nullptr;
-  std::unique_ptr<btSoftBody> cloth_;
-  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
-  std::vector<std::unique_ptr<btRigidBody>> bodies_;
-};
 
 class BulletCloth final : public Cloth {
  public:
@@ -124,7 +50,7 @@ class BulletCloth final : public Cloth {
     constexpr int kUpperCorners = 4 + 8;
     btSoftBody& cloth =
         world_.addPatch({corner(-1, -1), corner(1, -1), corner(-1, 1), corner(1, 1)},
-                        task.particles, hangs ? kUpperCorners : 0, true);
+                        task.particles, task.particles, hangs ? kUpperCorners : 0, true);
     cloth.setTotalMass(static_cast<btScalar>(task.mass));
     if (hangs) {
       const int n = task.particles;
@@ -189,7 +115,7 @@ class BulletMotion final : public MovingCloth {
     const auto at = [&](int i, int j) { return state_.x[grid.vertex(i, j)]; };
     const int last = grid.columns - 1;
     btSoftBody& cloth = world_.addPatch({at(0, 0), at(last, 0), at(0, last), at(last, last)},
-                                        grid.columns, 0, setting.bends);
+                                        grid.columns, grid.columns, 0, setting.bends);
     for (VertexId v = 0; v < model_.particleCount(); ++v) {
       cloth.setMass(v, static_cast<btScalar>(model_.mass[v]));
     }
