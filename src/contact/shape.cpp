@@ -8,9 +8,9 @@ namespace {
 bool isLength(double value) { return std::isfinite(value) && value > 0.0; }
 bool isLength(const Vec3& size) { return size.allFinite() && size.minCoeff() > 0.0; }
 
-template <std::size_t... Row>
-std::vector<Shape> oneOfEach(std::index_sequence<Row...> /*rows*/) {
-  return {Shape(std::in_place_index<Row>)...};
+template <std::size_t... kRow>
+std::vector<Shape> oneOfEach(std::index_sequence<kRow...> /*rows*/) {
+  return {Shape(std::in_place_index<kRow>)...};
 }
 
 }  // namespace

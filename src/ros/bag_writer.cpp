@@ -46,7 +46,7 @@ struct BagWriter::Impl {
   Impl(const std::string& path, std::string text)
       : place(path, kOnlyRegular), active(place.target() + ".active"), scene(std::move(text)) {
     // Nothing else than a bag that was not completed may stand there either.
-    OutputFile(active, {Links::kRefused, true});
+    [[maybe_unused]] const OutputFile refusesOthers(active, {Links::kRefused, true});
     errno = 0;
     try {
       bag->open(active, rosbag::bagmode::Write);
