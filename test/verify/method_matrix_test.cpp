@@ -70,6 +70,7 @@ const std::vector<Start>& matrixStarts() {
       {"fold_quarters", 3.6},       // both layers are lifted
       {"fold_towel", 0.6},          // the clamps lift it
       {"hang", 0.0},                // takes up its weight
+      {"knot", 2.0},                // the loop closes
       {"napkin_ring", 1.6},         // the ring gathers it
       {"pile", 0.3},                // the lower cloths have met
       {"robot_tear", 0.1},          // the hand has closed
