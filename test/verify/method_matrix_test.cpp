@@ -67,8 +67,11 @@ const std::vector<Start>& matrixStarts() {
       {"drape_sphere", 0.5},        // lies on the sphere, and its borders fall
       {"explicit_blows_up", 0.0},   // begins to fall
       {"explicit_hang", 0.0},       // begins to fall
+      {"fold_quarters", 3.6},       // both layers are lifted
       {"fold_towel", 0.6},          // the clamps lift it
       {"hang", 0.0},                // takes up its weight
+      {"knot", 2.0},                // the loop closes
+      {"napkin_ring", 1.6},         // the ring gathers it
       {"pile", 0.3},                // the lower cloths have met
       {"robot_tear", 0.1},          // the hand has closed
       {"rod", 0.3},                 // falls over the rod
@@ -78,6 +81,7 @@ const std::vector<Start>& matrixStarts() {
       {"table_edge", 0.1},          // the part beside the table falls
       {"tear_seam", 0.5},           // hits the table
       {"tear_seam_explicit", 0.5},  // hits the table
+      {"twist", 4.0},               // after three turns
       {"two_cloths", 0.5},          // the scarf has hit the ball
       {"weak_grip", 0.8},           // the clamp pulls
       {"wind", 0.3},                // the flag turns into the wind
