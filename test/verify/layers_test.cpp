@@ -341,5 +341,39 @@ TEST(Layers, ASavedStateGoesOnToTheBit) {
   }
 }
 
+class ShippedLayers : public testing::TestWithParam<const char*> {};
+
+/// Long scenes end in less time with the check in one of six frames.
+TEST_P(ShippedLayers, EndWithoutAnIntersection) {
+  const std::string name = GetParam();
+  Simulation simulation(
+      loadScene(std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/" + name + ".yaml"));
+  constexpr int kEvery = 6;
+  constexpr int kMostSteps = 1200;
+  std::int64_t truncated = 0;
+  std::int64_t moves = 0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    const LayerReport report = simulation.layerReport().value();
+    ASSERT_EQ(report.unproven, 0) << simulation.time();
+    truncated += report.truncated;
+    moves += report.moves;
+    const bool isDone = simulation.script().status() == ScriptStatus::kDone;
+    if (isDone || step % kEvery == 0) {
+      ASSERT_EQ(countIntersections(simulation.model(), simulation.state()), 0) << simulation.time();
+    }
+    if (isDone) break;
+  }
+  EXPECT_EQ(simulation.script().status(), ScriptStatus::kDone);
+  const double share = static_cast<double>(truncated) / static_cast<double>(moves);
+  EXPECT_LT(share, 0.001);
+  verify_support::record("truncated", share);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, ShippedLayers,
+                         testing::Values("fold_quarters", "fold_towel", "knot", "napkin_ring",
+                                         "pile", "stack", "twist"));
+
 }  // namespace
 }  // namespace cloth_sim
