@@ -13,10 +13,8 @@
 namespace cloth_sim {
 namespace {
 
-/// Share of the faces up to which some are renewed.
-constexpr double kFew = 0.15;
-/// Share of the faces that are renewed, in sum, until all are.
-constexpr double kMostRenewed = 0.7;
+/// Faces that are renewed in sum until all are, over the most at a time.
+constexpr double kMostRenewed = 5.0;
 /// Slots of a segment: a box around their motion bounds how they move against each other.
 constexpr std::int32_t kSegment = 16;
 /// Side of a patch, in cells.
@@ -351,10 +349,10 @@ bool Allowance::isTurnKept(FaceId f) const {
 
 /// Lists the vertices that are not where they may be, and the faces with such a corner or with a
 /// gradient that is not. \return whether these are few; if not, the lists are not complete.
-bool Allowance::findLeft() {
+bool Allowance::findLeft(double few) {
   left_.vertices.clear();
   left_.faces.clear();
-  const auto most = static_cast<std::size_t>(kFew * static_cast<double>(faces_.size()));
+  const auto most = static_cast<std::size_t>(few * static_cast<double>(faces_.size()));
   for (std::size_t v = 0; v < slots_.size(); ++v) {
     if (motions_[v].contains(moved_.at(static_cast<std::size_t>(slots_[v])))) continue;
     left_.vertices.push_back(static_cast<VertexId>(v));
@@ -373,10 +371,11 @@ bool Allowance::findLeft() {
   return left_.faces.size() <= most;
 }
 
-bool Allowance::renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end) {
-  if (!findLeft()) return false;
+bool Allowance::renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end,
+                          double few) {
+  if (!findLeft(few)) return false;
   renewed_ += static_cast<std::int64_t>(left_.faces.size());
-  const double most = kMostRenewed * static_cast<double>(faces_.size());
+  const double most = kMostRenewed * few * static_cast<double>(faces_.size());
   if (static_cast<double>(renewed_) > most) return false;
   const Vec3 before = meanMotion([&](std::size_t v) -> Vec3 { return start[v] - origin_[v]; });
   const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 { return end[v] - start[v]; });

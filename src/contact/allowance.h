@@ -44,8 +44,9 @@ class Allowance {
   /// Whether vertices and gradients are where they may be at the end of a substep.
   bool isKept(const ParticleView& particles);
   /// After `isKept` has said no: renews it for vertices and faces that are not, if they are few.
+  /// \param few  share of all faces up to which they are, in (0, 1]; five times that in sum.
   /// \return whether they are.
-  bool renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end);
+  bool renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end, double few);
 
   /// Positions at the last search, by vertex [m].
   const std::vector<Vec3>& origin() const { return origin_; }
@@ -77,7 +78,7 @@ class Allowance {
             std::int32_t last);
   bool isTurnKept(const Patch& patch) const;
   bool isTurnKept(FaceId f) const;
-  bool findLeft();
+  bool findLeft(double few);
 
   Reach reach_;
   std::vector<Face> faces_;

@@ -260,7 +260,9 @@ void LayerContact::Impl::collect() {
 /// Searches from the start of the substep on: around what has left where it was allowed to be, if
 /// that is little. Before and after, all vertices are loaded.
 void LayerContact::Impl::searchAgain(const ParticleView& particles) {
-  if (isFresh_ && allowance_.renewLeft(start_, end_)) {
+  // The more pairs, the more a search of all has to find again.
+  const double few = near_.size() > faces_.size() ? 0.15 : 0.05;
+  if (isFresh_ && allowance_.renewLeft(start_, end_, few)) {
     searchAround();
   } else {
     search();

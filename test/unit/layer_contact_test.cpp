@@ -418,7 +418,7 @@ TEST(Allowance, IsKeptUntilAVertexOrAGradientLeavesIt) {
     const bool isKept = allowance.isKept(Backwards(end).view());
     EXPECT_EQ(isKept, round % 2 == 0) << round;
     if (!isKept) {
-      ASSERT_TRUE(allowance.renewLeft(end, end));
+      ASSERT_TRUE(allowance.renewLeft(end, end, 0.1));
       const std::vector<FaceId>& faces = allowance.renewed().faces;
       for (const FaceId f : model.mesh.facesAround(static_cast<VertexId>(v))) {
         EXPECT_TRUE(std::binary_search(faces.begin(), faces.end(), f));
