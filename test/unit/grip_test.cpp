@@ -275,8 +275,7 @@ phases:
     timeout: 2
   - name: down
     clamps: {hand: {move_by: [0, 0, -0.03], speed: 0.2}}
-    until: {clamps: at_target}
-    timeout: 2
+    timeout: 0.2
   - name: up
     clamps: {hand: {move_by: [0, 0, 0.03], speed: 0.2}}
     until: {clamps: at_target}
