@@ -336,29 +336,39 @@ void LayerContacts::findTouching(const std::vector<Vec3>& x) {
 }
 
 void LayerContacts::settle(SubstepMotion motion, double h, std::vector<std::uint8_t>& supported) {
+  pending_ = touching_;
+  const auto isSettled = [&](std::uint32_t k) {
+    const Contact& contact = contacts_[k];
+    return isSupported(contact, 0, contact.corners, supported) &&
+           isSupported(contact, contact.corners, 4, supported);
+  };
   constexpr int kMostLevels = 32;
   for (int level = 0; level < kMostLevels; ++level) {
     raised_.clear();
-    for (const std::uint32_t k : touching_) settleOne(contacts_[k], motion, h, supported);
-    for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
+    for (const std::uint32_t k : pending_) settleOne(contacts_[k], motion, h, supported);
+    for (auto k = pending_.rbegin(); k != pending_.rend(); ++k) {
       settleOne(contacts_[*k], motion, h, supported);
     }
     if (raised_.empty()) return;
     for (const VertexId v : raised_) supported[v] = 1;
+    pending_.erase(std::remove_if(pending_.begin(), pending_.end(), isSettled), pending_.end());
   }
+}
+
+/// Whether the vertices [first, last) of a contact that take part in it are supported.
+bool LayerContacts::isSupported(const Contact& contact, int first, int last,
+                                const std::vector<std::uint8_t>& supported) {
+  for (int k = first; k < last; ++k) {
+    if (contact.weight[k] != 0.0 && supported[contact.v[k]] == 0) return false;
+  }
+  return true;
 }
 
 /// Projects a contact with one side that is supported and another that is not.
 void LayerContacts::settleOne(Contact& contact, SubstepMotion motion, double h,
                               const std::vector<std::uint8_t>& supported) {
-  const auto isSupported = [&](int first, int last) {
-    for (int k = first; k < last; ++k) {
-      if (contact.weight[k] != 0.0 && supported[contact.v[k]] == 0) return false;
-    }
-    return true;
-  };
-  const bool first = isSupported(0, contact.corners);
-  if (first == isSupported(contact.corners, 4)) return;
+  const bool first = isSupported(contact, 0, contact.corners, supported);
+  if (first == isSupported(contact, contact.corners, 4, supported)) return;
   const int begin = first ? contact.corners : 0;
   const int end = first ? 4 : contact.corners;
   // The mobility is that of the whole side, also where a part of it is supported: the rest would

@@ -95,6 +95,8 @@ class LayerContacts {
   static bool projectFreely(Contact& contact, SubstepMotion motion, double h);
   static bool projectOne(Contact& contact, SubstepMotion motion, const std::array<double, 4>& share,
                          double mobility, double h);
+  static bool isSupported(const Contact& contact, int first, int last,
+                          const std::vector<std::uint8_t>& supported);
   void settleOne(Contact& contact, SubstepMotion motion, double h,
                  const std::vector<std::uint8_t>& supported);
   Layers layersOf(FaceId f, FaceId g) const;
@@ -119,6 +121,7 @@ class LayerContacts {
   std::vector<Contact> contacts_;
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
+  std::vector<std::uint32_t> pending_;    ///< scratch: contacts that wait for support
   std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
   int sinceRefresh_ = 0;
   std::int32_t refreshes_ = 0;
