@@ -46,7 +46,6 @@ std::string stackAt(double z, int layers, const std::string& more = "") {
 }
 
 // ---- momentum
-// ------------------------------------------------------------------------------------
 
 Vec3 momentumOf(const Simulation& simulation) {
   Vec3 sum = Vec3::Zero();
@@ -118,7 +117,6 @@ TEST(HostileLayers, TheCertificateChangesLittleMomentum) {
 }
 
 // ---- obstacles
-// -----------------------------------------------------------------------------------
 
 /// How deep particles are in an obstacle at most [m].
 double deepestIn(const Simulation& simulation, const std::string& obstacle) {
@@ -174,9 +172,9 @@ TEST(HostileLayers, ABallShotDownOntoAStackOnATableMakesNoIntersection) {
   }
 }
 
-/// A crumpled towel on a table, and a board over it.
-Simulation heap() {
-  Simulation simulation(parseScene(std::string(R"(
+/// A towel that begins to crumple on a table, far below a board.
+Simulation crumpling() {
+  return Simulation(parseScene(std::string(R"(
 cloth:
   size: [0.3, 0.3]
   particles: [17, 17]
@@ -188,7 +186,11 @@ obstacles:
   table: {type: board, size: [1.6, 1.6, 0.05], position: [0.0, 0.0, -0.025]}
   press: {type: board, size: [1.0, 1.0, 0.05], position: [0.0, 0.0, 0.425]}
 )") + kLineXpbd,
-                                   "heap"));
+                               "crumpling"));
+}
+
+Simulation heap() {
+  Simulation simulation = crumpling();
   for (int step = 0; step < 24; ++step) simulation.step();
   return simulation;
 }
@@ -233,7 +235,6 @@ TEST(HostileLayers, ABoardThatFlattensAHeapSinksIntoItWithoutAnIntersection) {
 }
 
 // ---- clamps
-// --------------------------------------------------------------------------------------
 
 TEST(HostileLayers, AClampDrivenIntoATableThroughFourLayersMakesNoIntersection) {
   Simulation simulation(parseScene(stackAt(0.0005, 4) + R"(
@@ -271,22 +272,6 @@ phases:
 }
 
 // ---- saved states
-// --------------------------------------------------------------------------------
-
-/// A towel that crumples.
-Simulation crumpling() {
-  return Simulation(parseScene(std::string(R"(
-cloth:
-  size: [0.3, 0.3]
-  particles: [17, 17]
-  pose: {position: [0.0, 0.0, 0.17], orientation: [0.66, 0.05, 0.02, 0.749]}
-  fabric: cotton
-  thickness: 0.001
-drag: 0.5
-obstacles: {table: {type: board, size: [1.6, 1.6, 0.05], position: [0.0, 0.0, -0.025]}}
-)") + kLineXpbd,
-                               "crumpling"));
-}
 
 std::vector<std::uint64_t> hashesOf(int steps, int threads, bool loadsEveryStep) {
   const ThreadLimit limit(threads);
