@@ -135,7 +135,7 @@ Racers race(const LayersTask& task, const Settings& settings) {
   return racers;
 }
 
-/// What contact between layers adds.
+/// Returns the time that contact between layers adds, as text.
 std::string moreText(const Racer& racer, const Racer& without) {
   if (&racer == &without) return "";
   char text[64];

@@ -31,7 +31,7 @@ void forAll(std::size_t count, std::int32_t grain, const Body& body) {
   });
 }
 
-/// Some consecutive slots, and what is known of their motion since a search.
+/// Motion of consecutive slots since a search.
 struct SegmentMotion {
   ConstAxes x;     ///< positions [m]
   ConstAxes from;  ///< positions at the search [m]
@@ -229,11 +229,11 @@ void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& e
 }
 
 void Allowance::follow(const ParticleView& particles) {
-  for (std::size_t v = 0; v < slots_.size(); ++v) {
-    const auto slot = static_cast<std::int32_t>(slotOf(particles, v));
+  for (VertexId v = 0; v < static_cast<VertexId>(slots_.size()); ++v) {
+    const std::int32_t slot = particles.slot(v);
     if (slot != slots_[v]) hasSegments_ = false;
     slots_[v] = slot;
-    setSlot(static_cast<VertexId>(v));
+    setSlot(v);
   }
   if (!hasSegments_) listSegments();
   for (Patch& patch : patches_) {
@@ -271,10 +271,8 @@ void Allowance::setSlot(VertexId v) {
 }
 
 bool Allowance::isKept(const ParticleView& particles) {
-  const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 {
-    const auto k = static_cast<std::size_t>(slots_[v]);
-    return Vec3(particles.x[k], particles.y[k], particles.z[k]) - origin_[v];
-  });
+  const Vec3 common =
+      meanMotion([&](std::size_t v) -> Vec3 { return particles.at(slots_[v]) - origin_[v]; });
   std::atomic<bool> kept{true};
   parallelFor(static_cast<std::int32_t>(segments_.size()), kSegmentGrain,
               [&](std::int32_t first, std::int32_t last) {
@@ -308,8 +306,9 @@ bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int
   }
   if (whole == last) return kept;
   segments_[whole] = Box();
-  for (auto k = static_cast<std::size_t>(whole * kSegment); k < slots_.size(); ++k) {
-    const Vec3 moved = Vec3(particles.x[k], particles.y[k], particles.z[k]) - from_.at(k) - common;
+  for (std::int32_t slot = whole * kSegment; slot < slots; ++slot) {
+    const auto k = static_cast<std::size_t>(slot);
+    const Vec3 moved = particles.at(slot) - from_.at(k) - common;
     moved_.set(k, moved);
     segments_[whole].add({moved, moved});
     kept = kept && Box{low_.at(k), high_.at(k)}.contains(moved);

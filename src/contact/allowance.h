@@ -11,12 +11,7 @@
 
 namespace cloth_sim {
 
-/// The slot of a vertex in the arrays of particles.
-inline std::size_t slotOf(const ParticleView& particles, std::size_t vertex) {
-  return particles.slotOf != nullptr ? static_cast<std::size_t>(particles.slotOf[vertex]) : vertex;
-}
-
-/// What a search allows for.
+/// Motion and turn that a search allows for.
 struct Reach {
   double substeps = 0.0;     ///< at the speed of the present one
   double leastMotion = 0.0;  ///< [m]
@@ -54,7 +49,7 @@ class Allowance {
   const std::vector<Box>& motions() const { return motions_; }
   /// Gradients that faces may have, by face.
   const std::vector<GradientBall>& gradients() const { return balls_; }
-  /// Those that `renewLeft` has renewed.
+  /// Vertices and faces that `renewLeft` has renewed.
   const Renewed& renewed() const { return left_; }
 
  private:

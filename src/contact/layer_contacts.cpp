@@ -66,12 +66,17 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
 }
 
 void LayerContacts::clear() {
-  candidates_.clear();
+  clearCandidates();
   contacts_.clear();
   touching_.clear();
-  sinceRefresh_ = 0;
-  std::fill(travel_.begin(), travel_.end(), 0.0);
   active_ = 0;
+}
+
+void LayerContacts::clearCandidates() {
+  candidates_.clear();
+  std::fill(travel_.begin(), travel_.end(), 0.0);
+  sinceRefresh_ = 0;
+  refreshes_ = 0;
 }
 
 LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
@@ -81,8 +86,8 @@ LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
 }
 
 /// Lists what may come into contact of a pair of faces. A vertex takes part as a corner of its
-/// first face, an edge as a side of its first face; so no contact is listed twice. \param isKnown
-/// whether only contacts of vertices with the mark `isMoved_` are missing.
+/// first face, an edge as a side of its first face; so no contact is listed twice.
+/// \param isKnown  whether only contacts of vertices with the mark `isMoved_` are missing.
 void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes) {
   const Face& f = faces_[ids.first];
   const Face& g = faces_[ids.second];
@@ -121,10 +126,7 @@ void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<
 
 void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
   // The contacts of the last substep stay, for whoever asks, until the next one refreshes them.
-  candidates_.clear();
-  refreshes_ = 0;
-  std::fill(travel_.begin(), travel_.end(), 0.0);
-  sinceRefresh_ = 0;
+  clearCandidates();
   extend(near, 0, Renewed(), boxes);
 }
 
@@ -231,8 +233,10 @@ void LayerContacts::findClosest(const std::vector<Vec3>& x) {
       candidate.found = travel;
       candidate.due = travel + closest.apart - candidate.layers.thickness;
       candidate.place = -1;
-      if (!holds) closest_.pop_back();
-      if (!holds) continue;
+      if (!holds) {
+        closest_.pop_back();
+        continue;
+      }
     }
     candidate.place = static_cast<std::int32_t>(closest_.size()) - 1;
   }

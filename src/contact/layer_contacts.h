@@ -83,6 +83,7 @@ class LayerContacts {
     bool isInside = false;  ///< inside the face, or inside both edges
   };
 
+  void clearCandidates();
   void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
   static Vec3 commonMotion(SubstepMotion motion);
   void refresh(const std::vector<Vec3>& x);
@@ -123,8 +124,8 @@ class LayerContacts {
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
   std::vector<std::uint32_t> pending_;    ///< scratch: contacts that wait for support
   std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
-  int sinceRefresh_ = 0;
-  std::int32_t refreshes_ = 0;
+  int sinceRefresh_ = 0;                  ///< substeps since closest points were found first
+  std::int32_t refreshes_ = 0;            ///< how often they were found since `assign`
   int active_ = 0;
   double substep_ = 0.0;  ///< length of the last substep [s]
 };

@@ -21,16 +21,12 @@ constexpr Reach kFar{16.0, 1.5e-3, 8e-3, 0.35};
 constexpr Reach kNear{4.0, 4e-4, 5e-3, 0.2};
 /// Share of the number of faces that there are pairs of where cloth is near itself.
 constexpr double kNearShare = 1.0 / 64.0;
+/// Share of the faces around which is searched at a time, before all are; and where there are more
+/// pairs than faces, because a search of all has more to find again then.
+constexpr double kFew = 0.05;
+constexpr double kFewOfMany = 0.15;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
-
-Vec3 startOf(const ParticleView& particles, std::size_t slot) {
-  return {particles.startX[slot], particles.startY[slot], particles.startZ[slot]};
-}
-
-Vec3 endOf(const ParticleView& particles, std::size_t slot) {
-  return {particles.x[slot], particles.y[slot], particles.z[slot]};
-}
 
 }  // namespace
 
@@ -144,9 +140,9 @@ void LayerContact::Impl::beginStep() {
 
 void LayerContact::Impl::load(const ParticleView& particles) {
   for (const VertexId v : vertices_) {
-    const auto k = slotOf(particles, v);
-    start_[v] = startOf(particles, k);
-    end_[v] = endOf(particles, k);
+    const std::int32_t k = particles.slot(v);
+    start_[v] = particles.startAt(k);
+    end_[v] = particles.at(k);
     mass_[v] = particles.mass[k];
     supported_[v] = mass_[v] == 0.0 ? 1 : 0;
   }
@@ -155,7 +151,7 @@ void LayerContact::Impl::load(const ParticleView& particles) {
 /// Loads the ends of a substep, and marks vertices that were moved since they were stored.
 void LayerContact::Impl::loadSupported(const ParticleView& particles) {
   for (const VertexId v : vertices_) {
-    const Vec3 moved = endOf(particles, slotOf(particles, v));
+    const Vec3 moved = particles.at(particles.slot(v));
     if (moved != end_[v]) supported_[v] = 1;
     end_[v] = moved;
   }
@@ -168,12 +164,12 @@ void LayerContact::Impl::loadAll(const ParticleView& particles) {
 }
 
 void LayerContact::Impl::loadEnd(const ParticleView& particles) {
-  for (const VertexId v : vertices_) end_[v] = endOf(particles, slotOf(particles, v));
+  for (const VertexId v : vertices_) end_[v] = particles.at(particles.slot(v));
 }
 
 void LayerContact::Impl::store(const ParticleView& particles) const {
   for (const VertexId v : vertices_) {
-    const auto k = slotOf(particles, v);
+    const std::int32_t k = particles.slot(v);
     particles.x[k] = end_[v].x();
     particles.y[k] = end_[v].y();
     particles.z[k] = end_[v].z();
@@ -260,8 +256,7 @@ void LayerContact::Impl::collect() {
 /// Searches from the start of the substep on: around what has left where it was allowed to be, if
 /// that is little. Before and after, all vertices are loaded.
 void LayerContact::Impl::searchAgain(const ParticleView& particles) {
-  // The more pairs, the more a search of all has to find again.
-  const double few = near_.size() > faces_.size() ? 0.15 : 0.05;
+  const double few = near_.size() > faces_.size() ? kFewOfMany : kFew;
   if (isFresh_ && allowance_.renewLeft(start_, end_, few)) {
     searchAround();
   } else {

@@ -91,9 +91,9 @@ Vec3 projectRange(const Geometry& solid, const ColliderSubstep& substep, const V
   SweepHit hit;
   const std::optional<LevelTop> top = solid.levelTop();
   for (; vertex != end; ++vertex) {
-    const std::int32_t i = p.slotOf ? p.slotOf[*vertex] : *vertex;
+    const std::int32_t i = p.slot(*vertex);
     if (top && p.mass[i] != 0.0 && stopAtTop(*top, substep, p, i, moment)) continue;
-    const Vec3 anchor = Vec3(p.startX[i], p.startY[i], p.startZ[i]) + substep.carry;
+    const Vec3 anchor = p.startAt(i) + substep.carry;
     const bool prescribed = p.mass[i] == 0.0;
     const double rise = prescribed ? kNoLimit : substep.rise;
     for (int hits = 0; hits < Geometry::kMaxHits; ++hits) {

@@ -24,6 +24,10 @@ struct ParticleView {
   /// friction and gives no impulse.
   const double* mass = nullptr;
   const std::int32_t* slotOf = nullptr;  ///< slot by vertex; nullptr: slot and vertex are the same
+
+  std::int32_t slot(VertexId vertex) const { return slotOf != nullptr ? slotOf[vertex] : vertex; }
+  Vec3 at(std::int32_t slot) const { return {x[slot], y[slot], z[slot]}; }
+  Vec3 startAt(std::int32_t slot) const { return {startX[slot], startY[slot], startZ[slot]}; }
 };
 
 /// The particles of one cloth that can touch one collider during one step.

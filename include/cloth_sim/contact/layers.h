@@ -20,7 +20,7 @@ struct LayerProperties {
 struct LayerReport {
   int pairs = 0;               ///< pairs of faces near each other at the end
   int contacts = 0;            ///< contacts that carried load in the last substep
-  int detections = 0;          ///< searches for pairs
+  int detections = 0;          ///< searches of all faces for pairs
   std::int64_t truncated = 0;  ///< motions of vertices that were shortened, over all substeps
   std::int64_t moves = 0;      ///< motions of vertices, over all substeps
   std::int64_t unproven = 0;   ///< pairs that touched or intersected at the start of a substep
@@ -54,11 +54,12 @@ struct LayerOverlap {
 /// Keeps layers of cloth a thickness apart, with friction, and certifies that no two faces
 /// intersect at the end of any substep or on the way there.
 ///
-/// Faces are searched for pairs near each other at the start of a step, and again when a vertex has
-/// left the box, or a face the ball of gradients, that the search allowed it (material_tree.h). In
-/// each substep pairs nearer than the thickness are projected apart, then once more from what
-/// supports them upwards (layer_contacts.h); at its end the motion of vertices is shortened where
-/// two faces would lose the plane between them (face_pairs.h). docs/layers.md has the proof.
+/// Faces are searched for pairs near each other at the start of a step (material_tree.h), and
+/// around vertices and faces that leave the boxes and balls of gradients that it allowed
+/// (allowance.h). In each substep pairs nearer than the thickness are projected apart, then once
+/// more from what supports them upwards (layer_contacts.h); at its end the motion of vertices is
+/// shortened where two faces would lose the plane between them (face_pairs.h). docs/layers.md has
+/// the proof.
 ///
 /// It keeps no memory from one step to the next.
 class LayerContact {
