@@ -1,5 +1,6 @@
 #include "cloth_sim/scene/load.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -121,6 +122,34 @@ void checkLayers(const SceneNode& root, const Scene& scene) {
   }
 }
 
+/// Whether the scene says how far springs stretch before they fail.
+bool givesRatio(const Scene& scene) {
+  const auto has = [](const PhaseSpec& phase) { return phase.ratio.has_value(); };
+  return scene.tearing.ratio != infiniteRatios() ||
+         std::any_of(scene.phases.begin(), scene.phases.end(), has);
+}
+
+/// Chooses the criterion by which the cloths tear: the stretch of springs if the scene gives
+/// ratios, otherwise the energy of the fabrics that have one. Refuses a scene that gives both.
+void chooseTearing(const SceneNode& root, Scene& scene) {
+  if (!root.has("tearing")) return;
+  if (!givesRatio(scene)) {
+    const auto isKnown = [](const ClothSpec& cloth) { return cloth.fabric.tearEnergy.isKnown(); };
+    if (std::none_of(scene.cloths.begin(), scene.cloths.end(), isKnown)) return;
+    for (const ClothSpec& cloth : scene.cloths) {
+      scene.tearing.energy.push_back(cloth.fabric.tearEnergy);
+    }
+    return;
+  }
+  const SceneNode node = root.need("cloth", "a map");
+  for (const SceneNode& cloth : node.isList() ? node.list("a list of maps")
+                                              : std::vector<SceneNode>{node}) {
+    const auto fabric = cloth.find("fabric");
+    const auto energy = fabric && fabric->isMap() ? fabric->find("tear_energy") : std::nullopt;
+    if (energy) energy->refuse("expected either an energy or a tearing.ratio, not both");
+  }
+}
+
 /// Returns the scene as it runs here, as YAML. It names the method that `auto` chose, because
 /// another machine may choose another one.
 std::string textOf(const Scene& scene, YamlValue tree) {
@@ -167,6 +196,7 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   resolve(root, scene);
   checkFeatures(root, scene);
   checkLayers(root, scene);
+  chooseTearing(root, scene);
   scene.text = textOf(scene, tree);
   return scene;
 }

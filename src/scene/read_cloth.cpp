@@ -81,6 +81,19 @@ Fabric preset(const SceneNode& node) {
   }
 }
 
+const KeyTable kTearEnergyKeys{"`cloth.fabric.tear_energy`", {"warp", "weft"}};
+
+/// Reads one energy for both directions, or a map.
+TearEnergy readTearEnergy(const SceneNode& node) {
+  if (!node.isMap()) {
+    const double both = node.number(kPositive);
+    return {both, both};
+  }
+  node.expectKeys(kTearEnergyKeys.names);
+  return {node.need("warp", kPositive.text()).number(kPositive),
+          node.need("weft", kPositive.text()).number(kPositive)};
+}
+
 const Section<Fabric> kFabricSection{"`cloth.fabric`",
                                      {{"preset"},
                                       {"areal_density", &Fabric::arealDensity, kPositive},
@@ -90,7 +103,10 @@ const Section<Fabric> kFabricSection{"`cloth.fabric`",
                                       {"bending", &Fabric::bending, kNotNegative},
                                       {"damping", &Fabric::damping, kNotNegative},
                                       {"friction", &Fabric::friction, kNotNegative},
-                                      {"thickness", &Fabric::thickness, kNotNegative}}};
+                                      {"thickness", &Fabric::thickness, kNotNegative},
+                                      {"tear_energy", [](const SceneNode& value, Fabric& fabric) {
+                                         fabric.tearEnergy = readTearEnergy(value);
+                                       }}}};
 
 Fabric readFabric(const SceneNode& node) {
   if (node.isScalar()) return preset(node);
@@ -293,6 +309,7 @@ void readCloths(const SceneNode& node, Scene& scene) {
 void listClothKeys(std::vector<KeyTable>& tables) {
   tables.push_back(kClothSection.keys());
   tables.push_back(kFabricSection.keys());
+  tables.push_back(kTearEnergyKeys);
   tables.push_back(kRawSpringsSection.keys());
 }
 

@@ -30,17 +30,6 @@ double angleAround(const TriangleMesh& mesh, VertexId v) {
   return sum;
 }
 
-/// Returns the direction in which a tear continues: opposite to the mean of its two border edges at
-/// the tip.
-Vec2 awayFromTear(const TriangleMesh& mesh, VertexId tip) {
-  Vec2 back = Vec2::Zero();
-  for (VertexId w : mesh.neighbours(tip)) {
-    if (mesh.facesOnEdge(tip, w)[1] != kNone) continue;
-    back += (mesh.material(w) - mesh.material(tip)).normalized();
-  }
-  return -back;
-}
-
 /// Returns whether a path over the faces around `v` runs through their interior or along an inner
 /// edge anywhere, and not only along the border.
 bool runsInside(const TriangleMesh& mesh, VertexId v, const SurfacePath& path) {
@@ -147,6 +136,16 @@ bool isTip(const TriangleMesh& mesh, VertexId v) {
   return mesh.isBoundary(v) && angleAround(mesh, v) > 1.5 * M_PI + kSame;
 }
 
+Vec2 directionAhead(const TriangleMesh& mesh, VertexId tip) {
+  Vec2 back = Vec2::Zero();
+  for (VertexId w : mesh.neighbours(tip)) {
+    if (mesh.facesOnEdge(tip, w)[1] != kNone) continue;
+    back += (mesh.material(w) - mesh.material(tip)).normalized();
+  }
+  const double length = back.norm();
+  return length > 0.0 ? Vec2(-back / length) : Vec2(Vec2::Zero());
+}
+
 VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces) {
   VertexId best = kNone;
   double most = 0.0;
@@ -235,7 +234,7 @@ std::optional<SurfacePath> seamFrom(const TriangleMesh& mesh, VertexId v,
   if (!path || !runsInside(mesh, v, *path)) return std::nullopt;
   if (!isTip(mesh, v)) return path;
   // Keep only the points ahead of the tip, and let the path start at the tip.
-  const Vec2 onwards = awayFromTear(mesh, v);
+  const Vec2 onwards = directionAhead(mesh, v);
   const auto isAhead = [&](const SurfacePoint& p) {
     const Vec2 d = p.material - mesh.material(v);
     return d.norm() > kSame && d.dot(onwards) > 0.0;
@@ -268,7 +267,7 @@ std::optional<SurfacePath> lineThrough(const TriangleMesh& mesh, const std::vect
 std::optional<SurfacePath> rayFrom(const TriangleMesh& mesh, VertexId origin, const Vec2& direction,
                                    const Vec2& ahead) {
   const Vec2& from = mesh.material(origin);
-  const Vec2 onwards = isTip(mesh, origin) ? awayFromTear(mesh, origin) : Vec2(ahead - from);
+  const Vec2 onwards = isTip(mesh, origin) ? directionAhead(mesh, origin) : Vec2(ahead - from);
   // Try the direction that leads onwards first, then the other.
   const double sign = direction.dot(onwards) >= 0.0 ? 1.0 : -1.0;
   for (const Vec2& d : {Vec2(sign * direction), Vec2(-sign * direction)}) {

@@ -16,6 +16,10 @@ std::vector<FaceId> facesUnder(const TriangleMesh& mesh, const Spring& spring);
 /// more than 270 degrees.
 bool isTip(const TriangleMesh& mesh, VertexId v);
 
+/// Returns the direction in which a tear continues straight on from its tip, material coordinates:
+/// opposite to the mean of its two border edges there. Unit length, or zero where these oppose.
+Vec2 directionAhead(const TriangleMesh& mesh, VertexId tip);
+
 /// Returns the border vertex of `faces` at which a tear begins: the one with the largest sum of
 /// angles; kNone if none is on the border.
 VertexId borderVertex(const TriangleMesh& mesh, const std::vector<FaceId>& faces);

@@ -1,7 +1,9 @@
 #include "cloth_sim/surgery/tearing.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "energy_release.h"
 #include "mesh/quality.h"
 #include "tear_line.h"
 
@@ -17,10 +19,17 @@ constexpr double kUnloadedReach = 12.0;
 constexpr double kMemory = 1.0;
 /// Time from which the ends of cuts may advance: any [s].
 constexpr double kLongAgo = -1e9;
+/// Time from which a tip may advance where nothing opened.
+constexpr double kNeverReady = std::numeric_limits<double>::infinity();
 /// Strain over failure strain from which on a spring is monitored, as it may fail within a step.
 /// The stress ahead of a tip falls with the square root of the distance, so this covers about four
 /// edges ahead.
 constexpr double kMonitoredLoad = 0.5;
+/// Load of a tip below which its strain tells nothing about how it grows.
+constexpr double kSlightLoad = 0.02;
+/// Least factor by which the strain at a tip grows between two looks at its load: a tip advances at
+/// most so much too late.
+constexpr double kLeastGrowth = 1.01;
 /// An edit that changes more than one in so many springs fills the monitor again.
 constexpr std::size_t kLocalEdit = 8;
 
@@ -60,6 +69,24 @@ double longestEdgeOf(const TriangleMesh& mesh, const std::vector<FaceId>& faces)
   return longest;
 }
 
+/// Returns the most strained spring that ends at a vertex or beside it; one that does not exist if
+/// there is none.
+Spring mostStrained(const Model& model, const State& state, VertexId v) {
+  std::vector<VertexId> around = model.mesh.neighbours(v);
+  around.push_back(v);
+  std::sort(around.begin(), around.end());
+  Spring most;
+  double strain = -1.0;
+  for (const std::int32_t slot : model.springs.springsOnAny(around)) {
+    const Spring spring = model.springs[slot];
+    const double here = stretch(spring, state) - 1.0;
+    if (here <= strain) continue;
+    most = spring;
+    strain = here;
+  }
+  return most;
+}
+
 }  // namespace
 
 /// An overloaded spring and its surroundings.
@@ -69,6 +96,12 @@ struct Tearing::OverloadedSpring {
   Vec2 middle;                ///< its midpoint, material coordinates [m]
   double edge;                ///< longest edge of the faces [m]
   VertexId tip;               ///< the tip within reach, or kNone
+};
+
+/// A tip, and the advance that it is driven to.
+struct Tearing::TipLoad {
+  VertexId tip;
+  TearAdvance advance;
 };
 
 Tearing::Tearing(TearingSettings settings, const Model& model) : settings_(std::move(settings)) {
@@ -177,12 +210,31 @@ std::vector<Tearing::Overload> Tearing::findOverloads(const Model& model, const 
 void Tearing::listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits) {
   limits.clear();
   if (!settings_.enabled) return;
+  if (isByEnergy()) return listTipLimits(model, state, limits);
   fillMonitor(model);
   for (const std::int32_t k : monitor_.find(state.x)) {
     const std::int32_t slot = monitoredSlot(static_cast<std::size_t>(k));
     if (ineffective_.count(slot) != 0) continue;
     const Spring& spring = model.springs[slot];
     limits.push_back({spring.a, spring.b, ratioOf(spring) * spring.restLength});
+  }
+}
+
+/// Lists for each tip the length of the most strained spring at which the load of the tip may reach
+/// 1. It grows with the square of that strain at most, so a step that ends there is not too late.
+void Tearing::listTipLimits(const Model& model, const State& state,
+                            std::vector<LengthLimit>& limits) const {
+  for (const TipLoad& at : tipLoads(model, state)) {
+    if (std::isinf(tips_.at(at.tip))) continue;
+    const Spring spring = mostStrained(model, state, at.tip);
+    if (!spring.exists()) continue;
+    const double strain = std::max(0.0, stretch(spring, state) - 1.0);
+    const double growth = std::max(kLeastGrowth, 1.0 / std::sqrt(std::max(at.advance.load, kSlightLoad)));
+    const TearEnergy& energy = settings_.energy[model.clothOf(at.tip)];
+    const double slight = std::sqrt(2.0 * kSlightLoad * std::min(energy.warp, energy.weft) /
+                                    (spring.stiffness * spring.restLength));
+    limits.push_back({spring.a, spring.b,
+                      spring.restLength * (1.0 + std::max(slight, growth * strain))});
   }
 }
 
@@ -194,6 +246,11 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
   plannedAt_ = state.t;
   if (!settings_.enabled) return plan;
   forgetOld(model.mesh, state.t);
+  isByEnergy() ? planByEnergy(model, state, dt, plan) : planByStretch(model, state, dt, plan);
+  return plan;
+}
+
+void Tearing::planByStretch(const Model& model, const State& state, double dt, CutPlan& plan) {
   std::vector<Vec2> begun;  // start points of the advances of this plan
   for (const Overload& overload : findOverloads(model, state)) {
     if (ineffective_.count(overload.slot) != 0) continue;
@@ -210,12 +267,49 @@ CutPlan Tearing::plan(const Model& model, const State& state, double dt) {
     if (!line) continue;
     const double ready = at.tip == kNone ? 0.0 : tips_.at(at.tip);
     advances_.push_back(
-        {std::max(ready, state.t - dt), lengthOf(*line), overload.slot, materialOf(*line)});
+        {std::max(ready, state.t - dt), lengthOf(*line), overload.slot, at.tip, materialOf(*line)});
     begun.push_back(at.tip == kNone ? at.middle : model.mesh.material(at.tip));
     plan.paths.push_back(std::move(*line));
   }
   std::sort(plan.overloaded.begin(), plan.overloaded.end());
-  return plan;
+}
+
+/// Lets the tips advance that release enough energy, most loaded first (then by number).
+void Tearing::planByEnergy(const Model& model, const State& state, double dt, CutPlan& plan) {
+  worst_ = 0.0;
+  for (const TipLoad& at : tipLoads(model, state)) {
+    if (std::isinf(tips_.at(at.tip))) continue;
+    worst_ = std::max(worst_, at.advance.load);
+    if (at.advance.load < 1.0 || tips_.at(at.tip) > state.t) continue;
+    std::optional<SurfacePath> line = lineFrom(model.mesh, at);
+    if (!line) continue;
+    const double start = std::max(tips_.at(at.tip), state.t - dt);
+    advances_.push_back({start, lengthOf(*line), kNone, at.tip, materialOf(*line)});
+    plan.paths.push_back(std::move(*line));
+  }
+}
+
+std::vector<Tearing::TipLoad> Tearing::tipLoads(const Model& model, const State& state) const {
+  std::vector<TipLoad> loads;
+  for (const auto& [tip, ready] : tips_) {
+    if (!isTip(model.mesh, tip)) continue;
+    const TearEnergy& energy = settings_.energy[model.clothOf(tip)];
+    if (!energy.isKnown()) continue;
+    const Vec2 force = materialForce(model, state, tip);
+    const Vec2 ahead = directionAhead(model.mesh, tip);
+    const TearAdvance onSeam{ahead, force.dot(ahead) / energy.along(ahead)};
+    loads.push_back({tip, settings_.seam ? onSeam : mostDrivenAdvance(force, energy)});
+  }
+  std::sort(loads.begin(), loads.end(), [](const TipLoad& p, const TipLoad& q) {
+    return p.advance.load != q.advance.load ? p.advance.load > q.advance.load : p.tip < q.tip;
+  });
+  return loads;
+}
+
+/// Returns the line along which a tip advances: on the seam, if there is one.
+std::optional<SurfacePath> Tearing::lineFrom(const TriangleMesh& mesh, const TipLoad& at) const {
+  if (settings_.seam) return seamFrom(mesh, at.tip, settings_.seam->path);
+  return rayFrom(mesh, at.tip, at.advance.direction, mesh.material(at.tip) + at.advance.direction);
 }
 
 /// Returns the line along which the surface opens for an overloaded spring now, if it does.
@@ -306,13 +400,16 @@ void Tearing::shiftTime(double by) {
 
 void Tearing::noteOpened(const SurgeryResult& result) {
   if (result.changes.mesh.empty()) {
-    for (const Advance& advance : advances_) ineffective_.insert(advance.slot);
+    for (const Advance& advance : advances_) {
+      if (advance.slot != kNone) ineffective_.insert(advance.slot);
+    }
   }
   for (std::size_t k = 0; k < advances_.size(); ++k) {
     const Advance& advance = advances_[k];
     for (const Vec2& point : advance.points) recent_.push_back({point, plannedAt_});
     const double ready = advance.start + advance.length / settings_.tipSpeed;
     for (VertexId tip : {result.tips[2 * k], result.tips[2 * k + 1]}) tips_[tip] = ready;
+    if (isByEnergy() && result.changes.mesh.empty()) tips_[advance.tip] = kNeverReady;
   }
 }
 

@@ -4,7 +4,24 @@
 #include <string>
 #include <vector>
 
+#include "cloth_sim/types.h"
+
 namespace cloth_sim {
+
+/// Energy that a tear takes per length by which it advances (the fracture energy of Griffith). A
+/// trouser tear of inextensible legs then needs half of it as its force.
+struct TearEnergy {
+  double warp = 0.0;  ///< of tears along v, which break warp threads [J/m], >= 0; 0: not known
+  double weft = 0.0;  ///< of tears along u, which break weft threads [J/m], >= 0; 0: not known
+
+  bool isKnown() const { return warp > 0.0 && weft > 0.0; }
+  /// Returns the energy per length of a tear in any direction [J/m]: that of warp and weft, weighted
+  /// by the squares of its components, so equal values are isotropic.
+  /// \param direction  of the tear, material coordinates, unit length.
+  double along(const Vec2& direction) const {
+    return warp * direction.y() * direction.y() + weft * direction.x() * direction.x();
+  }
+};
 
 /// Parameters of a woven or knitted fabric, modelled as a linear orthotropic membrane with bending
 /// and Kelvin-Voigt damping. Defaults are those of the preset "cotton".
@@ -19,6 +36,7 @@ struct Fabric {
   double friction = 0.3;         ///< Coulomb coefficient where an obstacle names none, >= 0
   double thickness = 0.18e-3;    ///< [m]; particles rest half of it above a surface, >= 0
   std::string source;            ///< reference for the values
+  TearEnergy tearEnergy{};       ///< that tears take, where they are decided by energy
 };
 
 /// Returns the names of the built-in fabrics, sorted.

@@ -34,18 +34,26 @@ inline TearRatios infiniteRatios() {
 struct TearingSettings {
   bool enabled = false;
   TearRatios ratio = infiniteRatios();
+  /// Energies by cloth. With any, tears advance from tips where that pays, and no spring fails for
+  /// its stretch; empty: springs fail by their ratios.
+  std::vector<TearEnergy> energy;
   std::optional<Seam> seam;             ///< absent: the cloth may tear everywhere
   double tipSpeed = 5.0;                ///< largest speed of a tear through the material [m/s], > 0
   std::optional<Refinement> refineTip;  ///< around the next advance of a tear
 };
 
-/// Finds overloaded springs, and for each the line along which the surface opens.
+/// Finds where cloth tears, and the line along which the surface opens there. There are two
+/// criteria: the stretch of springs, or the energy that the advance of a tip releases.
 ///
 /// A spring that crosses the seam opens the seam across the faces that the spring represents. Any
 /// other spring lets the nearest tip within three edges advance. If there is no tip, a new tear
 /// begins at the border or at the midpoint of the spring, unless it is near a tear that has just
 /// advanced and will unload it. A tear advances across the faces around its tip, at right angles to
 /// the direction of largest tension there, whatever the directions of the mesh.
+///
+/// By energy, a tip advances when the energy release rate there (see materialForce) reaches the
+/// energy of the fabric in the direction of the tear (Griffith 1921). Force and time then do not
+/// depend on the mesh. Tears begin only at the ends of cuts.
 ///
 /// A tip advances at `tipSpeed` at most and carries the unused part of a step over to the next. The
 /// stress at a tip should not be older than the time in which the tip crosses an edge, so steps
@@ -58,14 +66,17 @@ class Tearing {
   void setEnabled(bool enabled) { settings_.enabled = enabled; }
   void setRatio(const TearRatios& ratio);
 
-  /// Lists the failure lengths of the springs that bear more than half of their failure strain.
-  /// When a spring exceeds one of them, call `plan`.
+  /// Lists the failure lengths of the springs that bear more than half of their failure strain; by
+  /// energy, lengths at which a tip may come near its limit. When a spring exceeds one of them, call
+  /// `plan`.
   /// \param limits  replaced by the list.
   void listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits);
 
   /// Whether the last plan found a spring beyond its limit that has not failed yet, because it
   /// waits for a tip or is near a tear that has just advanced.
   bool isOverloaded() const { return settings_.enabled && worst_ > 1.0; }
+  /// Whether tears are decided by energy.
+  bool isByEnergy() const { return !settings_.energy.empty(); }
 
   /// Plans the next advances, most overloaded springs first (by stretch over limit, then by slot),
   /// with at most one line near each tip. After the cut and `noteOpened`, call it again until it
@@ -93,12 +104,13 @@ class Tearing {
   struct Advance {
     double start = 0.0;         ///< time at which the tip leaves [s]
     double length = 0.0;        ///< of the line [m]
-    std::int32_t slot = kNone;  ///< of the overloaded spring
+    std::int32_t slot = kNone;  ///< of the overloaded spring; kNone by energy
+    VertexId tip = kNone;       ///< that advances, if any
     std::vector<Vec2> points;   ///< corners of the line, material coordinates [m]
 
     template <class Archive>
     void serialize(Archive& archive) {
-      archive(start, length, slot, points);
+      archive(start, length, slot, tip, points);
     }
   };
   /// A point through which a tear has run recently.
@@ -116,6 +128,7 @@ class Tearing {
     std::int32_t slot = kNone;
   };
   struct OverloadedSpring;
+  struct TipLoad;
 
   friend class cereal::access;
   /// Archives what commands, steps and edits change; the rest follows from that and from the scene.
@@ -140,6 +153,12 @@ class Tearing {
   void monitorFrom(std::size_t first, const Model& model);
   std::vector<Overload> findOverloads(const Model& model, const State& state);
   bool isInBand(const TriangleMesh& mesh, const Spring& spring) const;
+  void planByStretch(const Model& model, const State& state, double dt, CutPlan& plan);
+  void planByEnergy(const Model& model, const State& state, double dt, CutPlan& plan);
+  void listTipLimits(const Model& model, const State& state,
+                     std::vector<LengthLimit>& limits) const;
+  std::vector<TipLoad> tipLoads(const Model& model, const State& state) const;
+  std::optional<SurfacePath> lineFrom(const TriangleMesh& mesh, const TipLoad& at) const;
   std::optional<SurfacePath> planLine(const Model& model, const State& state,
                                       const OverloadedSpring& at) const;
   std::optional<SurfacePath> seamLine(const TriangleMesh& mesh, const OverloadedSpring& at) const;

@@ -21,6 +21,10 @@ struct SetTearing {
     return "";
   }
   CommandResult apply(SimulationParts& parts) const {
+    const Tearing& tearing = parts.surgery.tearing();
+    if (tearing.isByEnergy() && ratio != tearing.settings().ratio) {
+      return refuse("tear ratio: this scene tears by the energy of its fabric");
+    }
     parts.surgery.tearing().setEnabled(enabled);
     parts.surgery.tearing().setRatio(ratio);
     return done();
