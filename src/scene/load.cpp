@@ -129,24 +129,33 @@ bool givesRatio(const Scene& scene) {
          std::any_of(scene.phases.begin(), scene.phases.end(), has);
 }
 
-/// Chooses the criterion by which the cloths tear: the stretch of springs if the scene gives
-/// ratios, otherwise the energy of the fabrics that have one. Refuses a scene that gives both.
-void chooseTearing(const SceneNode& root, Scene& scene) {
-  if (!root.has("tearing")) return;
-  if (!givesRatio(scene)) {
-    const auto isKnown = [](const ClothSpec& cloth) { return cloth.fabric.tearEnergy.isKnown(); };
-    if (std::none_of(scene.cloths.begin(), scene.cloths.end(), isKnown)) return;
-    for (const ClothSpec& cloth : scene.cloths) {
-      scene.tearing.energy.push_back(cloth.fabric.tearEnergy);
-    }
-    return;
-  }
+/// Refuses tear energies in a scene that gives ratios.
+void refuseTearEnergies(const SceneNode& root) {
   const SceneNode node = root.need("cloth", "a map");
-  for (const SceneNode& cloth : node.isList() ? node.list("a list of maps")
-                                              : std::vector<SceneNode>{node}) {
+  const std::vector<SceneNode> cloths =
+      node.isList() ? node.list("a list of maps") : std::vector<SceneNode>{node};
+  for (const SceneNode& cloth : cloths) {
     const auto fabric = cloth.find("fabric");
     const auto energy = fabric && fabric->isMap() ? fabric->find("tear_energy") : std::nullopt;
-    if (energy) energy->refuse("expected either an energy or a tearing.ratio, not both");
+    if (energy) energy->refuse("expected either this or a tearing.ratio, not both");
+  }
+}
+
+/// Chooses the criterion by which the cloths tear: the stretch of springs if the scene gives
+/// ratios, otherwise the energies of the fabrics that have one.
+void chooseTearing(const SceneNode& root, Scene& scene) {
+  const auto tearing = root.find("tearing");
+  if (!tearing) return;
+  if (givesRatio(scene)) return refuseTearEnergies(root);
+  const auto isKnown = [](const ClothSpec& cloth) { return cloth.fabric.tearEnergy.isKnown(); };
+  if (std::none_of(scene.cloths.begin(), scene.cloths.end(), isKnown)) return;
+  try {
+    checkTearEnergy(findSolver(scene.solver.method));
+  } catch (const std::invalid_argument& error) {
+    tearing->refuse(error.what());
+  }
+  for (const ClothSpec& cloth : scene.cloths) {
+    scene.tearing.energy.push_back(cloth.fabric.tearEnergy);
   }
 }
 

@@ -81,17 +81,19 @@ Fabric preset(const SceneNode& node) {
   }
 }
 
-const KeyTable kTearEnergyKeys{"`cloth.fabric.tear_energy`", {"warp", "weft"}};
+const KeyTable kTearEnergyKeys{"`cloth.fabric.tear_energy`", {"warp", "weft", "bias"}};
 
-/// Reads one energy for both directions, or a map.
+/// Reads one energy for all directions, or a map.
 TearEnergy readTearEnergy(const SceneNode& node) {
   if (!node.isMap()) {
-    const double both = node.number(kPositive);
-    return {both, both};
+    const double all = node.number(kPositive);
+    return TearEnergy::of(all, all);
   }
   node.expectKeys(kTearEnergyKeys.names);
-  return {node.need("warp", kPositive.text()).number(kPositive),
-          node.need("weft", kPositive.text()).number(kPositive)};
+  TearEnergy energy = TearEnergy::of(node.need("warp", kPositive.text()).number(kPositive),
+                                     node.need("weft", kPositive.text()).number(kPositive));
+  node.read("bias", energy.bias, kPositive);
+  return energy;
 }
 
 const Section<Fabric> kFabricSection{"`cloth.fabric`",

@@ -336,6 +336,7 @@ SolverInfo lineXpbdInfo() {
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;
   info.usesQuasiStatic = true;
+  info.noTearEnergy = "at a tip springs are longer than their tension makes them";
   info.parameters = {substepsParameter(30), errorParameter(), budgetParameter()};
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     const ErrorGoal goal{p.at("error"), static_cast<int>(p.at("budget"))};

@@ -127,6 +127,7 @@ SolverInfo pbdInfo() {
   info.limitations = "stiffness follows from passes and step, not from the fabric";
   info.order = 0;
   info.followsFabric = false;
+  info.noTearEnergy = "its springs have no energy";
   SolverParameter iterations = substepsParameter(16);
   iterations.name = "iterations";
   iterations.description = "passes over all springs in a substep";

@@ -66,6 +66,12 @@ void checkLayers(const SolverInfo& info) {
                               "; take another method, such as line_xpbd, or self_contact: false");
 }
 
+void checkTearEnergy(const SolverInfo& info) {
+  if (info.noTearEnergy.empty()) return;
+  throw std::invalid_argument(info.name + " cannot tear by energy: " + info.noTearEnergy +
+                              "; take another method, such as projective, or a tearing.ratio");
+}
+
 SolverParameters completeParameters(const SolverInfo& info, const SolverParameters& given) {
   for (const auto& [name, value] : given) {
     const SolverParameter* parameter = findParameter(info, name);

@@ -10,14 +10,13 @@ namespace cloth_sim {
 /// component along any direction is the energy that springs and loads would release per length by
 /// which the tip advances there, the J-integral.
 ///
-/// It is integrated over the faces around the tip with a weight q that falls from 1 to 0 (the domain
-/// integral of Shih, Moran & Nakamura 1986):
+/// It is integrated over the faces around the tip with a weight q that falls from 1 to 0 (the
+/// domain integral of Shih, Moran & Nakamura 1986):
 ///   J = - integral of (W I - F^T P) grad q dA,
 /// with the energy W per area, the deformation gradient F and the first Piola-Kirchhoff stress P.
-/// The stress is that of the springs; each acts on the faces that it represents. The result does not
-/// depend on the domain where cloth is at rest, and holds for large rotations: where two legs are
-/// torn apart by a force F each, it is 2 F.
-/// \param tip  end of a tear or cut, on the border.
+/// The stress is that of the springs; each acts on the faces that it represents. The result does
+/// not depend on the domain where cloth is at rest, and holds for large rotations: where two legs
+/// are torn apart by a force F each, it is 2 F. \param tip  end of a tear or cut, on the border.
 Vec2 materialForce(const Model& model, const State& state, VertexId tip);
 
 /// An advance of a tear: the direction in which it releases most for what it takes.

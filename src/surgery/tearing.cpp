@@ -229,12 +229,14 @@ void Tearing::listTipLimits(const Model& model, const State& state,
     const Spring spring = mostStrained(model, state, at.tip);
     if (!spring.exists()) continue;
     const double strain = std::max(0.0, stretch(spring, state) - 1.0);
-    const double growth = std::max(kLeastGrowth, 1.0 / std::sqrt(std::max(at.advance.load, kSlightLoad)));
+    const double growth =
+        std::max(kLeastGrowth, 1.0 / std::sqrt(std::max(at.advance.load, kSlightLoad)));
     const TearEnergy& energy = settings_.energy[model.clothOf(at.tip)];
-    const double slight = std::sqrt(2.0 * kSlightLoad * std::min(energy.warp, energy.weft) /
-                                    (spring.stiffness * spring.restLength));
-    limits.push_back({spring.a, spring.b,
-                      spring.restLength * (1.0 + std::max(slight, growth * strain))});
+    const double slight =
+        std::sqrt(2.0 * kSlightLoad * std::min({energy.warp, energy.weft, energy.bias}) /
+                  (spring.stiffness * spring.restLength));
+    limits.push_back(
+        {spring.a, spring.b, spring.restLength * (1.0 + std::max(slight, growth * strain))});
   }
 }
 

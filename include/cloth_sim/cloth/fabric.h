@@ -1,6 +1,7 @@
 #pragma once
 /// \file Fabrics: the material parameters of cloth, in SI units that do not depend on the mesh.
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,22 @@ namespace cloth_sim {
 struct TearEnergy {
   double warp = 0.0;  ///< of tears along v, which break warp threads [J/m], >= 0; 0: not known
   double weft = 0.0;  ///< of tears along u, which break weft threads [J/m], >= 0; 0: not known
+  /// Of tears at 45 degrees to the threads [J/m]. With the mean of warp and weft, equal threads
+  /// make an isotropic fabric. A woven one has more, up to sqrt(2) times that mean, as such tears
+  /// break threads of both directions; tears then tend to follow the threads.
+  double bias = 0.0;
 
-  bool isKnown() const { return warp > 0.0 && weft > 0.0; }
-  /// Returns the energy per length of a tear in any direction [J/m]: that of warp and weft, weighted
-  /// by the squares of its components, so equal values are isotropic.
+  /// Makes energies whose bias is the mean of warp and weft.
+  static TearEnergy of(double warp, double weft) { return {warp, weft, 0.5 * (warp + weft)}; }
+
+  bool isKnown() const { return warp > 0.0 && weft > 0.0 && bias > 0.0; }
+  /// Returns the energy per length of a tear in any direction [J/m]:
+  /// warp sin^2 + weft cos^2 + (bias - (warp + weft) / 2) |sin 2|, of the angle to u.
   /// \param direction  of the tear, material coordinates, unit length.
   double along(const Vec2& direction) const {
-    return warp * direction.y() * direction.y() + weft * direction.x() * direction.x();
+    const Vec2 square = direction.cwiseAbs2();
+    return warp * square.y() + weft * square.x() +
+           2.0 * (bias - 0.5 * (warp + weft)) * std::abs(direction.x() * direction.y());
   }
 };
 

@@ -36,6 +36,9 @@ struct SolverInfo {
   bool followsFabric = true;
   /// Why layers of cloth cannot touch each other with this method; "" if they can.
   std::string noLayers;
+  /// Why tears cannot be decided by energy with this method; "" if they can. The energy at a tip
+  /// follows from the strain there.
+  std::string noTearEnergy;
   /// Whether each spring is projected by itself, once in a substep of length h. A spring of tension
   /// T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
   bool projectsSpringsAlone = false;
@@ -63,6 +66,9 @@ void checkFeatures(const SolverInfo& info, bool bendingEnergy);
 
 /// \throws std::invalid_argument if layers of cloth cannot touch each other with the method.
 void checkLayers(const SolverInfo& info);
+
+/// \throws std::invalid_argument if tears cannot be decided by energy with the method.
+void checkTearEnergy(const SolverInfo& info);
 
 /// Fills in defaults.
 /// \throws std::invalid_argument naming the parameter, its range or the known names.
