@@ -1,0 +1,59 @@
+/// \file Tears by energy: their force does not depend on the mesh.
+
+#include "study/tearing.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace cloth_sim {
+namespace {
+
+TEST(TrouserTear, NeedsHalfOfTheTearEnergyOnEveryMeshAndAtEveryAngle) {
+  for (const int particles : {33, 65}) {
+    for (const double angle : {0.0, 15.0, 30.0, 45.0}) {
+      TrouserTear tear;
+      tear.particles = particles;
+      tear.angle = angle;
+      const TearRow row = measure(tear);
+      EXPECT_NEAR(row.force, 0.5 * tear.energy, 0.05 * 0.5 * tear.energy)
+          << particles << " a side at " << angle << " degrees";
+      EXPECT_GE(row.advances, particles / 8);
+    }
+  }
+}
+
+TEST(TrouserTear, NeedsForceInProportionToTheEnergy) {
+  TrouserTear tear;
+  tear.energy = 1.0;
+  EXPECT_NEAR(measure(tear).force, 0.5, 0.03);
+  tear.energy = 4.0;
+  EXPECT_NEAR(measure(tear).force, 2.0, 0.12);
+}
+
+TEST(TrouserTear, NeedsTheSameForceByOtherMethods) {
+  TrouserTear tear;
+  tear.solver = "method: implicit_euler, dt: 0.0041666666666666667";
+  EXPECT_NEAR(measure(tear).force, 0.5 * tear.energy, 0.06 * 0.5 * tear.energy);
+}
+
+TEST(NotchedStrip, IsAsStrongOnEveryMesh) {
+  NotchedStrip strip;
+  strip.particles = 17;
+  const double coarse = measure(strip).force;
+  strip.particles = 33;
+  EXPECT_NEAR(coarse, measure(strip).force, 0.05 * coarse);
+}
+
+TEST(NotchedStrip, IsWeakerWithTheRootOfItsNotch) {
+  NotchedStrip strip;
+  strip.notch = 0.05;
+  const double shorter = measure(strip).force;
+  strip.notch = 0.1;
+  // The strip has an end, which takes a little more from the longer notch (Tada, Paris & Irwin).
+  EXPECT_NEAR(shorter / measure(strip).force, std::sqrt(2.0), 0.05 * std::sqrt(2.0));
+}
+
+}  // namespace
+}  // namespace cloth_sim
