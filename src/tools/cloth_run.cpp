@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/fabric_list.h"
 #include "cloth_sim/sim/real_time.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
@@ -50,6 +51,7 @@ struct Options {
   std::optional<std::string> replay;
   int threads = 0;         ///< 0: one per processor
   bool calibrate = false;  ///< measure again what `solver.budget: real_time` means
+  bool fabrics = false;    ///< print the built-in fabrics and do nothing else
 };
 
 /// A wrong command line or scene, or an output that cannot be written.
@@ -128,6 +130,8 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--calibrate", options.calibrate,
                "measure the cost of a step again, for a scene with solver.budget real_time")
       ->excludes(replayed);
+  app.add_flag("--fabrics", options.fabrics,
+               "print the built-in fabrics as JSON, with source and spread of each value, and end");
   app.footer(
       "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
       "4 a replay came to other states than the recorded ones;\n"
@@ -141,6 +145,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   addOptions(app, options);
   try {
     app.parse(argc, argv);
+    if (options.fabrics) {
+      std::cout << fabricListJson() << std::endl;
+      return kDone;
+    }
     if (options.scene.empty() && !options.replay) throw CLI::RequiredError("SCENE");
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);

@@ -513,8 +513,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"cloth:\n  fabric:\n    areal_density: -1",
                  "s.yaml:3: cloth.fabric.areal_density: expected a number > 0 (got -1)"},
         BadScene{"cloth: {fabric: chainmail}",
-                 "s.yaml:1: cloth.fabric: expected one of cotton, denim, interlock, polyester, "
-                 "silk (got 'chainmail')"},
+                 "s.yaml:1: cloth.fabric: expected one of cotton, denim, interlock, jersey, linen, "
+                 "polyester, silk, towel, wool (got 'chainmail')"},
         BadScene{"cloth: {size: [0, 1]}",
                  "s.yaml:1: cloth.size.0: expected a number >= 0.001 and <= 1000 (got 0)"},
         BadScene{"cloth: {particles: [1, 9]}",
