@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
 
-usage: picture.py BAG --out=PNG [--scene=SCENE.yaml] [--times=T,T,...] [--size=W[xH]]
-                  [--view=AZIMUTH,ELEVATION]
+usage: picture.py BAG [--out=PNG] [--video=MP4|GIF] [--fps=N] [--scene=SCENE.yaml]
+                  [--times=T,T,...] [--size=W[xH]] [--view=AZIMUTH,ELEVATION]
 
 One panel per phase, at the phase's end (or one per time given with --times), and a last one with
 the springs that failed and the strain over time. The cloth is coloured by strain, its back is of
-another colour, edges that tearing made are dark red. Topics are found by their type, so the bag may
-be cloth_run's or one recorded from the node.
+another colour, edges that tearing made are dark red. --video plays the run in real time, in one
+panel. Topics are found by their type, so the bag may be cloth_run's or one recorded from the node.
+Obstacles and clamps are those of the scene in the bag; --scene replaces it, or supplies the one
+that an older bag lacks.
 """
 import argparse
 import math
@@ -16,6 +18,7 @@ import sys
 
 import matplotlib
 matplotlib.use('Agg')
+import matplotlib.animation  # noqa: E402
 import matplotlib.pyplot as plt  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
@@ -55,6 +58,12 @@ class Run:
                            for _, message, _ in self._read('ClothTopology')}
         if not self.states:
             sys.exit(f'error: {path} has no message of type cloth_sim/ClothState')
+
+    def scene(self):
+        """The scene that was recorded, overrides included; empty if there is none in the bag."""
+        topic = os.path.dirname(self.topic_of['cloth_sim/ClothState']) + '/scene'
+        texts = [message.data for _, message, _ in self.bag.read_messages(topics=[topic])]
+        return texts[-1] if texts else ''
 
     def _read(self, kind, **limits):
         return self.bag.read_messages(topics=[self.topic_of['cloth_sim/' + kind]], **limits)
@@ -203,16 +212,16 @@ def rotation_of(entry):
 
 
 class SceneFile:
-    """The obstacles and clamps of a scene file; the cloth comes from the bag."""
+    """The obstacles and clamps of a scene; the cloth comes from the bag."""
 
-    def __init__(self, path):
-        self.obstacles, self.plates = [], {}
-        if not path:
-            return
+    def __init__(self, path, recorded):
+        """From a file, or without one from the text of the bag."""
         import yaml
         try:
-            with open(self._find(path)) as file:
-                scene = yaml.safe_load(file) or {}
+            if path:
+                with open(self._find(path)) as file:
+                    recorded = file.read()
+            scene = yaml.safe_load(recorded) or {}
         except (OSError, yaml.YAMLError) as error:
             sys.exit(f'error: --scene: {path}: {" ".join(str(error).split())}')
         self.obstacles = list((scene.get('obstacles') or {}).values())
@@ -406,31 +415,28 @@ def angles(text):
     return azimuth, elevation
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
-    parser.add_argument('bag')
-    parser.add_argument('--out', required=True, help='the PNG to write')
-    parser.add_argument('--scene', help='the scene file, or the name of one in config/scenes, for '
-                        'its obstacles and clamps')
-    parser.add_argument('--times', type=numbers, help='simulated times [s] instead of the ends of the phases')
-    parser.add_argument('--view', type=angles, default='-62,24', help='azimuth,elevation of the eye [deg]')
-    parser.add_argument('--size', type=panel_size, default='560x460',
-                        help='WxH, or the width, of one panel [pixels]')
-    args = parser.parse_args()
+def draw_moment(axes, camera, scene, run, index):
+    """Draws the cloth and its surroundings at a state of the run."""
+    picture = Picture(camera)
+    for triangles, colour in scene.solids(run.states[index][1]):
+        picture.add_solid(triangles, colour)
+    picture.add_cloth(*run.shape(index))
+    picture.draw(axes)
 
-    run = Run(args.bag)
+
+def camera_for(run, indices, args):
+    everywhere = np.concatenate([run.shape(index)[0][::7] for index in indices])
+    return Camera(everywhere, *args.view, *args.size)
+
+
+def draw_panels(run, scene, args):
     if args.times:
         moments = [('', run.state_at(time)) for time in args.times]
     else:
         moments = run.phase_ends()
-    shapes = [run.shape(index) for _, index in moments]
-    scene = SceneFile(args.scene)
+    camera = camera_for(run, [index for _, index in moments], args)
 
-    azimuth, elevation = args.view
     width, height = args.size
-    everywhere = np.concatenate([points[::7] for points, _ in shapes])
-    camera = Camera(everywhere, azimuth, elevation, width, height)
-
     only_one = args.times is not None and len(moments) == 1
     panels = len(moments) + (0 if args.times else 1)
     # The fewest empty places; four beside each other where it is all the same.
@@ -439,17 +445,12 @@ def main():
     title_height = 0 if only_one else 40
     figure = plt.figure(facecolor='white', figsize=(columns * width / 100,
                                                     rows * (height + title_height) / 100))
-    for number, ((name, index), (points, topology)) in enumerate(zip(moments, shapes)):
-        state = run.states[index][1]
+    for number, (name, index) in enumerate(moments):
         axes = figure.add_subplot(rows, columns, number + 1)
-        picture = Picture(camera)
-        for triangles, colour in scene.solids(state):
-            picture.add_solid(triangles, colour)
-        picture.add_cloth(points, topology)
-        picture.draw(axes)
+        draw_moment(axes, camera, scene, run, index)
         if not only_one:
             title = f'{number + 1}  {name}' if name else f'{number + 1}'
-            axes.set_title(f'{title}   {state.time:.2f} s', fontsize=11, loc='left')
+            axes.set_title(f'{title}   {run.states[index][1].time:.2f} s', fontsize=11, loc='left')
     if only_one:
         figure.subplots_adjust(0, 0, 1, 1)
     else:
@@ -459,6 +460,75 @@ def main():
             plot_figures(axes, run)
             figure.tight_layout(pad=0.6)
     figure.savefig(args.out, dpi=100)
+
+
+def video_writer(path, fps):
+    if path.endswith('.gif'):
+        return matplotlib.animation.PillowWriter(fps=fps)
+    if not matplotlib.animation.FFMpegWriter.isAvailable():
+        sys.exit(f'error: --video: {path}: mp4 needs ffmpeg (Debian: ffmpeg), gif does not')
+    # Players want even sizes, and pixels of this kind.
+    return matplotlib.animation.FFMpegWriter(fps=fps, extra_args=[
+        '-vf', 'pad=ceil(iw/2)*2:ceil(ih/2)*2', '-pix_fmt', 'yuv420p'])
+
+
+def draw_video(run, scene, args):
+    """Draws a frame for every 1/fps of simulated time."""
+    writer = video_writer(args.video, args.fps)
+    first, last = run.states[0][1].time, run.states[-1][1].time
+    count = int((last - first) * args.fps + 1e-6) + 1
+    indices = [run.state_at(first + k / args.fps) for k in range(count)]
+    camera = camera_for(run, indices[::max(1, count // 12)] + indices[-1:], args)
+    width, height = args.size
+    figure = plt.figure(facecolor='white', figsize=(width / 100, height / 100))
+    axes = figure.add_axes((0, 0, 1, 1))
+    try:
+        with writer.saving(figure, args.video, dpi=100):
+            for index in indices:
+                axes.clear()
+                draw_moment(axes, camera, scene, run, index)
+                state = run.states[index][1]
+                axes.text(0.02, 0.97, f'{state.time:.2f} s  {state.phase}', va='top', fontsize=10,
+                          transform=axes.transAxes)
+                writer.grab_frame()
+    except OSError as error:
+        sys.exit(f'error: --video: {args.video}: {error.strerror or error}')
+
+
+def video_name(text):
+    if not text.endswith(('.mp4', '.gif')):
+        raise ValueError
+    return text
+
+
+def rate(text):
+    if not 0 < float(text) <= 100:
+        raise ValueError
+    return float(text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
+    parser.add_argument('bag')
+    parser.add_argument('--out', help='the PNG to write')
+    parser.add_argument('--video', type=video_name, help='the .mp4 (with ffmpeg) or .gif to write')
+    parser.add_argument('--fps', type=rate, default=20, help='frames of the video per second')
+    parser.add_argument('--scene', help='the scene file, or the name of one in config/scenes, with '
+                        'obstacles and clamps other than those in the bag')
+    parser.add_argument('--times', type=numbers, help='simulated times [s] instead of the ends of the phases')
+    parser.add_argument('--view', type=angles, default='-62,24', help='azimuth,elevation of the eye [deg]')
+    parser.add_argument('--size', type=panel_size, default='560x460',
+                        help='WxH, or the width, of one panel [pixels]')
+    args = parser.parse_args()
+    if not args.out and not args.video:
+        parser.error('--out or --video is required')
+
+    run = Run(args.bag)
+    scene = SceneFile(args.scene, run.scene())
+    if args.out:
+        draw_panels(run, scene, args)
+    if args.video:
+        draw_video(run, scene, args)
 
 
 if __name__ == '__main__':

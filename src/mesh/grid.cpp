@@ -1,5 +1,7 @@
 #include "cloth_sim/mesh/grid.h"
 
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 namespace cloth_sim {
@@ -11,6 +13,18 @@ namespace {
 double cellSize(double side, int cells) {
   const double far = 8.0 * side;
   return (far + side / cells) - far;
+}
+
+/// Adds the two faces of the cell whose first corner is vertex (i, j).
+void addCell(const Grid& grid, int i, int j, std::vector<Face>& faces) {
+  // Counter-clockwise, from the first end of the diagonal.
+  std::array<VertexId, 4> corners{grid.vertex(i, j), grid.vertex(i + 1, j),
+                                  grid.vertex(i + 1, j + 1), grid.vertex(i, j + 1)};
+  if (grid.diagonals == Diagonals::kAlternating && (i + j) % 2 != 0) {
+    std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+  }
+  faces.push_back({corners[0], corners[1], corners[2]});
+  faces.push_back({corners[0], corners[2], corners[3]});
 }
 
 }  // namespace
@@ -36,12 +50,7 @@ TriangleMesh makeGridMesh(const Grid& grid) {
   std::vector<Face> faces;
   faces.reserve(static_cast<std::size_t>(grid.columns - 1) * (grid.rows - 1) * 2);
   for (int j = 0; j + 1 < grid.rows; ++j) {
-    for (int i = 0; i + 1 < grid.columns; ++i) {
-      const VertexId corner = grid.vertex(i, j);
-      const VertexId opposite = grid.vertex(i + 1, j + 1);
-      faces.push_back({corner, grid.vertex(i + 1, j), opposite});
-      faces.push_back({corner, opposite, grid.vertex(i, j + 1)});
-    }
+    for (int i = 0; i + 1 < grid.columns; ++i) addCell(grid, i, j, faces);
   }
   return TriangleMesh(std::move(material), std::move(faces));
 }

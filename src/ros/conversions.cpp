@@ -247,6 +247,7 @@ ClothState toStateMessage(const Observation& observation, const std_msgs::Header
   message.paused = observation.paused;
   message.failed = snapshot.failed;
   message.failure = snapshot.failure;
+  for (const ResultWarning& warning : snapshot.warnings) message.warnings.push_back(warning.text);
   message.real_time_factor = observation.realTimeFactor;
   message.step_time = observation.stepTime;
   for (const ClampSnapshot& clamp : snapshot.clamps) {

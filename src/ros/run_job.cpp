@@ -1,5 +1,7 @@
 #include "run_job.h"
 
+#include <algorithm>
+
 namespace cloth_sim {
 
 void RunJob::begin(const Simulation& simulation) {
@@ -7,9 +9,7 @@ void RunJob::begin(const Simulation& simulation) {
 }
 
 bool RunJob::isOver(const Simulation& simulation) const {
-  const bool ended = std::holds_alternative<RunToPhase>(goal_) &&
-                     simulation.script().status() == ScriptStatus::kDone;
-  return simulation.failed() || ended || isReached(simulation);
+  return simulation.failed() || isReached(simulation) || !outOfReach(simulation).empty();
 }
 
 void RunJob::answer(const Simulation& simulation) const {
@@ -19,8 +19,24 @@ void RunJob::answer(const Simulation& simulation) const {
   } else if (isReached(simulation)) {
     finish(Outcome::kReached, "done", simulation);
   } else {
-    finish(Outcome::kFailed, "the script has ended without that phase", simulation);
+    finish(Outcome::kFailed, outOfReach(simulation), simulation);
   }
+}
+
+std::string RunJob::outOfReach(const Simulation& simulation) const {
+  const auto* goal = std::get_if<RunToPhase>(&goal_);
+  if (goal == nullptr) return "";
+  const PhaseScript& script = simulation.script();
+  if (script.status() == ScriptStatus::kDone) return "the script has ended without that phase";
+  if (script.current() == nullptr) return "";
+  const std::string& now = script.current()->name;
+  const std::vector<std::string> names = script.names();
+  const auto placeOf = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name);
+  };
+  if (placeOf(goal->phase) >= placeOf(now)) return "";
+  return "phase '" + goal->phase + "' is past, the script is in '" + now +
+         "'; ~set_phase or ~reset goes back";
 }
 
 bool RunJob::isReached(const Simulation& simulation) const {

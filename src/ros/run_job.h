@@ -49,6 +49,8 @@ class RunJob {
 
  private:
   bool isReached(const Simulation& simulation) const;
+  /// Returns why the script as it goes on does not come to the phase; empty if it may.
+  std::string outOfReach(const Simulation& simulation) const;
 
   RunGoal goal_;
   Answer answer_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "cloth_sim/sim/saved_state.h"
 #include "scene/names.h"
@@ -16,10 +17,18 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEnding = ".state";
 
+/// Returns the path with `to` in place of the leading folders `from`, if it has them.
+std::optional<std::string> replaced(const std::string& path, const std::string& from,
+                                    const char* to) {
+  if (to == nullptr || *to == '\0') return std::nullopt;
+  if (path != from && path.compare(0, from.size() + 1, from + '/') != 0) return std::nullopt;
+  return to + path.substr(from.size());
+}
+
+/// Returns the folder with ROS's folder in place of "~/.ros", or the user's home in place of "~".
 std::string withHome(const std::string& folder) {
-  const char* home = std::getenv("HOME");
-  const bool isInHome = folder == "~" || folder.compare(0, 2, "~/") == 0;
-  return isInHome && home != nullptr ? home + folder.substr(1) : folder;
+  if (const auto path = replaced(folder, "~/.ros", std::getenv("ROS_HOME"))) return *path;
+  return replaced(folder, "~", std::getenv("HOME")).value_or(folder);
 }
 
 }  // namespace

@@ -10,7 +10,9 @@ namespace cloth_sim {
 /// folder are not followed.
 class StateDirectory {
  public:
-  /// \param folder  created by the first `write`; a leading "~/" is the user's home.
+  /// \param folder  created by the first `write`; a leading "~" is the user's home, and "~/.ros"
+  /// the
+  ///                folder in the environment variable ROS_HOME, if it is set.
   explicit StateDirectory(const std::string& folder);
 
   /// Writes a state. \return the file. \throws StateError or FileError in one line.

@@ -30,7 +30,7 @@ struct OwnMesh {
 
 OwnMesh makeOwnMesh(const ClothSpec& cloth) {
   if (cloth.mesh) return {std::nullopt, TriangleMesh(cloth.mesh->material, cloth.mesh->faces)};
-  const Grid grid{cloth.columns, cloth.rows, cloth.width, cloth.height};
+  const Grid grid{cloth.columns, cloth.rows, cloth.width, cloth.height, cloth.diagonals};
   return {grid, makeGridMesh(grid)};
 }
 

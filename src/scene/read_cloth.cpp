@@ -21,6 +21,10 @@ void readGrid(const SceneNode& node, ClothSpec& cloth) {
     cloth.width = lengths.x();
     cloth.height = lengths.y();
   }
+  if (const auto diagonals = node.find("diagonals")) {
+    cloth.diagonals = diagonals->choice<Diagonals>(
+        {{"one_way", Diagonals::kOneWay}, {"alternating", Diagonals::kAlternating}});
+  }
   const auto particles = node.find("particles");
   if (!particles) return;
   const std::vector<SceneNode> sides = particles->exactly(2, kAnyNumber);
@@ -46,7 +50,7 @@ void readMesh(const SceneNode& node, ClothSpec& cloth) {
     if (value && !obj) value->refuse("expected only beside obj");
   }
   if (!obj) return;
-  for (const char* key : {"size", "particles"}) {
+  for (const char* key : {"size", "particles", "diagonals"}) {
     if (const auto value = node.find(key)) value->refuse("not beside obj, which says it");
   }
   ObjUnits units;
@@ -216,6 +220,7 @@ const Section<ClothSpec> kClothSection{
      {"uv_scale"},
      {"size"},
      {"particles"},
+     {"diagonals"},
      {"pose", [](const SceneNode& value, ClothSpec& cloth) { readPoseMap(value, cloth.pose); }},
      {"random_offset", readRandomOffset},
      {"velocity", &ClothSpec::velocity},

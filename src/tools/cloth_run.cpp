@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/sim/fabric_list.h"
 #include "cloth_sim/sim/real_time.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
@@ -43,13 +44,15 @@ struct Options {
   std::vector<std::string> overrides;
   std::optional<double> duration;  ///< [s]
   std::optional<std::string> bag;
-  double bagRate = 30.0;  ///< of simulated time [Hz]
+  double bagRate = 30.0;                    ///< of simulated time [Hz]
+  std::optional<std::uint64_t> frameEvery;  ///< steps from frame to frame, instead of the rate
   std::optional<std::string> summary;
   std::optional<std::string> loadState;
   std::optional<std::string> saveState;
   std::optional<std::string> replay;
   int threads = 0;         ///< 0: one per processor
   bool calibrate = false;  ///< measure again what `solver.budget: real_time` means
+  bool fabrics = false;    ///< print the built-in fabrics and do nothing else
 };
 
 /// A wrong command line or scene, or an output that cannot be written.
@@ -106,10 +109,16 @@ void addOptions(CLI::App& app, Options& options) {
       app.add_option("--duration", options.duration,
                      "simulated time to run [s] (default: until the phases end; 10 without phases)")
           ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--bag", options.bag, "rosbag to write");
-  app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 1000.0));
+  auto* bag = app.add_option("--bag", options.bag, "rosbag to write");
+  auto* rate =
+      app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
+          ->capture_default_str()
+          ->check(CLI::Range(0.1, 1000.0));
+  app.add_option("--frame-every", options.frameEvery,
+                 "steps from one frame in the bag to the next, instead of --bag-rate")
+      ->needs(bag)
+      ->excludes(rate)
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000}));
   app.add_option("--summary", options.summary, "JSON summary to write; - for standard output");
   auto* load =
       app.add_option("--load-state", options.loadState, "saved state of this scene to go on from");
@@ -128,6 +137,8 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_flag("--calibrate", options.calibrate,
                "measure the cost of a step again, for a scene with solver.budget real_time")
       ->excludes(replayed);
+  app.add_flag("--fabrics", options.fabrics,
+               "print the built-in fabrics as JSON, with source and spread of each value, and end");
   app.footer(
       "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
       "4 a replay came to other states than the recorded ones;\n"
@@ -141,6 +152,10 @@ std::optional<int> parse(int argc, char** argv, Options& options) {
   addOptions(app, options);
   try {
     app.parse(argc, argv);
+    if (options.fabrics) {
+      std::cout << fabricListJson() << std::endl;
+      return kDone;
+    }
     if (options.scene.empty() && !options.replay) throw CLI::RequiredError("SCENE");
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
@@ -203,20 +218,18 @@ class Progress {
   std::string shownPhase_;
 };
 
-/// Writes frames to a bag at their rate and at every change of phase.
+/// Writes frames to a bag, at their rate or every few steps, and at every change of phase.
 class Recorder {
  public:
-  Recorder(const std::string& file, double rate, const std::string& scene)
-      : writer_(file, scene), period_(1.0 / rate) {}
+  Recorder(const Options& options, const std::string& scene)
+      : writer_(*options.bag, scene), every_(options.frameEvery), period_(1.0 / options.bagRate) {}
 
   void update(Simulation& simulation, double wallTime) {
     append(simulation.takeEvents(), events_);
     append(simulation.takeGripEvents(), grips_);
     const std::string phase = Progress::phaseOf(simulation);
-    const double half = 0.5 * simulation.scene().solver.dt;
-    if (simulation.time() + half < next_ && phase == phase_) return;
+    if (!isDue(simulation) && phase == phase_) return;
     phase_ = phase;
-    while (next_ <= simulation.time() + half) next_ += period_;
     write(simulation, wallTime);
   }
 
@@ -229,6 +242,15 @@ class Recorder {
   }
 
  private:
+  /// Tells whether it is time for a frame. \post the next one is due later.
+  bool isDue(const Simulation& simulation) {
+    if (every_) return simulation.stepCount() % *every_ == 0;
+    const double half = 0.5 * simulation.scene().solver.dt;
+    if (simulation.time() + half < next_) return false;
+    while (next_ <= simulation.time() + half) next_ += period_;
+    return true;
+  }
+
   void write(Simulation& simulation, double wallTime) {
     Observation observation;
     observation.whole = observation.snapshot = simulation.snapshot();
@@ -248,8 +270,9 @@ class Recorder {
   }
 
   BagWriter writer_;
-  double period_;      ///< [s]
-  double next_ = 0.0;  ///< simulated time of the next frame [s]
+  std::optional<std::uint64_t> every_;  ///< steps; absent: `period_` counts
+  double period_;                       ///< [s]
+  double next_ = 0.0;                   ///< simulated time of the next frame [s]
   std::string phase_;
   std::vector<FailureEvent> events_;
   std::vector<GripEvent> grips_;
@@ -379,8 +402,7 @@ void loadState(const Options& options, const CommandRecord& command, Simulation&
 std::unique_ptr<Recorder> openBag(const Options& options, const Simulation& simulation,
                                   const std::vector<CommandRecord>& commands) {
   if (!options.bag) return nullptr;
-  auto recorder =
-      std::make_unique<Recorder>(*options.bag, options.bagRate, simulation.scene().text);
+  auto recorder = std::make_unique<Recorder>(options, simulation.scene().text);
   for (const CommandRecord& command : commands) recorder->note(command);
   return recorder;
 }

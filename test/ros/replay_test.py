@@ -29,14 +29,41 @@ class ReplayTest(unittest.TestCase):
                             '--bag', bag], check=True, capture_output=True)
             with Listener('/cloth/scene_markers', MarkerArray) as markers, \
                     Listener('/cloth/topology', ClothTopology) as topologies, \
-                    Listener('/cloth/frame', ClothFrame) as frames:
+                    Listener('/cloth/frame', ClothFrame) as frames, \
+                    Listener('/cloth/markers', MarkerArray) as cloth:
                 show = subprocess.Popen(['roslaunch', 'cloth_sim', 'replay.launch', 'bag:=' + bag,
                                          'rviz:=false'], stdout=subprocess.DEVNULL)
                 try:
                     self.check(markers, topologies, frames)
+                    self.check_markers(cloth)
                 finally:
                     show.send_signal(signal.SIGINT)
                     show.wait(timeout=30)
+
+    def check_markers(self, cloth):
+        """Without the plugin of rviz, this topic has everything."""
+        last = cloth.wait(lambda array: {m.ns: m.action for m in array.markers} ==
+                          {'cloth': Marker.ADD, 'torn_edges': Marker.ADD})
+        surface, torn = last.markers
+        self.assertEqual(len(surface.points), 3 * 2 * 16 * 16)
+        self.assertEqual(len(surface.colors), len(surface.points))
+        self.assertGreater(len(torn.points), 0)
+        self.assertEqual(surface.header.frame_id, 'world')
+        cloth.wait(lambda array: 'obstacles' in {m.ns for m in array.markers})
+
+    def test_the_fallback_without_the_plugin_says_so(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with open(os.path.join(folder, 'rviz'), 'w') as file:
+                file.write('#!/bin/sh\necho "$@"\n')
+                os.chmod(file.name, 0o755)
+            environment = dict(os.environ, CMAKE_PREFIX_PATH='',
+                               PATH=folder + ':' + os.environ['PATH'])
+            script = subprocess.check_output(['rospack', 'find', 'cloth_sim'], text=True).strip()
+            shown = subprocess.run([os.path.join(script, 'scripts', 'cloth_rviz')],
+                                   env=environment, capture_output=True, text=True, check=True)
+        self.assertTrue(shown.stdout.endswith('markers.rviz\n'), shown.stdout)
+        self.assertIn('the rviz plugin is not built', shown.stderr)
+        self.assertEqual(len(shown.stderr.splitlines()), 1)
 
     def check(self, markers, topologies, frames):
         notched = topologies.wait(lambda topology: topology.torn_edges)

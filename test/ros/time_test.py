@@ -187,9 +187,19 @@ class TimeTest(ServiceTest):
 
     def test_a_phase_that_does_not_come(self):
         self.accepted('set_phase', 'stop')
+        self.accepted('step', 40)
         status, result = Goal(self.run_to_phase, msg.RunToPhaseGoal(phase='wait')).wait()
         self.assertEqual(status, GoalStatus.ABORTED)
         self.assertIn('ended', result.message)
+        self.assertTrue(self.state().paused)
+
+    def test_a_phase_that_is_past(self):
+        self.accepted('set_phase', 'notch')
+        step = self.state().step
+        status, result = Goal(self.run_to_phase, msg.RunToPhaseGoal(phase='wait')).wait()
+        self.assertEqual(status, GoalStatus.ABORTED)
+        self.assertIn("phase 'wait' is past, the script is in 'notch'", result.message)
+        self.assertEqual((result.step, self.state().step), (step, step))
         self.assertTrue(self.state().paused)
 
     def test_cancelling_pauses(self):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Warnings about the results of a run: each once in the log, and in the diagnostics."""
+"""Warnings about the results of a run: each once in the log, in the diagnostics and in ~state."""
 import os
 import sys
 import unittest
@@ -10,6 +10,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Log
 
 from cloth_sim import srv
+from cloth_sim.msg import ClothState
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, wait_until  # noqa: E402
@@ -35,6 +36,14 @@ class WarningsTest(unittest.TestCase):
             for words in WORDS:
                 told = [m for m in log.messages if words in m.msg and m.name == '/cloth']
                 self.assertEqual([m.level for m in told], [Log.WARN], words)
+
+    def test_the_state_has_them(self):
+        rospy.wait_for_service('/cloth/pause', 30.0)
+        self.assertTrue(rospy.ServiceProxy('/cloth/pause', srv.Pause)(False).success)
+        with Listener('/cloth/state', ClothState) as states:
+            last = states.wait(lambda state: len(state.warnings) >= len(WORDS))
+        for words in WORDS:
+            self.assertEqual(sum(words in text for text in last.warnings), 1, last.warnings)
 
 
 if __name__ == '__main__':

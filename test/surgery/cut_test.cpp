@@ -14,9 +14,14 @@ using namespace surgery_support;
 
 /// A cloth of 1 m with 32 x 32 particles, flat (x = u, y = v) at first.
 struct Cloth {
-  explicit Cloth(int n = 32)
-      : model(buildModel(clothOf(n, n, 1.0 / (n - 1), fabricPreset("interlock")))),
-        state(flatState(model)) {}
+  explicit Cloth(int n = 32, Diagonals diagonals = Diagonals::kOneWay)
+      : model(buildModel(specOf(n, diagonals))), state(flatState(model)) {}
+
+  static ClothSpec specOf(int n, Diagonals diagonals) {
+    ClothSpec spec = clothOf(n, n, 1.0 / (n - 1), fabricPreset("interlock"));
+    spec.diagonals = diagonals;
+    return spec;
+  }
 
   /// Cuts through the cloth along z, along a line in x and y.
   SurgeryResult cutAlong(const std::vector<Vec2>& line, bool firstOnly = false,
@@ -51,6 +56,22 @@ std::vector<Vec2> polygon(const Vec2& middle, double radius, int corners) {
     points.push_back(middle + radius * Vec2(std::cos(angle), std::sin(angle)));
   }
   return points;
+}
+
+// ---- on another division of the cells
+// ------------------------------------------------------------
+
+TEST(Cut, GoesThroughAlternatingDiagonals) {
+  for (const double angle : {0.0, 0.3, M_PI / 4, 1.2, M_PI / 2, 2.0, 3 * M_PI / 4}) {
+    SCOPED_TRACE(angle);
+    Cloth cloth(16, Diagonals::kAlternating);
+    const Vec2 middle(0.503, 0.497);
+    const Vec2 reach = 2.0 * Vec2(std::cos(angle), std::sin(angle));
+    cloth.cutAlong({middle - reach, middle + reach});
+    EXPECT_EQ(cloth.pieces(), 2);
+    cloth.cutAlong(polygon(middle, 0.2, 12));
+    EXPECT_EQ(cloth.pieces(), 4);
+  }
 }
 
 // ---- straight through --------------------------------------------------------------------------

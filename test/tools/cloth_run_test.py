@@ -60,6 +60,21 @@ class ClothRunTest(ScratchTest):
         for word in says:
             self.assertIn(word, result.stderr)
 
+    def test_frames_every_few_steps(self):
+        bag = self.path('run.bag')
+        result = self.run_cloth(self.scene, '--bag', bag, '--frame-every', '5')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with rosbag.Bag(bag) as opened:
+            steps = [message.step for _, message, _ in opened.read_messages(['/cloth/frame'])]
+        self.assertEqual(sorted(set(steps)), steps)
+        self.assertEqual([step for step in range(0, steps[-1] + 1, 5) if step not in steps], [])
+        others = [step for step in steps if step % 5]  # a phase has begun, or the run has ended
+        self.assertLessEqual(len(others), 2)
+        self.refused(self.scene, '--frame-every', '5', says=('--frame-every', '--bag'))
+        self.refused(self.scene, '--bag', bag, '--frame-every', '0', says=('--frame-every',))
+        self.refused(self.scene, '--bag', bag, '--frame-every', '5', '--bag-rate', '10',
+                     says=('--frame-every', '--bag-rate'))
+
     def test_runs_the_script_to_its_end(self):
         result = self.run_cloth(self.scene, '--summary', '-', '--threads', '1')
         self.assertEqual(result.returncode, 0, result.stderr)

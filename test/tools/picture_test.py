@@ -2,6 +2,7 @@
 """scripts/picture.py: draws a bag, and colours by the strain that the figures tell."""
 import importlib.util
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -50,10 +51,46 @@ class PictureTest(unittest.TestCase):
                        capture_output=True)
 
     def draw(self, *arguments):
-        subprocess.run([sys.executable, PICTURE, self.bag, '--out', self.image,
-                        '--scene', self.scene, *arguments], check=True, timeout=300)
+        """Draws, and returns the picture."""
+        subprocess.run([sys.executable, PICTURE, self.bag, '--out', self.image, *arguments],
+                       check=True, timeout=300)
         with open(self.image, 'rb') as file:
-            self.assertEqual(file.read(8), b'\x89PNG\r\n\x1a\n')
+            picture = file.read()
+        self.assertEqual(picture[:8], b'\x89PNG\r\n\x1a\n')
+        return picture
+
+    def test_the_scene_is_in_the_bag(self):
+        at = ('--size', '120x100', '--times', '0.1')
+        self.assertEqual(self.draw(*at), self.draw(*at, '--scene', self.scene))
+        self.assertNotEqual(self.draw(*at), self.draw(*at, '--scene', 'hang'), 'no table there')
+        run = load_picture().Run(self.bag)
+        self.assertIn('table', run.scene())
+
+    def video(self, name, *arguments):
+        path = os.path.join(os.path.dirname(self.image), name)
+        result = subprocess.run([sys.executable, PICTURE, self.bag, '--video', path, '--size',
+                                 '120x100', '--fps', '10', *arguments], capture_output=True,
+                                text=True, timeout=300)
+        return path, result
+
+    def test_a_run_becomes_a_gif(self):
+        from PIL import Image
+        path, result = self.video('run.gif')
+        self.assertEqual((result.returncode, result.stderr), (0, ''))
+        with Image.open(path) as image:
+            self.assertEqual(image.size, (120, 100))
+            self.assertEqual(image.n_frames, 6)  # 0.5 s, both ends
+            self.assertEqual(image.info['duration'], 100)  # [ms]
+
+    def test_a_run_becomes_an_mp4_where_ffmpeg_is(self):
+        path, result = self.video('run.mp4')
+        if shutil.which('ffmpeg'):
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertGreater(os.path.getsize(path), 1000)
+        else:
+            self.assertEqual(result.returncode, 1)
+            self.assertEqual(result.stderr, 'error: --video: %s: mp4 needs ffmpeg (Debian: ffmpeg), '
+                             'gif does not\n' % path)
 
     def test_phases_and_single_times_are_drawn(self):
         self.draw('--size', '120x100')
@@ -66,7 +103,9 @@ class PictureTest(unittest.TestCase):
 
     def test_bad_arguments_are_refused_in_a_line(self):
         for arguments in (['--size', '900,700'], ['--size', '0'], ['--view', '1'],
-                          ['--times', 'end'], ['--scene', 'no_such_scene']):
+                          ['--times', 'end'], ['--scene', 'no_such_scene'],
+                          ['--video', 'run.avi'], ['--video', '/no/such/run.gif'],
+                          ['--fps', '0']):
             result = subprocess.run([sys.executable, PICTURE, self.bag, '--out', self.image,
                                      *arguments], capture_output=True, text=True, timeout=300)
             self.assertNotEqual(result.returncode, 0, arguments)

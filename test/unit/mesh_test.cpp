@@ -81,6 +81,23 @@ TEST(Grid, NumbersVerticesRowByRowAndCutsCellsAlongTheRisingDiagonal) {
   EXPECT_NEAR(mesh.totalRestArea(), 0.48, 1e-14);
 }
 
+TEST(Grid, AlternatesItsDiagonalsIfAsked) {
+  const Grid grid{5, 4, 0.6, 0.8, Diagonals::kAlternating};
+  const TriangleMesh mesh = makeGridMesh(grid);
+  EXPECT_EQ(validationError(mesh), "");
+  EXPECT_EQ(mesh.faceCount(), 2 * 4 * 3);
+  EXPECT_NEAR(mesh.totalRestArea(), 0.48, 1e-14);
+  for (int j = 0; j + 1 < grid.rows; ++j) {
+    for (int i = 0; i + 1 < grid.columns; ++i) {
+      const bool rises = (i + j) % 2 == 0;
+      const FaceId rising = mesh.facesOnEdge(grid.vertex(i, j), grid.vertex(i + 1, j + 1))[0];
+      const FaceId falling = mesh.facesOnEdge(grid.vertex(i + 1, j), grid.vertex(i, j + 1))[0];
+      EXPECT_EQ(rising != kNone, rises) << i << ", " << j;
+      EXPECT_EQ(falling != kNone, !rises) << i << ", " << j;
+    }
+  }
+}
+
 TEST(Grid, HasCellsThatAreTheSameToTheLastBitAlsoBesideOtherCloths) {
   for (const double side : {0.3, 0.7, 1.0, 12.0}) {
     for (const int columns : {2, 4, 50, 128, 1024}) {

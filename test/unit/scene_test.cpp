@@ -65,6 +65,13 @@ phases:
 // ---- what is there by default
 // --------------------------------------------------------------------
 
+TEST(Scene, SaysHowCellsAreDivided) {
+  EXPECT_EQ(parse("cloth: {}").cloths[0].diagonals, Diagonals::kOneWay);
+  EXPECT_EQ(parse("cloth: {diagonals: one_way}").cloths[0].diagonals, Diagonals::kOneWay);
+  const Scene scene = parse("cloth: {particles: [5, 5], diagonals: alternating}");
+  EXPECT_EQ(scene.cloths[0].diagonals, Diagonals::kAlternating);
+}
+
 TEST(Scene, NeedsOnlyACloth) {
   const Scene scene = parse("cloth: {}");
   EXPECT_EQ(scene.name, "s");
@@ -422,7 +429,7 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   EXPECT_EQ(
       complaint(yaml, {"cloth.shaer=true"}),
       "s.yaml: cloth.shaer: unknown key, did you mean 'shear'? expected one of name, obj, scale, "
-      "uv_scale, size, particles, pose, random_offset, velocity, fabric and 7 more");
+      "uv_scale, size, particles, diagonals, pose, random_offset, velocity and 8 more");
   EXPECT_EQ(complaint(yaml, {"drag"}), "s.yaml: override 'drag': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"drag="}), "s.yaml: override 'drag=': expected dotted.key=value");
   EXPECT_EQ(complaint(yaml, {"=1"}), "s.yaml: override '=1': expected dotted.key=value");
@@ -513,8 +520,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"cloth:\n  fabric:\n    areal_density: -1",
                  "s.yaml:3: cloth.fabric.areal_density: expected a number > 0 (got -1)"},
         BadScene{"cloth: {fabric: chainmail}",
-                 "s.yaml:1: cloth.fabric: expected one of cotton, denim, interlock, polyester, "
-                 "silk (got 'chainmail')"},
+                 "s.yaml:1: cloth.fabric: expected one of cotton, denim, interlock, jersey, linen, "
+                 "polyester, silk, towel, wool (got 'chainmail')"},
+        BadScene{"cloth: {diagonals: both}",
+                 "s.yaml:1: cloth.diagonals: expected one of one_way, alternating (got 'both')"},
         BadScene{"cloth: {size: [0, 1]}",
                  "s.yaml:1: cloth.size.0: expected a number >= 0.001 and <= 1000 (got 0)"},
         BadScene{"cloth: {particles: [1, 9]}",

@@ -34,6 +34,29 @@ TEST(SpringNetwork, OfAGridHasFewDifferentSpringsAndKeepsEachOnce) {
   }
 }
 
+TEST(SpringNetwork, DoesNotDependOnTheDiagonalsOfTheCells) {
+  using Key = std::tuple<SpringKind, VertexId, VertexId>;
+  const auto constants = [](Diagonals diagonals) {
+    ClothSpec cloth = clothOf(6, 7, 0.1, fabricPreset("cotton"));
+    cloth.springs.bend = false;  // their areas follow the masses, which do depend
+    cloth.diagonals = diagonals;
+    const Model model = buildModel(cloth);
+    std::map<Key, double> all;
+    for (const Spring& spring : model.springs.slots()) {
+      all[{spring.kind, std::min(spring.a, spring.b), std::max(spring.a, spring.b)}] =
+          spring.stiffness;
+    }
+    return all;
+  };
+  const std::map<Key, double> oneWay = constants(Diagonals::kOneWay);
+  const std::map<Key, double> alternating = constants(Diagonals::kAlternating);
+  ASSERT_EQ(oneWay.size(), alternating.size());
+  for (const auto& [spring, stiffness] : oneWay) {
+    ASSERT_EQ(alternating.count(spring), 1u);
+    EXPECT_NEAR(alternating.at(spring), stiffness, 1e-12 * stiffness);
+  }
+}
+
 TEST(SpringNetwork, GridHasTheClassicStencil) {
   const int n = 7;
   const Model model = buildModel(clothOf(n, n, 0.1));

@@ -5,6 +5,12 @@
 
 namespace cloth_sim {
 
+/// The way in which the cells of a grid are divided into two triangles each.
+enum class Diagonals {
+  kOneWay,      ///< all from (i, j) to (i + 1, j + 1)
+  kAlternating  ///< so where i + j is even, else from (i + 1, j) to (i, j + 1)
+};
+
 /// A rectangular grid of `columns` x `rows` vertices. Index i counts columns along u (warp), index
 /// j counts rows along v (weft).
 struct Grid {
@@ -12,6 +18,7 @@ struct Grid {
   int rows = 0;
   double width = 0.0;   ///< [m] along u
   double height = 0.0;  ///< [m] along v
+  Diagonals diagonals = Diagonals::kOneWay;
 
   /// Returns the id of a vertex; vertices are numbered row by row.
   VertexId vertex(int i, int j) const { return j * columns + i; }
@@ -24,8 +31,7 @@ struct Grid {
   double spacingV() const;
 };
 
-/// Makes a triangle mesh of a grid, each cell divided along its diagonal from (i, j) to
-/// (i + 1, j + 1).
+/// Makes a triangle mesh of a grid, two faces a cell.
 /// \throws std::invalid_argument unless both counts are >= 2 and both lengths are positive.
 TriangleMesh makeGridMesh(const Grid& grid);
 

@@ -7,6 +7,7 @@
 
 #include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/contact/collider.h"
+#include "cloth_sim/mesh/grid.h"
 #include "cloth_sim/solver/registry.h"
 #include "cloth_sim/solver/step_guard.h"
 #include "cloth_sim/surgery/settings.h"
@@ -39,8 +40,9 @@ struct ClothSpec {
   int rows = 64;        ///< particles along v
   double width = 1.0;   ///< along u [m]
   double height = 1.0;  ///< along v [m]
-  /// Takes the place of the grid if present. Columns and rows then have no meaning, and width and
-  /// height are the extent of the mesh in material coordinates.
+  Diagonals diagonals = Diagonals::kOneWay;
+  /// Takes the place of the grid if present. Columns, rows and diagonals then have no meaning, and
+  /// width and height are the extent of the mesh in material coordinates.
   std::shared_ptr<const ClothMesh> mesh;
   /// Pose of the centre of a grid, or of the origin of a mesh. At the identity, u runs along x and
   /// v along y.

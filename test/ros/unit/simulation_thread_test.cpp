@@ -236,6 +236,17 @@ TEST(SimulationThread, RunsToAPhase) {
   EXPECT_EQ(runTo(simulation, RunToPhase{"first"}).step, 1u) << "it is there already";
 }
 
+TEST(SimulationThread, ARunToAPhaseThatIsPastEndsAtOnce) {
+  SimulationThread simulation(smallScene(), paused());
+  EXPECT_TRUE(simulation.execute(SetPhase{"second"}, kTimeout).success);
+  const RunResult result = runTo(simulation, RunToPhase{"first"});
+  EXPECT_EQ(result.outcome, RunResult::Outcome::kFailed);
+  EXPECT_EQ(result.step, 0u);
+  EXPECT_THAT(result.message, testing::HasSubstr("'first' is past, the script is in 'second'"));
+  EXPECT_TRUE(simulation.execute(SetPhase{"first"}, kTimeout).success);
+  EXPECT_EQ(runTo(simulation, RunToPhase{"first"}).outcome, RunResult::Outcome::kReached);
+}
+
 TEST(SimulationThread, ARunThatIsResetOrReplacedOrCancelledIsAnswered) {
   SimulationThread simulation(smallScene(), paused());
   std::vector<std::string> messages;
