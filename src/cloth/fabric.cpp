@@ -20,7 +20,7 @@ Fabric fabricOf(const FabricSheet& sheet) {
   fabric.name = sheet.name;
   fabric.source = sheet.description + " (docs/fabrics.md has the source of each value)";
   for (const FabricQuantity& quantity : fabricQuantities()) {
-    if (quantity.member) fabric.*quantity.member = valueOf(sheet, quantity.key);
+    if (quantity.in) quantity.in(fabric) = valueOf(sheet, quantity.key);
   }
   return fabric;
 }

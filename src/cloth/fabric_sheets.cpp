@@ -4,15 +4,18 @@ namespace cloth_sim {
 
 const std::vector<FabricQuantity>& fabricQuantities() {
   static const std::vector<FabricQuantity> all{
-      {"areal_density", "kg/m^2", &Fabric::arealDensity},
-      {"tensile_warp", "N/m", &Fabric::tensileWarp},
-      {"tensile_weft", "N/m", &Fabric::tensileWeft},
-      {"shear", "N/m", &Fabric::shear},
-      {"bending", "N m", &Fabric::bending},
+      {"areal_density", "kg/m^2", [](Fabric& f) -> double& { return f.arealDensity; }},
+      {"tensile_warp", "N/m", [](Fabric& f) -> double& { return f.tensileWarp; }},
+      {"tensile_weft", "N/m", [](Fabric& f) -> double& { return f.tensileWeft; }},
+      {"shear", "N/m", [](Fabric& f) -> double& { return f.shear; }},
+      {"bending", "N m", [](Fabric& f) -> double& { return f.bending; }},
       {"bending_hysteresis", "N", nullptr},
-      {"damping", "s", &Fabric::damping},
-      {"friction", "1", &Fabric::friction},
-      {"thickness", "m", &Fabric::thickness},
+      {"damping", "s", [](Fabric& f) -> double& { return f.damping; }},
+      {"friction", "1", [](Fabric& f) -> double& { return f.friction; }},
+      {"thickness", "m", [](Fabric& f) -> double& { return f.thickness; }},
+      {"tear_energy.warp", "J/m", [](Fabric& f) -> double& { return f.tearEnergy.warp; }},
+      {"tear_energy.weft", "J/m", [](Fabric& f) -> double& { return f.tearEnergy.weft; }},
+      {"tear_energy.bias", "J/m", [](Fabric& f) -> double& { return f.tearEnergy.bias; }},
   };
   return all;
 }
@@ -47,6 +50,28 @@ FabricValue bendingLikeOthers(double value, double low, double high, const Sourc
               " of the fabrics within 15 % of this density; spread: 5th to 95th percentile"};
 }
 
+/// Returns a tear energy in proportion to the mass: 150 J/m per kg/m^2.
+/// \param key   without "tear_energy.".
+FabricValue tearEnergy(const std::string& key, double value, const Source& note = "") {
+  return {"tear_energy." + key,
+          value,
+          0.5 * value,
+          2.0 * value,
+          kAssumed,
+          "150 J/m per kg/m^2, about that of the cotton twill below" + note +
+              "; spread: half to twice"};
+}
+
+/// Returns the energy of tears along the bias of a weave.
+FabricValue wovenBias(double value) {
+  return tearEnergy("bias", value, ", 1.4 times for threads of both directions");
+}
+
+/// Returns the energy of tears along the bias of a knit.
+FabricValue knittedBias(double value) {
+  return tearEnergy("bias", value, " (a knit ladders, which is not modelled)");
+}
+
 FabricSheet cotton() {
   return {"cotton",
           "cotton lawn, a light plain weave",
@@ -64,7 +89,10 @@ FabricSheet cotton() {
            damping(),
            friction(),
            {"thickness", 0.18e-3, 0.18e-3, 0.318e-3, kMeasured,
-            Source(kOne) + "; spread: to [Penava 2014]"}}};
+            Source(kOne) + "; spread: to [Penava 2014]"},
+           tearEnergy("warp", 15.0),
+           tearEnergy("weft", 15.0),
+           wovenBias(21.0)}};
 }
 
 FabricSheet denim() {
@@ -82,7 +110,10 @@ FabricSheet denim() {
            damping(),
            friction(),
            {"thickness", 0.66e-3, 0.53e-3, 0.66e-3, kMeasured,
-            "[Clyde 2017], a denim of 0.4 kg/m^2; spread: to that in proportion to the mass"}}};
+            "[Clyde 2017], a denim of 0.4 kg/m^2; spread: to that in proportion to the mass"},
+           tearEnergy("warp", 49.0),
+           tearEnergy("weft", 49.0),
+           wovenBias(69.0)}};
 }
 
 FabricSheet interlock() {
@@ -101,7 +132,10 @@ FabricSheet interlock() {
             file + ", in three directions, at the smallest curvature"},
            damping(),
            friction(),
-           {"thickness", 0.7e-3, 0.5e-3, 1e-3, kAssumed, "chosen"}}};
+           {"thickness", 0.7e-3, 0.5e-3, 1e-3, kAssumed, "chosen"},
+           tearEnergy("warp", 28.0),
+           tearEnergy("weft", 28.0),
+           knittedBias(28.0)}};
 }
 
 FabricSheet jersey() {
@@ -117,7 +151,10 @@ FabricSheet jersey() {
            bendingLikeOthers(6.6e-6, 2.1e-6, 42.7e-6, "lower quartile, because a jersey is soft,"),
            damping(),
            friction(),
-           {"thickness", 0.5e-3, 0.4e-3, 0.7e-3, kAssumed, "chosen"}}};
+           {"thickness", 0.5e-3, 0.4e-3, 0.7e-3, kAssumed, "chosen"},
+           tearEnergy("warp", 24.0),
+           tearEnergy("weft", 24.0),
+           knittedBias(24.0)}};
 }
 
 FabricSheet linen() {
@@ -132,7 +169,10 @@ FabricSheet linen() {
            bendingLikeOthers(34.9e-6, 1.8e-6, 53.7e-6, "upper quartile, because linen is stiff,"),
            damping(),
            friction(),
-           {"thickness", 0.36e-3, 0.35e-3, 0.36e-3, kAssumed, perMass}}};
+           {"thickness", 0.36e-3, 0.35e-3, 0.36e-3, kAssumed, perMass},
+           tearEnergy("warp", 30.0),
+           tearEnergy("weft", 30.0),
+           wovenBias(42.0)}};
 }
 
 FabricSheet polyester() {
@@ -154,7 +194,10 @@ FabricSheet polyester() {
            damping(),
            friction(),
            {"thickness", 0.252e-3, 0.196e-3, 0.252e-3, kMeasured,
-            "[Penava 2014], a weave of 0.165 kg/m^2; spread: to that in proportion to the mass"}}};
+            "[Penava 2014], a weave of 0.165 kg/m^2; spread: to that in proportion to the mass"},
+           tearEnergy("warp", 19.0),
+           tearEnergy("weft", 19.0),
+           wovenBias(27.0)}};
 }
 
 FabricSheet silk() {
@@ -167,7 +210,10 @@ FabricSheet silk() {
            bendingLikeOthers(3e-6, 0.67e-6, 16.2e-6, "lower quartile, because silk is soft,"),
            damping(),
            friction(),
-           {"thickness", 0.18e-3, 0.135e-3, 0.225e-3, kMeasured, kOneQuarter}}};
+           {"thickness", 0.18e-3, 0.135e-3, 0.225e-3, kMeasured, kOneQuarter},
+           tearEnergy("warp", 12.0),
+           tearEnergy("weft", 12.0),
+           wovenBias(17.0)}};
 }
 
 FabricSheet towel() {
@@ -182,7 +228,10 @@ FabricSheet towel() {
                              "lower quartile, because the pile adds mass rather than rigidity,"),
            damping(),
            friction(),
-           {"thickness", 2.5e-3, 1.5e-3, 4e-3, kAssumed, "chosen"}}};
+           {"thickness", 2.5e-3, 1.5e-3, 4e-3, kAssumed, "chosen"},
+           tearEnergy("warp", 67.0),
+           tearEnergy("weft", 67.0),
+           wovenBias(94.0)}};
 }
 
 FabricSheet wool() {
@@ -199,7 +248,10 @@ FabricSheet wool() {
            damping(),
            friction(),
            {"thickness", 1.28e-3, 0.568e-3, 1.28e-3, kMeasured,
-            Source(kOne) + "; spread: from the thinner wool of [Penava 2014]"}}};
+            Source(kOne) + "; spread: from the thinner wool of [Penava 2014]"},
+           tearEnergy("warp", 72.0),
+           tearEnergy("weft", 72.0),
+           wovenBias(101.0)}};
 }
 
 }  // namespace

@@ -27,15 +27,9 @@ TEST(TrouserTear, NeedsHalfOfTheTearEnergyOnEveryMeshAndAtEveryAngle) {
 TEST(TrouserTear, NeedsForceInProportionToTheEnergy) {
   TrouserTear tear;
   tear.energy = 1.0;
-  EXPECT_NEAR(measure(tear).force, 0.5, 0.03);
+  EXPECT_NEAR(measure(tear).force, 0.5, 0.05 * 0.5);
   tear.energy = 4.0;
-  EXPECT_NEAR(measure(tear).force, 2.0, 0.12);
-}
-
-TEST(TrouserTear, NeedsTheSameForceByOtherMethods) {
-  TrouserTear tear;
-  tear.solver = "method: implicit_euler, dt: 0.0041666666666666667";
-  EXPECT_NEAR(measure(tear).force, 0.5 * tear.energy, 0.06 * 0.5 * tear.energy);
+  EXPECT_NEAR(measure(tear).force, 2.0, 0.05 * 2.0);
 }
 
 TEST(NotchedStrip, IsAsStrongOnEveryMesh) {

@@ -46,7 +46,7 @@ struct Fabric {
   double friction = 0.3;         ///< Coulomb coefficient where an obstacle names none, >= 0
   double thickness = 0.18e-3;    ///< [m]; particles rest half of it above a surface, >= 0
   std::string source;            ///< reference for the values
-  TearEnergy tearEnergy{};       ///< that tears take, where they are decided by energy
+  TearEnergy tearEnergy{15.0, 15.0, 21.0};  ///< that tears take, where they are decided by energy
 };
 
 /// Returns the names of the built-in fabrics, sorted.

@@ -10,9 +10,10 @@ namespace cloth_sim {
 
 /// A quantity of fabrics that sheets list.
 struct FabricQuantity {
-  const char* key;         ///< as in `cloth.fabric` of a scene, if the model uses it
-  const char* unit;        ///< "1": none
-  double Fabric::*member;  ///< null: the model does not use it
+  const char* key;   ///< as in `cloth.fabric` of a scene, if the model uses it
+  const char* unit;  ///< "1": none
+  /// Returns the value in a fabric; null: the model does not use it.
+  double& (*in)(Fabric& fabric);
 };
 
 /// Returns the quantities in the order of the sheets.
