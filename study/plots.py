@@ -14,7 +14,7 @@ import math
 import os
 import sys
 
-from reality import at_least_energy
+from reality import MEASURED_DRAPE, at_least_energy
 from tables import ERRORS, is_peer, judged_by, read
 
 try:
@@ -422,6 +422,8 @@ def drape_chart(folder, drapes, rim):
         axes.set_aspect('equal')
         axes.set_title(fabric + ', from above [cm]')
     for k, fabric in enumerate(fabrics):
+        panels[-1].axhline(MEASURED_DRAPE[fabric], color=COLOURS[k], linestyle='--',
+                           label=f'{fabric}, measured')
         for j, shows in enumerate(('density', 'shear', 'hysteresis', 'mesh')):
             of = at_least_energy([row for row in drapes
                                   if (row['fabric'], row['shows']) == (fabric, shows)])
@@ -445,7 +447,7 @@ def pull_chart(folder, rows):
             if not of:
                 continue
             axes.plot(column(of, 'strain'), column(of, 'fitted'), color=COLOURS[k],
-                      label=f'{pull}, measured')
+                      label=f'{pull}, fit to measurements')
             axes.plot(column(of, 'strain'), column(of, 'simulated'), color=COLOURS[k], linestyle=':',
                       marker=MARKERS[k], markersize=5, label=f'{pull}, simulated')
         axes.set_yscale('log')
@@ -465,11 +467,11 @@ def fling_chart(folder, rows):
     colours = plt.get_cmap('viridis')
     for k, time in enumerate(unique(shown)):
         of = [row for row in rows if row['time'] == time]
-        axes.plot([y + 0.35 * k for y in column(of, 'y')], column(of, 'z'), linestyle='', marker='.',
+        axes.plot([y + 0.45 * k for y in column(of, 'y')], column(of, 'z'), linestyle='', marker='.',
                   markersize=2, color=colours(0.9 * k / max(1, len(shown) - 1)))
-        axes.text(0.35 * k, 0.2, f'{float(time):.1f} s', ha='center', fontsize=8)
+        axes.text(0.45 * k, 0.2, f'{float(time):.1f} s', ha='center', fontsize=8)
     axes.set_aspect('equal')
-    axes.set_xlabel('y [m], each time moved by 0.35 m')
+    axes.set_xlabel('y [m], each time moved by 0.45 m')
     axes.set_ylabel('z [m]')
     axes.set_title('Fling, from the side', pad=14)
     save(figure, folder, 'reality_fling')

@@ -127,7 +127,8 @@ class Reality:
                     else 'did not come to rest')
             rows.append([row['preset'], row['pull'], row['strain'], significant(fitted, 3),
                          misfit(text, simulated, fitted)])
-        return markdown_table(['preset', 'pull', 'strain', 'measured [N/m]', 'simulated [N/m]'], rows)
+        return markdown_table(['preset', 'pull', 'strain', 'fit to measurements [N/m]',
+                               'simulated [N/m]'], rows)
 
     def pull_ratio(self, preset, pull, strain):
         """Simulated force over that of the fit."""
