@@ -97,7 +97,7 @@ class Reality:
                              f'{measured:.1f}', misfit(f'{value:.1f}', value, measured),
                              row['folds'], f'{min(starts):.1f} to {max(starts):.1f}'])
         return markdown_table(['fabric', 'B [µN m]', 'ρ [kg/m²]', 'G [N/m]', 'triangles [mm]',
-                               'turn', 'measured [%]', 'simulated [%]', 'folds', 'other starts [%]'],
+                               'turn', 'measured [%]', 'simulated [%]', 'folds', 'all starts [%]'],
                               rows)
 
     # ---- fling

@@ -234,7 +234,8 @@ void planSlopes(bool quick, RealityRuns& runs) {
 }
 
 void planSwings(bool quick, RealityRuns& runs) {
-  for (const std::string preset : {"cotton", "silk", "denim"}) {
+  for (const char* const name : {"cotton", "silk", "denim"}) {
+    const std::string preset = name;
     if (quick && preset != "cotton") continue;
     runs.push_back({"swing, " + preset, kSwing, [preset] {
                       const SwingDecay air = simulateSwing(preset, true);

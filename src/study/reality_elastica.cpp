@@ -32,7 +32,7 @@ StripPoint advanceStrip(const StripPoint& p, double s, double h, double force) {
 /// Bisects for the root of an increasing function.
 template <typename Function>
 double rootOf(const Function& f, double low, double high) {
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 50; ++k) {
     const double middle = 0.5 * (low + high);
     (f(middle) < 0.0 ? low : high) = middle;
   }
@@ -79,8 +79,9 @@ double elastoGravityLength(double bending, double density) {
 double cantileverChord(double overhang) {
   // theta falls from the clamp on, and the tip is free: its curvature is zero.
   const auto tipCurvature = [overhang](double guess) { return tipOf(overhang, guess).curvature; };
-  const double cubed = overhang * overhang;
-  const StripPoint tip = tipOf(overhang, rootOf(tipCurvature, -cubed, 0.0));
+  const double most =
+      overhang * overhang;  // half of it is the curvature of a strip that stays level
+  const StripPoint tip = tipOf(overhang, rootOf(tipCurvature, -most, 0.0));
   return std::atan2(-tip.y, tip.x);
 }
 
