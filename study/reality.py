@@ -157,7 +157,7 @@ class Reality:
                                 value['period_with_moved_air']),
                          f"{value['theory_rate']:.2f}", misfit(f"{value['rate']:.2f}", value['rate'],
                                                                value['theory_rate']),
-                         f"{value['rate_without_air']:.2f}"])
+                         f"{value['rate_without_air'] + 0.0:.2g}".replace('-', '−')])
         return markdown_table(['preset', 'period by theory [s]', 'simulated [s]',
                                'with the air that moves along [s]', 'rate by theory [1/(m s)]',
                                'simulated', 'without air'], rows)
