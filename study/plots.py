@@ -7,12 +7,14 @@ For every scene in DIR/work_precision.csv: DIR/work_precision_<scene>.svg and .p
 time per simulated second. Runs that failed stand in the strip above the chart, at what they cost.
 From DIR/stability_limits.csv: DIR/stability.svg and .png, from DIR/resolution.csv: DIR/resolution.svg
 and .png. From DIR/at_size.csv and, if it is there, DIR/peer_motion.csv: DIR/at_size_<scene>_<size>.svg
-and .png and DIR/at_size_growth.svg and .png. Tables that are not there are left out.
+and .png and DIR/at_size_growth.svg and .png. From DIR/reality_*.csv: DIR/reality_bending.svg and .png,
+reality_drape, reality_pull and reality_fling. Tables that are not there are left out.
 """
 import math
 import os
 import sys
 
+from reality import MEASURED_DRAPE, at_least_energy
 from tables import ERRORS, is_peer, judged_by, read
 
 try:
@@ -366,6 +368,125 @@ def at_size_charts(folder, rows, peers):
     growth_chart(folder, rows + peers, styles)
 
 
+# ---- measured cloth ------------------------------------------------------------------------------
+
+def column(rows, name):
+    return [float(row[name]) for row in rows]
+
+
+def bending_chart(folder, cantilevers, folds):
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.0))
+    for k, source in enumerate(unique(row['source'] for row in cantilevers)):
+        of = [row for row in cantilevers if row['source'] == source]
+        left.plot(column(of, 'bending_over_density'),
+                  [1e3 * x for x in column(of, 'simulated_overhang')], linestyle='',
+                  marker=MARKERS[k], color=COLOURS[k],
+                  label='presets' if source.startswith('src/') else source)
+    rows = sorted(cantilevers, key=lambda row: float(row['bending_over_density']))
+    left.plot(column(rows, 'bending_over_density'),
+              [1e3 * x for x in column(rows, 'standard_overhang')], color=GREY, zorder=1,
+              label='ASTM D1388')
+    left.set_xscale('log')
+    left.set_yscale('log')
+    left.set_xlabel('B / ρ  [N m / (kg/m²)]')
+    left.set_ylabel('overhang at 41.5° [mm]')
+    left.set_title('Cantilever')
+    left.legend(fontsize=9)
+    right.plot(column(folds, 'bending_over_density'), column(folds, 'height_over_length'),
+               linestyle='', marker='o', color=COLOURS[0], label='simulated')
+    if folds:
+        right.axhline(float(folds[0]['elastica']), color=GREY, label='elastica')
+    right.set_xscale('log')
+    right.set_ylim(0.0, 1.2)
+    right.set_xlabel('B / ρ  [N m / (kg/m²)]')
+    right.set_ylabel('height of a soft fold / (B / ρ g)$^{1/3}$')
+    right.set_title('Soft fold')
+    right.legend(fontsize=9, loc='lower right')
+    figure.tight_layout()
+    save(figure, folder, 'reality_bending')
+
+
+def drape_chart(folder, drapes, rim):
+    """The rims from above, and the coefficient against the density."""
+    fabrics = unique(row['fabric'] for row in drapes)
+    figure, panels = plt.subplots(1, len(fabrics) + 1, figsize=(4.1 * (len(fabrics) + 1), 4.1))
+    for axes, fabric in zip(panels, fabrics):
+        of = [row for row in rim if row['fabric'] == fabric]
+        if of:
+            axes.fill([100.0 * x for x in column(of, 'x')], [100.0 * y for y in column(of, 'y')],
+                      color=COLOURS[0], alpha=0.25)
+        for radius, style in ((15.0, '--'), (9.0, '-')):
+            axes.add_patch(plt.Circle((0, 0), radius, fill=False, color=GREY, linestyle=style))
+        axes.set_xlim(-16, 16)
+        axes.set_ylim(-16, 16)
+        axes.set_aspect('equal')
+        axes.set_title(fabric + ', from above [cm]')
+    for k, fabric in enumerate(fabrics):
+        panels[-1].axhline(MEASURED_DRAPE[fabric], color=COLOURS[k], linestyle='--',
+                           label=f'{fabric}, measured')
+        for j, shows in enumerate(('density', 'shear', 'hysteresis', 'mesh')):
+            of = at_least_energy([row for row in drapes
+                                  if (row['fabric'], row['shows']) == (fabric, shows)])
+            panels[-1].plot(column(of, 'density'), column(of, 'coefficient'), linestyle='',
+                            marker=MARKERS[j], color=COLOURS[k], markersize=5,
+                            label=f'{fabric}, {shows}')
+    panels[-1].set_xlabel('density [kg/m²]')
+    panels[-1].set_ylabel('drape coefficient [%]')
+    panels[-1].set_title('What it depends on')
+    panels[-1].legend(fontsize=8, loc='center left', bbox_to_anchor=(1.01, 0.5))
+    figure.tight_layout()
+    save(figure, folder, 'reality_drape')
+
+
+def pull_chart(folder, rows):
+    presets = unique(row['preset'] for row in rows)
+    figure, panels = plt.subplots(1, len(presets), figsize=(3.6 * len(presets), 3.8), squeeze=False)
+    for axes, preset in zip(panels[0], presets):
+        for k, pull in enumerate(unique(row['pull'] for row in rows)):
+            of = [row for row in rows if (row['preset'], row['pull']) == (preset, pull)]
+            if not of:
+                continue
+            axes.plot(column(of, 'strain'), column(of, 'fitted'), color=COLOURS[k],
+                      label=f'{pull}, fit to measurements')
+            axes.plot(column(of, 'strain'), column(of, 'simulated'), color=COLOURS[k], linestyle=':',
+                      marker=MARKERS[k], markersize=5, label=f'{pull}, simulated')
+        axes.set_yscale('log')
+        axes.set_title(preset)
+        axes.set_xlabel('strain')
+    panels[0][0].set_ylabel('force per width [N/m]')
+    panels[0][-1].legend(fontsize=8, loc='center left', bbox_to_anchor=(1.01, 0.5))
+    figure.tight_layout()
+    save(figure, folder, 'reality_pull')
+
+
+def fling_chart(folder, rows):
+    """The cloth from the side, at some times."""
+    times = unique(row['time'] for row in rows)
+    figure, axes = plt.subplots(figsize=(8.0, 5.0))
+    shown = times[::3] + times[-1:]
+    colours = plt.get_cmap('viridis')
+    for k, time in enumerate(unique(shown)):
+        of = [row for row in rows if row['time'] == time]
+        axes.plot([y + 0.45 * k for y in column(of, 'y')], column(of, 'z'), linestyle='', marker='.',
+                  markersize=2, color=colours(0.9 * k / max(1, len(shown) - 1)))
+        axes.text(0.45 * k, 0.2, f'{float(time):.1f} s', ha='center', fontsize=8)
+    axes.set_aspect('equal')
+    axes.set_xlabel('y [m], each time moved by 0.45 m')
+    axes.set_ylabel('z [m]')
+    axes.set_title('Fling, from the side', pad=14)
+    save(figure, folder, 'reality_fling')
+
+
+def reality_charts(folder):
+    cantilevers = read(folder, 'reality_cantilever.csv')
+    if not cantilevers:
+        return
+    bending_chart(folder, cantilevers, read(folder, 'reality_fold.csv'))
+    drape_chart(folder, read(folder, 'reality_drape.csv'), read(folder, 'reality_rim.csv'))
+    pull_chart(folder, read(folder, 'reality_pull.csv'))
+    fling_chart(folder, read(folder, 'reality_fling_path.csv'))
+
+
 def main(folder):
     rows = read(folder, 'work_precision.csv')
     front = read(folder, 'pareto.csv')
@@ -385,6 +506,7 @@ def main(folder):
     if at_size:
         peers = [row for row in read(folder, 'peer_motion.csv') if is_peer(row)]
         at_size_charts(folder, at_size, peers)
+    reality_charts(folder)
 
 
 if __name__ == '__main__':

@@ -12,6 +12,7 @@ import os
 import re
 import sys
 
+from reality import Reality
 from tables import errors_table, is_peer, percent, read, significant
 
 
@@ -55,6 +56,7 @@ class Tables:
         self.resolution = read(folder, 'resolution.csv')
         self.at_size = read(folder, 'at_size.csv')
         self.peers = [row for row in read(folder, 'peer_motion.csv') if is_peer(row)]
+        self.reality = Reality(folder)
         self.scenes = list(dict.fromkeys(run['scene'] for run in self.runs))
 
     def of(self, scene, solver=None):

@@ -8,6 +8,7 @@
 #include "at_size.h"
 #include "cloth_sim/scene/load.h"
 #include "jobs.h"
+#include "reality.h"
 #include "resolution.h"
 #include "scene/names.h"
 #include "stability.h"
@@ -39,11 +40,13 @@ class Study {
   void run() {
     checkNames();
     // The longest first, so that no thread waits long for the last.
+    if (options_.reality) planReality();
     if (options_.atSize) planSizes();
     if (options_.resolution) planResolutions();
     if (options_.workPrecision) planComparisons();
     if (options_.stability) planLimits();
     runJobs(jobs_, options_.jobs);
+    if (options_.reality) writeReality();
     if (options_.atSize) writeSizes();
     if (options_.resolution) writeResolutions();
     if (options_.workPrecision) writeComparisons();
@@ -227,6 +230,30 @@ class Study {
     writeTable(file("at_size.csv"), [&](auto& out) { writeAtSize(out, rows); });
   }
 
+  // ---- measured cloth
+
+  void planReality() {
+    reality_ = realityRuns(options_.quick);
+    realityLines_.resize(reality_.size());
+    for (std::size_t k = 0; k < reality_.size(); ++k) {
+      add(1, [this, k] {
+        announce("reality, " + reality_[k].what);
+        realityLines_[k] = reality_[k].make();
+      });
+    }
+  }
+
+  void writeReality() const {
+    const std::vector<RealityTable>& tables = realityTables();
+    for (std::size_t table = 0; table < tables.size(); ++table) {
+      std::string text = tables[table].header;
+      for (std::size_t k = 0; k < reality_.size(); ++k) {
+        if (reality_[k].table == table) text += realityLines_[k];
+      }
+      writeTable(file(tables[table].file), [&text](auto& out) { out << text; });
+    }
+  }
+
   // ---- influence of the resolution
 
   void planResolutions() {
@@ -263,6 +290,8 @@ class Study {
   std::vector<StabilityLimit> limits_;
   std::vector<std::vector<ResolutionRow>> resolutions_;
   std::vector<std::vector<AtSizeRow>> sizes_;
+  std::vector<RealityRun> reality_;
+  std::vector<std::string> realityLines_;  ///< by run
 };
 
 }  // namespace
@@ -271,6 +300,9 @@ std::vector<std::string> tablesOf(const StudyOptions& options) {
   std::vector<std::string> files;
   const auto add = [&](const std::string& name) { files.push_back(options.out + "/" + name); };
   if (options.atSize) add("at_size.csv");
+  if (options.reality) {
+    for (const RealityTable& table : realityTables()) add(table.file);
+  }
   if (options.resolution) add("resolution.csv");
   if (options.stability) {
     for (const char* name : {"stability.csv", "stability_limits.csv"}) add(name);

@@ -19,8 +19,9 @@ struct StudyOptions {
   bool workPrecision = true;
   bool stability = true;
   bool resolution = true;
-  bool atSize = false;  ///< takes most of an hour, a minute with `quick`
-  int jobs = 1;         ///< threads; each run is made and timed in one of them
+  bool atSize = false;   ///< takes most of an hour, a minute with `quick`
+  bool reality = false;  ///< takes a quarter of an hour, a minute with `quick`
+  int jobs = 1;          ///< threads; each run is made and timed in one of them
 };
 
 /// Receives the progress of a study.

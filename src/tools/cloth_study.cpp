@@ -39,6 +39,7 @@ const char* const kWorkPrecision = "work_precision";
 const char* const kStability = "stability";
 const char* const kResolution = "resolution";
 const char* const kAtSize = "at_size";
+const char* const kReality = "reality";
 
 struct Options {
   bool quick = false;
@@ -76,10 +77,10 @@ void addStudyOptions(CLI::App& app, Options& options) {
   app.add_option("--scenes", options.scenes, "only these of the study's scenes, a,b,...")
       ->delimiter(',');
   app.add_option("--parts", options.parts,
-                 "some of work_precision, stability, resolution and at_size\n"
+                 "some of work_precision, stability, resolution, at_size and reality\n"
                  "(default: the first three)")
       ->delimiter(',')
-      ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution, kAtSize}));
+      ->check(CLI::IsMember({kWorkPrecision, kStability, kResolution, kAtSize, kReality}));
   app.add_option("--sizes", options.sizes,
                  "only these numbers of particles per side in at_size, a,b,... (default: 16, 32,\n"
                  "64, 128, 256; above 128 only the swing runs)")
@@ -319,6 +320,7 @@ int run(const Options& options) {
   study.stability = parts.count(kStability) != 0;
   study.resolution = parts.count(kResolution) != 0;
   study.atSize = parts.count(kAtSize) != 0;
+  study.reality = parts.count(kReality) != 0;
   for (const std::string& file : tablesOf(study)) placeFor(file, true);
   Progress progress;
   runStudy(study, progress);

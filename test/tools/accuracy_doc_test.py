@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""docs/accuracy.md, at_size.md and performance.md agree with the tables in docs/data. Needs no
-master."""
+"""docs/accuracy.md, at_size.md, reality.md and performance.md agree with the tables in docs/data.
+Needs no master."""
 import os
 import shutil
 import subprocess
@@ -32,6 +32,16 @@ class AccuracyDocTest(unittest.TestCase):
         with open(os.path.join(ROOT, 'docs', 'at_size.md')) as file:
             self.assertEqual(file.read(), result.stdout,
                              'run study/publish_at_size.sh docs/data/study')
+
+    def test_the_page_of_measured_cloth_is_made_of_the_tables(self):
+        result = report(DATA, 'reality.md.in')
+        self.assertEqual(result.returncode, 0, result.stderr)
+        with open(os.path.join(ROOT, 'docs', 'reality.md')) as file:
+            self.assertEqual(file.read(), result.stdout,
+                             'run study/publish_reality.sh docs/data/study')
+        for name in ('bending', 'drape', 'pull', 'fling'):
+            image = os.path.join(ROOT, 'docs', 'images', 'reality_' + name + '.png')
+            self.assertGreater(os.path.getsize(image), 10000, image)
 
     def test_the_comparison_with_bullet_is_made_of_the_tables(self):
         folder = os.path.join(ROOT, 'docs', 'data', 'performance')

@@ -288,6 +288,18 @@ drag: 0.01
         self.assertLessEqual({row[2] for row in rows[1:]},
                              self.methods - {'pbd', 'explicit_euler'})
 
+    def test_comparisons_with_measured_cloth_fill_their_tables(self):
+        folder = self.path('reality')
+        result = run_study('--quick', '--parts', 'reality', '--no-charts', '--out', folder)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        names = {name for name in os.listdir(folder) if name.endswith('.csv')}
+        self.assertEqual(len(names), 9)
+        for name in names:
+            with open(os.path.join(folder, name), newline='') as file:
+                rows = list(csv.DictReader(file))
+            self.assertGreater(len(rows), 0, name)
+            self.assertNotIn(None, rows[0].keys() | set(rows[0].values()), name)
+
     def test_errors_at_size_are_of_the_scenes_and_sizes_that_are_asked_for(self):
         folder = self.path('at_size')
         result = run_study('--parts', 'at_size', '--scenes', 'swing,drop', '--sizes', '8', '--out',

@@ -1,0 +1,167 @@
+"""Reads the tables of cloth_study --parts reality, and writes tables for docs/reality.md."""
+import math
+
+from tables import markdown_table, read, significant
+
+# Drape coefficients that were published, in per cent. Broadcloth and faille: Matsudaira et al. 2015.
+MEASURED_DRAPE = {'broadcloth': 82.9, 'faille': 28.3}
+FARTHEST = 0.10  # relative difference from which on a value counts as a misfit
+
+
+def at_least_energy(rows):
+    """Of each fabric on each mesh, the drape of least energy among its starts."""
+    best = {}
+    for row in rows:
+        key = tuple(row[name] for name in ('fabric', 'shows', 'bending', 'density', 'shear', 'side',
+                                           'turn'))
+        if key not in best or float(row['energy']) < float(best[key]['energy']):
+            best[key] = row
+    return list(best.values())
+
+
+def misfit(text, simulated, measured, most=FARTHEST):
+    """The text, in bold if the simulated value is off by more than `most` of the measured one."""
+    good = math.isfinite(simulated) and abs(simulated / measured - 1.0) <= most
+    return text if good else f'**{text}**'
+
+
+def per_cent_off(simulated, measured):
+    return f'{100.0 * (simulated / measured - 1.0):+.1f} %'.replace('-', '−')
+
+
+class Reality:
+    """The functions that the template may call, over the tables of a folder."""
+
+    def __init__(self, folder):
+        for name in ('cantilever', 'fold', 'drape', 'fling', 'pull', 'slope', 'swing'):
+            setattr(self, name, read(folder, f'reality_{name}.csv'))
+        self.drapes = at_least_energy(self.drape)
+
+    # ---- bending
+
+    def cantilever_table(self):
+        rows = []
+        for row in sorted(self.cantilever, key=lambda row: float(row['bending_over_density'])):
+            standard, simulated = float(row['standard_overhang']), float(row['simulated_overhang'])
+            source = f"`{row['source']}`" if row['source'].startswith('src') else row['source']
+            rows.append([row['fabric'], source, f"{1e6 * float(row['bending']):.3g}", row['density'],
+                         f'{1e3 * standard:.2f}', f'{1e3 * simulated:.2f}',
+                         misfit(per_cent_off(simulated, standard), simulated, standard, 0.02)])
+        return markdown_table(['fabric', 'B and ρ from', 'B [µN m]', 'ρ [kg/m²]',
+                               'ASTM D1388 [mm]', 'simulated [mm]', 'difference'], rows)
+
+    def worst_cantilever(self):
+        return max(abs(float(row['simulated_over_standard']) - 1.0) for row in self.cantilever)
+
+    def range_of(self, rows):
+        values = [float(row['bending_over_density']) for row in rows]
+        return max(values) / min(values)
+
+    def fold_table(self):
+        rows = []
+        for row in sorted(self.fold, key=lambda row: float(row['bending_over_density'])):
+            ratio, elastica = float(row['height_over_length']), float(row['elastica'])
+            rows.append([row['fabric'], f"{1e3 * float(row['length']):.1f}",
+                         f'{1e3 * elastica * float(row["length"]):.2f}',
+                         f"{1e3 * float(row['height']):.2f}", f'{ratio:.3f}',
+                         misfit(per_cent_off(ratio, elastica), ratio, elastica, 0.03)])
+        return markdown_table(['fabric', 'l [mm]', 'elastica [mm]', 'simulated [mm]', 'over l',
+                               'difference'], rows)
+
+    def fold_ratios(self):
+        return [float(row['height_over_length']) for row in self.fold]
+
+    # ---- drape
+
+    def of_drapes(self, fabric, shows):
+        return [row for row in self.drapes if (row['fabric'], row['shows']) == (fabric, shows)]
+
+    def coefficients(self, fabric, shows):
+        return [float(row['coefficient']) for row in self.of_drapes(fabric, shows)]
+
+    def usual_drape(self, fabric):
+        """On the finest mesh."""
+        return min(self.of_drapes(fabric, 'mesh'), key=lambda row: float(row['side']))
+
+    def drape_table(self, shows):
+        """What was varied, beside what was measured."""
+        rows = []
+        for fabric, measured in MEASURED_DRAPE.items():
+            for row in self.of_drapes(fabric, shows):
+                value = float(row['coefficient'])
+                starts = [float(other['coefficient']) for other in self.drape
+                          if all(other[name] == row[name] for name in
+                                 ('fabric', 'shows', 'bending', 'density', 'shear', 'side', 'turn'))]
+                rows.append([fabric, f"{1e6 * float(row['bending']):.4g}", row['density'],
+                             row['shear'], f"{1e3 * float(row['side']):g}", row['turn'],
+                             f'{measured:.1f}', misfit(f'{value:.1f}', value, measured),
+                             row['folds'], f'{min(starts):.1f} to {max(starts):.1f}'])
+        return markdown_table(['fabric', 'B [µN m]', 'ρ [kg/m²]', 'G [N/m]', 'triangles [mm]',
+                               'turn', 'measured [%]', 'simulated [%]', 'folds', 'all starts [%]'],
+                              rows)
+
+    # ---- fling
+
+    def fling_table(self):
+        rows = []
+        for row in self.fling:
+            setting = (f"`error: {float(row['error']):g}`" if float(row['error']) > 0.0 else
+                       row['substeps'] if int(row['substeps']) else 'half of the stable step')
+            rows.append([f"`{row['method']}`", setting, f"{row['columns']} x {row['rows']}"] +
+                        [f'{1e3 * float(row[name]):.1f}' for name in
+                         ('distance', 'chamfer_to_reference', 'chamfer_from_reference')])
+        return markdown_table(['method', 'substeps', 'particles', 'rms distance [mm]',
+                               'Chamfer, to the reference [mm]', 'from it [mm]'], rows)
+
+    def farthest_fling(self, columns=None):
+        return max(float(row['distance']) for row in self.fling
+                   if columns is None or int(row['columns']) == columns)
+
+    # ---- pull
+
+    def pull_table(self):
+        rows = []
+        for row in self.pull:
+            fitted, simulated = float(row['fitted']), float(row['simulated'])
+            text = (f'{significant(simulated, 3)}' if math.isfinite(simulated)
+                    else 'did not come to rest')
+            rows.append([row['preset'], row['pull'], row['strain'], significant(fitted, 3),
+                         misfit(text, simulated, fitted)])
+        return markdown_table(['preset', 'pull', 'strain', 'fit to measurements [N/m]',
+                               'simulated [N/m]'], rows)
+
+    def pull_ratio(self, preset, pull, strain):
+        """Simulated force over that of the fit."""
+        [row] = [row for row in self.pull if (row['preset'], row['pull'], float(row['strain'])) ==
+                 (preset, pull, strain)]
+        return float(row['simulated']) / float(row['fitted'])
+
+    # ---- slope and swing
+
+    def slope_table(self):
+        return markdown_table(
+            ['slope [degrees]', 'expected', 'slide in 0.25 s [mm]'],
+            [[row['slope'], 'holds' if float(row['slope']) < float(row['angle_of_friction'])
+              else 'slides', f"{1e3 * float(row['slide']):.2f}"] for row in self.slope])
+
+    def slides(self, above):
+        return [float(row['slide']) for row in self.slope
+                if (float(row['slope']) > float(row['angle_of_friction'])) == above]
+
+    def swing_table(self):
+        rows = []
+        for row in self.swing:
+            value = {name: float(row[name]) for name in row if name != 'preset'}
+            rows.append([row['preset'], f"{value['theory_period']:.3f}", f"{value['period']:.3f}",
+                         misfit(f"{value['period_with_moved_air']:.3f}", value['period'],
+                                value['period_with_moved_air']),
+                         f"{value['theory_rate']:.2f}", misfit(f"{value['rate']:.2f}", value['rate'],
+                                                               value['theory_rate']),
+                         f"{value['rate_without_air'] + 0.0:.2g}".replace('-', '−')])
+        return markdown_table(['preset', 'period by theory [s]', 'simulated [s]',
+                               'with the air that moves along [s]', 'rate by theory [1/(m s)]',
+                               'simulated', 'without air'], rows)
+
+    def swing_ratio(self, simulated, theory):
+        """Largest relative difference of two columns."""
+        return max(abs(float(row[simulated]) / float(row[theory]) - 1.0) for row in self.swing)
