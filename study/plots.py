@@ -8,7 +8,7 @@ time per simulated second. Runs that failed stand in the strip above the chart, 
 From DIR/stability_limits.csv: DIR/stability.svg and .png, from DIR/resolution.csv: DIR/resolution.svg
 and .png. From DIR/at_size.csv and, if it is there, DIR/peer_motion.csv: DIR/at_size_<scene>_<size>.svg
 and .png and DIR/at_size_growth.svg and .png. From DIR/reality_*.csv: DIR/reality_bending.svg and .png,
-reality_drape, reality_pull and reality_fling. Tables that are not there are left out.
+reality_drape, reality_pull, reality_fling and reality_tear. Tables that are not there are left out.
 """
 import math
 import os
@@ -477,6 +477,29 @@ def fling_chart(folder, rows):
     save(figure, folder, 'reality_fling')
 
 
+def tear_chart(folder, trace, tears):
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11.0, 3.8))
+    left.plot(column(trace, 'time'), column(trace, 'force'), color=COLOURS[0], linewidth=1.0)
+    half = 0.5 * float(tears[0]['energy'])
+    for axes, level, label in ((left, half, 'half of the tear energy'), (right, 1.0, None)):
+        axes.axhline(level, color=GREY, linestyle='--', label=label)
+    left.set_xlabel('time [s]')
+    left.set_ylabel('force of a clamp [N]')
+    left.set_title('A trouser tear, 65 x 65')
+    left.legend(fontsize=9)
+    for k, particles in enumerate(sorted({int(row['particles']) for row in tears})):
+        of = [row for row in tears if int(row['particles']) == particles]
+        right.plot(column(of, 'angle'), column(of, 'force_over_half_energy'), color=COLOURS[k],
+                   marker=MARKERS[k], label=f'{particles} x {particles}')
+    right.set_ylim(0.8, 1.2)
+    right.set_xlabel('angle to the threads [°]')
+    right.set_ylabel('force over half of the tear energy')
+    right.set_title('On meshes of all sizes, at all angles')
+    right.legend(fontsize=9, ncol=2)
+    figure.tight_layout()
+    save(figure, folder, 'reality_tear')
+
+
 def reality_charts(folder):
     cantilevers = read(folder, 'reality_cantilever.csv')
     if not cantilevers:
@@ -485,6 +508,7 @@ def reality_charts(folder):
     drape_chart(folder, read(folder, 'reality_drape.csv'), read(folder, 'reality_rim.csv'))
     pull_chart(folder, read(folder, 'reality_pull.csv'))
     fling_chart(folder, read(folder, 'reality_fling_path.csv'))
+    tear_chart(folder, read(folder, 'reality_tear_trace.csv'), read(folder, 'reality_tear.csv'))
 
 
 def main(folder):

@@ -21,7 +21,7 @@ cp "$folder"/reality_*.csv "$folder/reality_machine.txt" "$work"
 # The page first: if one of its claims is no longer so, nothing is published.
 /usr/bin/python3 "$root/study/report.py" "$root/study/reality.md.in" "$work" > "$work/page"
 /usr/bin/python3 "$root/study/plots.py" "$work"
-for chart in bending drape pull fling; do
+for chart in bending drape pull fling tear; do
   cp "$work/reality_$chart.png" "$root/docs/images/"
 done
 cp "$work"/reality_*.csv "$work/reality_machine.txt" "$data/"

@@ -33,7 +33,7 @@ class Reality:
     """The functions that the template may call, over the tables of a folder."""
 
     def __init__(self, folder):
-        for name in ('cantilever', 'fold', 'drape', 'fling', 'pull', 'slope', 'swing'):
+        for name in ('cantilever', 'fold', 'drape', 'fling', 'pull', 'slope', 'swing', 'tear', 'notch'):
             setattr(self, name, read(folder, f'reality_{name}.csv'))
         self.drapes = at_least_energy(self.drape)
 
@@ -165,3 +165,41 @@ class Reality:
     def swing_ratio(self, simulated, theory):
         """Largest relative difference of two columns."""
         return max(abs(float(row[simulated]) / float(row[theory]) - 1.0) for row in self.swing)
+
+    # ---- tears
+
+    def tear_table(self):
+        angles = sorted({float(row['angle']) for row in self.tear})
+        rows = []
+        for particles in sorted({int(row['particles']) for row in self.tear}):
+            cells = []
+            for angle in angles:
+                of = [row for row in self.tear
+                      if int(row['particles']) == particles and float(row['angle']) == angle]
+                ratio = float(of[0]['force_over_half_energy'])
+                cells.append(misfit(f'{ratio:.3f}', ratio, 1.0, 0.05))
+            rows.append([f'{particles} x {particles}', f'{240.0 / (particles - 1):.2f}'] + cells)
+        return markdown_table(['particles', 'cell [mm]'] + [f'{angle:g}°' for angle in angles], rows)
+
+    def farthest_tear(self):
+        return max(abs(float(row['force_over_half_energy']) - 1.0) for row in self.tear)
+
+    def strengths(self, particles=None, notch=None):
+        """Strengths [N] of notched strips, by the other of the two, ascending."""
+        of = [row for row in self.notch
+              if (particles is None or int(row['particles']) == particles)
+              and (notch is None or float(row['notch']) == notch)]
+        of.sort(key=lambda row: (int(row['particles']), float(row['notch'])))
+        return [float(row['strength']) for row in of]
+
+    def notch_table(self):
+        rows = sorted(self.notch, key=lambda row: (float(row['notch']), int(row['particles'])))
+        shortest = min(rows, key=lambda row: float(row['notch']))
+        scale = float(shortest['strength']) * math.sqrt(float(shortest['notch']))
+        return markdown_table(
+            ['notch [mm]', 'particles across', 'cell [mm]', 'strength [N]',
+             'strength x root of the notch, over that of the shortest'],
+            [[f"{1e3 * float(row['notch']):g}", row['particles'],
+              f"{800.0 / (int(row['particles']) - 1):.1f}", f"{float(row['strength']):.1f}",
+              f"{float(row['strength']) * math.sqrt(float(row['notch'])) / scale:.3f}"]
+             for row in rows])

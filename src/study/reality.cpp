@@ -11,6 +11,7 @@
 #include "reality_fling.h"
 #include "reality_motion.h"
 #include "reality_pull.h"
+#include "reality_tear.h"
 
 namespace cloth_sim {
 namespace {
@@ -24,7 +25,10 @@ enum RealityTableIndex {
   kFlingPath,
   kPull,
   kSlope,
-  kSwing
+  kSwing,
+  kTear,
+  kNotch,
+  kTearTrace
 };
 
 constexpr double kLayerFriction = 0.5;
@@ -248,6 +252,54 @@ void planSwings(bool quick, RealityRuns& runs) {
   }
 }
 
+/// The largest meshes first: they take longest.
+void planTears(bool quick, RealityRuns& runs) {
+  for (const int particles : {257, 129, 65, 33}) {
+    for (const double angle : {0.0, 15.0, 30.0, 45.0}) {
+      if (quick && (particles > 33 || angle == 15.0 || angle == 30.0)) continue;
+      runs.push_back({"trouser tear", kTear, [particles, angle] {
+                        TrouserTear tear;
+                        tear.particles = particles;
+                        tear.angle = angle;
+                        const TearForce force = trouserForce(tear);
+                        return CsvLine::of(particles, angle, tear.energy, force.mean, force.scatter,
+                                           force.advances, force.mean / (0.5 * tear.energy));
+                      }});
+    }
+  }
+}
+
+void planNotches(bool quick, RealityRuns& runs) {
+  const auto plan = [&runs](int particles, double notch) {
+    runs.push_back({"notched strip", kNotch, [particles, notch] {
+                      NotchedStrip strip;
+                      strip.particles = particles;
+                      strip.notch = notch;
+                      return CsvLine::of(particles, notch, strip.energy, strengthOf(strip));
+                    }});
+  };
+  for (const int particles : {17, 33, 65, 129}) {
+    if (!quick || particles < 65) plan(particles, 0.1);
+  }
+  for (const double notch : {0.025, 0.05, 0.2}) {
+    if (!quick) plan(65, notch);
+  }
+}
+
+/// The force of one trouser tear over time, for a picture.
+void planTearTrace(bool quick, RealityRuns& runs) {
+  runs.push_back({"trouser tear, force over time", kTearTrace, [quick] {
+                    TrouserTear tear;
+                    tear.particles = quick ? 33 : 65;
+                    const ForceTrace trace = traceTear(sceneOf(tear), 3);
+                    std::string lines;
+                    for (std::size_t k = 0; k < trace.time.size(); k += 2) {
+                      lines += CsvLine::of(trace.time[k], trace.force[k]);
+                    }
+                    return lines;
+                  }});
+}
+
 }  // namespace
 
 const std::vector<RealityTable>& realityTables() {
@@ -268,12 +320,19 @@ const std::vector<RealityTable>& realityTables() {
       {"reality_swing.csv",
        "preset,density,period,theory_period,period_with_moved_air,rate,theory_rate,rate_without_"
        "air,"
-       "last_amplitude,theory_last_amplitude\n"}};
+       "last_amplitude,theory_last_amplitude\n"},
+      {"reality_tear.csv",
+       "particles,angle,energy,force,scatter,advances,force_over_half_energy\n"},
+      {"reality_notch.csv", "particles,notch,energy,strength\n"},
+      {"reality_tear_trace.csv", "time,force\n"}};
   return all;
 }
 
 std::vector<RealityRun> realityRuns(bool quick) {
   RealityRuns runs;
+  planTears(quick, runs);
+  planTearTrace(quick, runs);
+  planNotches(quick, runs);
   planDrapes(quick, runs);
   planRims(quick, runs);
   planFolds(quick, runs);

@@ -1,9 +1,8 @@
-#include "tearing.h"
+#include "reality_tear.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ostream>
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
@@ -12,7 +11,7 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kSide = 0.24;     // of the square cloth of a trouser tear [m]
+constexpr double kSquareSide = 0.24;     // of the square cloth of a trouser tear [m]
 constexpr double kLength = 0.2;    // of the strip [m]
 constexpr double kWidth = 0.05;    // of the strip [m]
 constexpr double kCutEnd = -0.02;  // of the cut between the legs, from the middle of the strip [m]
@@ -52,7 +51,7 @@ class Strip {
 
  private:
   std::string material(const Vec2& p) const {
-    const Vec2 at = world(p.x(), p.y()) + Vec2::Constant(0.5 * kSide);
+    const Vec2 at = world(p.x(), p.y()) + Vec2::Constant(0.5 * kSquareSide);
     return text("[%.9f, %.9f]", at.x(), at.y());
   }
 
@@ -73,18 +72,6 @@ std::string outlineOf(const Strip& strip) {
   return "[" + strip.cut({-x - o, -y}, {x + o, -y}) + ", " + strip.cut({-x - o, y}, {x + o, y}) +
          ", " + strip.cut({-x, -y - o}, {-x, y + o}) + ", " + strip.cut({x, -y - o}, {x, y + o}) +
          "]";
-}
-
-double mean(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-/// Returns the peaks but the first.
-std::vector<double> laterPeaks(const ForceTrace& trace) {
-  if (trace.peaks.size() < 2) throw std::runtime_error("the tear advanced less than twice");
-  return {trace.peaks.begin() + 1, trace.peaks.end()};
 }
 
 }  // namespace
@@ -155,53 +142,23 @@ ForceTrace traceTear(const std::string& scene, int pieces) {
   return trace;
 }
 
-double meanPeak(const ForceTrace& trace) { return mean(laterPeaks(trace)); }
-
-TearRow measure(const TrouserTear& tear) {
-  const std::vector<double> peaks = laterPeaks(traceTear(sceneOf(tear), 3));
-  TearRow row;
-  row.test = "trouser";
-  row.particles = tear.particles;
-  row.angle = tear.angle;
-  row.energy = tear.energy;
-  row.force = mean(peaks);
+TearForce trouserForce(const TrouserTear& tear) {
+  const std::vector<double> all = traceTear(sceneOf(tear), 3).peaks;
+  if (all.size() < 2) throw std::runtime_error("the tear advanced less than twice");
+  const std::vector<double> peaks(all.begin() + 1, all.end());
+  const auto count = static_cast<double>(peaks.size());
+  TearForce force;
+  force.advances = static_cast<int>(peaks.size());
+  for (double peak : peaks) force.mean += peak / count;
   double squares = 0.0;
-  for (double peak : peaks) squares += (peak - row.force) * (peak - row.force);
-  row.scatter = std::sqrt(squares / static_cast<double>(peaks.size()));
-  row.advances = static_cast<int>(peaks.size());
-  return row;
+  for (double peak : peaks) squares += (peak - force.mean) * (peak - force.mean);
+  force.scatter = std::sqrt(squares / count);
+  return force;
 }
 
-TearRow measure(const NotchedStrip& strip) {
-  const ForceTrace trace = traceTear(sceneOf(strip), 2);
-  TearRow row;
-  row.test = "notch";
-  row.particles = strip.particles;
-  row.notch = strip.notch;
-  row.energy = strip.energy;
-  row.force = *std::max_element(trace.force.begin(), trace.force.end());
-  row.advances = static_cast<int>(trace.peaks.size());
-  return row;
-}
-
-void writeTears(const std::vector<TearRow>& rows, std::ostream& out) {
-  out << "test,particles,angle_deg,notch_m,energy_J_per_m,force_N,scatter_N,advances\n";
-  for (const TearRow& row : rows) {
-    char line[192];
-    std::snprintf(line, sizeof line, "%s,%d,%g,%g,%g,%.5g,%.3g,%d\n", row.test.c_str(),
-                  row.particles, row.angle, row.notch, row.energy, row.force, row.scatter,
-                  row.advances);
-    out << line;
-  }
-}
-
-void writeTrace(const ForceTrace& trace, std::ostream& out) {
-  out << "time_s,force_N\n";
-  for (std::size_t k = 0; k < trace.time.size(); ++k) {
-    char line[64];
-    std::snprintf(line, sizeof line, "%.5f,%.5g\n", trace.time[k], trace.force[k]);
-    out << line;
-  }
+double strengthOf(const NotchedStrip& strip) {
+  const std::vector<double> force = traceTear(sceneOf(strip), 2).force;
+  return *std::max_element(force.begin(), force.end());
 }
 
 }  // namespace cloth_sim

@@ -2,7 +2,6 @@
 /// \file Tears by energy beside what is known of them: the force of a trouser tear, and the
 /// strength of a strip with a notch.
 
-#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -42,27 +41,19 @@ std::string sceneOf(const NotchedStrip& strip);
 /// \throws std::runtime_error if the run fails.
 ForceTrace traceTear(const std::string& scene, int pieces);
 
-/// Returns the mean of the peaks, without the first, which the blunt end of the cut makes [N].
-double meanPeak(const ForceTrace& trace);
-
-/// A row of the tables: one test of one cloth.
-struct TearRow {
-  std::string test;      ///< "trouser" or "notch"
-  int particles = 0;     ///< of the test
-  double angle = 0.0;    ///< [degrees], of a trouser tear
-  double notch = 0.0;    ///< [m], of a notched strip
-  double energy = 0.0;   ///< [J/m]
-  double force = 0.0;    ///< mean of the peaks, or the strength of the strip [N]
-  double scatter = 0.0;  ///< standard deviation of the peaks [N]; 0 of a strip
+/// The force of a tear: the mean of the peaks, as ISO 13937-2 evaluates it, without the first,
+/// which the blunt end of the cut makes.
+struct TearForce {
+  double mean = 0.0;     ///< [N]
+  double scatter = 0.0;  ///< standard deviation of the peaks [N]
   int advances = 0;      ///< number of peaks
 };
 
-TearRow measure(const TrouserTear& tear);
-TearRow measure(const NotchedStrip& strip);
+/// Runs a trouser tear, and returns its force. \throws std::runtime_error if it advances less than
+/// twice.
+TearForce trouserForce(const TrouserTear& tear);
 
-/// Writes the rows as CSV.
-void writeTears(const std::vector<TearRow>& rows, std::ostream& out);
-/// Writes a trace as CSV.
-void writeTrace(const ForceTrace& trace, std::ostream& out);
+/// Pulls a strip apart, and returns the largest force that it bears [N].
+double strengthOf(const NotchedStrip& strip);
 
 }  // namespace cloth_sim
