@@ -53,6 +53,7 @@ SimulationParts::SimulationParts(Scene loaded)
   controls.drag = scene.drag;
   controls.quasiStatic = scene.quasiStatic;
   controls.wind = scene.wind;
+  if (!scene.tearing.energy.empty()) checkTearEnergy(findSolver(scene.solver.method));
   if (layers) prepareLayers(*this);
 }
 

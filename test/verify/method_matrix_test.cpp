@@ -81,6 +81,7 @@ const std::vector<Start>& matrixStarts() {
       {"table_edge", 0.1},          // the part beside the table falls
       {"tear_seam", 0.5},           // hits the table
       {"tear_seam_explicit", 0.5},  // hits the table
+      {"tongue_tear", 0.1},         // the legs are bent apart
       {"twist", 4.0},               // after three turns
       {"two_cloths", 0.5},          // the scarf has hit the ball
       {"weak_grip", 0.8},           // the clamp pulls
@@ -306,8 +307,8 @@ TEST_P(MethodMatrix, EndsAsKnown) {
   const Scene own = awakeScene(name);
   side_ = sideOf(own);
   state_ = startState(own, GetParam().time);
-  const Scene fine =
-      withMethod(own, findSolver("line_xpbd"), {{"substeps", 1.0 * kReferenceSubsteps}});
+  Scene fine = withMethod(own, findSolver("line_xpbd"), {{"substeps", 1.0 * kReferenceSubsteps}});
+  fine.tearing.energy.clear();  // it refuses to tear by energy; nothing tears here
   reference_ =
       runFrom(state_, fine, Memory::kNone, kMostSteps, std::numeric_limits<double>::infinity());
   ASSERT_EQ(reference_.steps(), kMostSteps) << reference_.reason;
