@@ -192,6 +192,11 @@ class Reality:
         of.sort(key=lambda row: (int(row['particles']), float(row['notch'])))
         return [float(row['strength']) for row in of]
 
+    def refinements(self, notch):
+        """Relative changes of the strength from each size of cells to the next."""
+        values = self.strengths(notch=notch)
+        return [abs(fine / coarse - 1.0) for coarse, fine in zip(values, values[1:])]
+
     def notch_table(self):
         rows = sorted(self.notch, key=lambda row: (float(row['notch']), int(row['particles'])))
         shortest = min(rows, key=lambda row: float(row['notch']))
