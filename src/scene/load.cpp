@@ -129,30 +129,38 @@ bool givesRatio(const Scene& scene) {
          std::any_of(scene.phases.begin(), scene.phases.end(), has);
 }
 
-/// Refuses tear energies in a scene that gives ratios.
-void refuseTearEnergies(const SceneNode& root) {
+/// Returns the first tear energy that a cloth of the scene is given, if any.
+std::optional<SceneNode> givenTearEnergy(const SceneNode& root) {
   const SceneNode node = root.need("cloth", "a map");
   const std::vector<SceneNode> cloths =
       node.isList() ? node.list("a list of maps") : std::vector<SceneNode>{node};
   for (const SceneNode& cloth : cloths) {
     const auto fabric = cloth.find("fabric");
     const auto energy = fabric && fabric->isMap() ? fabric->find("tear_energy") : std::nullopt;
-    if (energy) energy->refuse("expected either this or a tearing.ratio, not both");
+    if (energy) return energy;
   }
+  return std::nullopt;
 }
 
-/// Chooses the criterion by which the cloths tear: the stretch of springs if the scene gives
-/// ratios, otherwise the energies of the fabrics that have one.
+/// Chooses the criterion by which the cloths tear: that of `tearing.by`, or else energy if a cloth
+/// is given a tear energy. Refuses what the other criterion needs.
 void chooseTearing(const SceneNode& root, Scene& scene) {
   const auto tearing = root.find("tearing");
   if (!tearing) return;
-  if (givesRatio(scene)) return refuseTearEnergies(root);
-  const auto isKnown = [](const ClothSpec& cloth) { return cloth.fabric.tearEnergy.isKnown(); };
-  if (std::none_of(scene.cloths.begin(), scene.cloths.end(), isKnown)) return;
+  const auto by = tearing->find("by");
+  const auto given = givenTearEnergy(root);
+  const bool byEnergy =
+      by ? by->choice<bool>({{"energy", true}, {"stretch", false}}) : given.has_value();
+  if (!byEnergy) {
+    if (given) given->refuse("expected only where cloth tears by energy");
+    return;
+  }
+  const SceneNode asked = by ? *by : *given;
+  if (givesRatio(scene)) asked.refuse("expected either an energy or a tearing.ratio, not both");
   try {
     checkTearEnergy(findSolver(scene.solver.method));
   } catch (const std::invalid_argument& error) {
-    tearing->refuse(error.what());
+    asked.refuse(error.what());
   }
   for (const ClothSpec& cloth : scene.cloths) {
     scene.tearing.energy.push_back(cloth.fabric.tearEnergy);

@@ -21,6 +21,7 @@ Seam readSeam(const SceneNode& node, const std::vector<ClothSpec>& cloths) {
 const Section<TearingSettings> kTearingSection{
     "`tearing`",
     {{"enabled", &TearingSettings::enabled},
+     {"by"},
      {"ratio",
       [](const SceneNode& value, TearingSettings& tearing) { tearing.ratio = readRatios(value); }},
      {"seam"},

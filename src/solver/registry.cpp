@@ -69,7 +69,7 @@ void checkLayers(const SolverInfo& info) {
 void checkTearEnergy(const SolverInfo& info) {
   if (info.noTearEnergy.empty()) return;
   throw std::invalid_argument(info.name + " cannot tear by energy: " + info.noTearEnergy +
-                              "; take another method, such as projective, or a tearing.ratio");
+                              "; take another method, such as projective, or tear by stretch");
 }
 
 SolverParameters completeParameters(const SolverInfo& info, const SolverParameters& given) {

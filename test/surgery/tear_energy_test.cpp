@@ -222,7 +222,7 @@ TEST(TearByEnergy, BadInputIsRefusedInOneLine) {
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
   EXPECT_THAT(errorOf(trouserScene("2", kProjective, "{enabled: false, ratio: 1.2}")),
-              HasSubstr("cloth.fabric.tear_energy: expected either this or a tearing.ratio"));
+              HasSubstr("cloth.fabric.tear_energy: expected either an energy or a tearing.ratio"));
   for (const char* method : {"xpbd", "line_xpbd"}) {
     EXPECT_THAT(errorOf(trouserScene("2", std::string("method: ") + method)),
                 HasSubstr("cannot tear by energy"))
@@ -240,18 +240,20 @@ TEST(TearByEnergy, RefusesRatiosWhileItRuns) {
   EXPECT_TRUE(simulation.apply(SetTearing{true, infiniteRatios()}).success);
 }
 
-TEST(TearByEnergy, IsTheFabricsOwnWhereNobodyGivesARatio) {
+TEST(TearByEnergy, TakesTheEnergyOfThePresetOnRequest) {
   const std::string scene = R"(
 cloth: {fabric: denim}
 solver: {method: projective}
-tearing: {}
 )";
-  const Scene read = parseScene(scene, "s.yaml");
+  const Scene read = parseScene(scene + "tearing: {by: energy}\n", "s.yaml");
   ASSERT_EQ(read.tearing.energy.size(), 1U);
   EXPECT_EQ(read.tearing.energy[0].warp, fabricPreset("denim").tearEnergy.warp);
-  EXPECT_TRUE(
-      parseScene(scene + "phases: [{name: a, tearing: {ratio: 1.2}, timeout: 1}]\n", "s.yaml")
-          .tearing.energy.empty());
+  EXPECT_TRUE(parseScene(scene + "tearing: {}\n", "s.yaml").tearing.energy.empty());
+  EXPECT_THAT(errorOf(scene + "tearing: {by: energy, ratio: 1.2}\n"),
+              testing::HasSubstr("tearing.by: expected either an energy or a tearing.ratio"));
+  EXPECT_THAT(errorOf(scene + "tearing: {by: luck}\n"), testing::HasSubstr("tearing.by"));
+  EXPECT_THAT(errorOf(trouserScene("2", kProjective, "{by: stretch}")),
+              testing::HasSubstr("tear_energy: expected only where cloth tears by energy"));
 }
 
 }  // namespace
