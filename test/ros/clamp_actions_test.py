@@ -325,6 +325,9 @@ class ClampActionsTest(ServiceTest):
         goal = Goal(client, move(pose(0.0, 0.9, 0.8))).begun()
         self.accepted('step', 1)
         self.accepted('remove_clamp', 'guest')
+        status, result = goal.wait()
+        self.assertEqual((status, result.outcome), (GoalStatus.ABORTED, MOVE.FAILED))
+        self.assertIn('removed', result.message)
         self.assertNotIn('guest', [clamp.name for clamp in self.state().clamps])
 
     def test_the_target_in_an_obstacle_is_told_once(self):
