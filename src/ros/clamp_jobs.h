@@ -7,7 +7,7 @@
 
 namespace cloth_sim {
 
-/// At most one goal for each part of each clamp.
+/// The goals under way: at most one for each part of each clamp.
 class ClampJobs {
  public:
   using Apply = std::function<CommandResult(const Command&)>;

@@ -1,5 +1,6 @@
 #include "cloth_sim/sim/commands/clamp_commands.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 
