@@ -64,7 +64,7 @@ packages_for() {
           libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcereal-dev libcli11-dev \
           ros-message-generation ros-message-runtime libroscpp-dev libroslib-dev librosbag-dev \
           ros-std-msgs ros-geometry-msgs libstd-msgs-dev libgeometry-msgs-dev \
-          libnav-msgs-dev libsensor-msgs-dev libshape-msgs-dev \
+          libnav-msgs-dev libsensor-msgs-dev libshape-msgs-dev libtrajectory-msgs-dev \
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
           libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
           python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev \
@@ -77,7 +77,7 @@ packages_for() {
           python3-std-msgs python3-geometry-msgs python3-visualization-msgs \
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs \
           python3-actionlib python3-actionlib-msgs \
-          python3-nav-msgs python3-sensor-msgs python3-shape-msgs
+          python3-nav-msgs python3-sensor-msgs python3-shape-msgs python3-trajectory-msgs
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
@@ -101,7 +101,8 @@ packages_for() {
           ros-noetic-diagnostic-updater ros-noetic-dynamic-reconfigure \
           ros-noetic-interactive-markers ros-noetic-tf2 ros-noetic-tf2-ros \
           ros-noetic-tf2-geometry-msgs \
-          ros-noetic-actionlib ros-noetic-actionlib-msgs ros-noetic-rosgraph-msgs
+          ros-noetic-actionlib ros-noetic-actionlib-msgs ros-noetic-rosgraph-msgs \
+          ros-noetic-trajectory-msgs ros-noetic-control-msgs
         ;;
       noetic/run)
         echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \

@@ -72,6 +72,7 @@ void ClampPorts::open(const std::string& clamp) {
   port.commands.push_back(listen<GripperCommand>(
       base + "/gripper_command", kNewest,
       [this, clamp](const GripperCommand& command) { return checker_.gripper(clamp, command); }));
+  port.actions = std::make_shared<ClampActions>(node_, clamp, checker_, simulation_);
   const auto source = parameters_.clampSources.find(clamp);
   if (source != parameters_.clampSources.end()) attach(clamp, source->second, port);
 }

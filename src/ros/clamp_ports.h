@@ -1,5 +1,5 @@
 #pragma once
-/// \file The topics of the clamps; they open and close as clamps are added and removed.
+/// \file The topics and actions of the clamps; they open and close as clamps are added and removed.
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
@@ -10,6 +10,7 @@
 #include <mutex>
 #include <vector>
 
+#include "clamp_actions.h"
 #include "parameters.h"
 #include "pose_tracker.h"
 #include "requests.h"
@@ -18,7 +19,7 @@
 
 namespace cloth_sim {
 
-/// The command topics, the tracker and the wrench topic of every clamp. Thread-safe.
+/// The command topics, the actions, the tracker and the wrench topic of every clamp. Thread-safe.
 class ClampPorts {
  public:
   /// All arguments must outlive this.
@@ -47,6 +48,7 @@ class ClampPorts {
     WrenchFilter filter;
     std::shared_ptr<PoseTracker> tracker;  ///< null while the clamp tracks nothing
     ros::Subscriber width;                 ///< of the hand
+    std::shared_ptr<ClampActions> actions;
   };
 
   void open(const std::string& clamp);

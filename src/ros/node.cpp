@@ -162,6 +162,7 @@ class Node {
   RunSettings runSettings(const NodeParameters& parameters) {
     RunSettings settings{parameters.realTimeFactor, parameters.paused, parameters.threads};
     settings.onTime = [this](double time) { clock_.tell(time); };
+    settings.onWarning = [](const std::string& warning) { ROS_WARN_STREAM(warning); };
     return settings;
   }
 

@@ -85,6 +85,45 @@ ClampSpec toClampSpec(const AddClamp::Request& message, const Pose& pose) {
   return spec;
 }
 
+/// Returns `given`, or the default where the message leaves the field at zero.
+double orDefault(double given, double standard) { return given == 0.0 ? standard : given; }
+
+/// Returns what is wrong with the numbers of poses and times; empty if nothing is.
+std::string countError(const MoveClampGoal& goal) {
+  if (goal.poses.size() > kMaxPoints) {
+    return "poses: expected at most " + std::to_string(kMaxPoints) + " (got " +
+           std::to_string(goal.poses.size()) + ")";
+  }
+  if (goal.times_from_start.empty() || goal.times_from_start.size() == goal.poses.size()) return "";
+  return "times_from_start: expected none, or as many as poses (got " +
+         std::to_string(goal.times_from_start.size()) + " and " +
+         std::to_string(goal.poses.size()) + ")";
+}
+
+/// Returns what keeps a trajectory from being that of one body; empty if nothing does.
+std::string bodyError(const trajectory_msgs::MultiDOFJointTrajectory& message) {
+  if (message.joint_names.size() > 1) {
+    return "joint_names: expected one at most (got " + std::to_string(message.joint_names.size()) +
+           ")";
+  }
+  for (std::size_t k = 0; k < message.points.size(); ++k) {
+    const std::size_t count = message.points[k].transforms.size();
+    if (count == 1) continue;
+    return "points[" + std::to_string(k) + "].transforms: expected one (got " +
+           std::to_string(count) + ")";
+  }
+  return "";
+}
+
+geometry_msgs::Pose poseOf(const geometry_msgs::Transform& transform) {
+  geometry_msgs::Pose pose;
+  pose.position.x = transform.translation.x;
+  pose.position.y = transform.translation.y;
+  pose.position.z = transform.translation.z;
+  pose.orientation = transform.rotation;
+  return pose;
+}
+
 /// Calls `make`, which looks up a frame, and refuses the request if the frame is unknown.
 template <typename Make>
 Request inKnownFrame(const Make& make) {
@@ -131,6 +170,44 @@ std::vector<Request> RequestChecker::gripper(const std::string& clamp,
     if (!error.empty()) return {Refusal{error}};
   }
   return requests;
+}
+
+MoveRequest RequestChecker::move(const MoveClampGoal& goal) const {
+  std::string error = countError(goal);
+  if (!error.empty()) return Refusal{error};
+  MovePlan plan;
+  plan.timed = !goal.times_from_start.empty();
+  plan.speed = goal.speed;
+  plan.positionTolerance = orDefault(goal.position_tolerance, plan.positionTolerance);
+  plan.orientationTolerance = orDefault(goal.orientation_tolerance, plan.orientationTolerance);
+  if (goal.time_limit != 0.0) plan.timeLimit = goal.time_limit;
+  for (std::size_t k = 0; k < goal.poses.size(); ++k) {
+    const Request pose = clampPose("", goal.poses[k]);
+    if (const auto* refusal = std::get_if<Refusal>(&pose)) {
+      return Refusal{"poses[" + std::to_string(k) + "]: " + refusal->message};
+    }
+    const double time = plan.timed ? goal.times_from_start[k].toSec() : 0.0;
+    plan.waypoints.push_back({std::get<SetClampTarget>(std::get<Command>(pose)).pose, time});
+  }
+  error = validationError(plan);
+  if (!error.empty()) return Refusal{error};
+  return plan;
+}
+
+/// Looks up the latest transform of the frame, because the stamp is that of the start.
+MoveRequest RequestChecker::trajectory(
+    const trajectory_msgs::MultiDOFJointTrajectory& message) const {
+  const std::string error = bodyError(message);
+  if (!error.empty()) return Refusal{error};
+  MoveClampGoal goal;
+  for (const auto& point : message.points) {
+    geometry_msgs::PoseStamped pose;
+    pose.header.frame_id = message.header.frame_id;
+    pose.pose = poseOf(point.transforms.front());
+    goal.poses.push_back(pose);
+    goal.times_from_start.push_back(point.time_from_start);
+  }
+  return move(goal);
 }
 
 Request RequestChecker::newClamp(const AddClamp::Request& message) const {

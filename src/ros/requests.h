@@ -6,6 +6,7 @@
 /// `Simulation::apply` asks it before anything changes.
 
 #include <geometry_msgs/PoseStamped.h>
+#include <trajectory_msgs/MultiDOFJointTrajectory.h>
 
 #include <functional>
 #include <string>
@@ -16,10 +17,12 @@
 #include "cloth_sim/CutStroke.h"
 #include "cloth_sim/DragRay.h"
 #include "cloth_sim/GripperCommand.h"
+#include "cloth_sim/MoveClampGoal.h"
 #include "cloth_sim/Refine.h"
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/scene/scene.h"
 #include "cloth_sim/sim/command.h"
+#include "move_job.h"
 
 namespace cloth_sim {
 
@@ -29,6 +32,9 @@ struct Refusal {
 };
 /// A command, or why a message makes none.
 using Request = std::variant<Command, Refusal>;
+
+/// A way for a clamp, or why a message makes none.
+using MoveRequest = std::variant<MovePlan, Refusal>;
 
 /// Turns a pose in a tf frame into the world frame.
 /// \throws std::runtime_error if the frame is unknown at the asked time.
@@ -45,6 +51,10 @@ class RequestChecker {
   /// refusal, if either is invalid.
   std::vector<Request> gripper(const std::string& clamp, const GripperCommand& command) const;
   Request gripWidth(const std::string& clamp, double width) const;
+  /// Returns the way of a goal, in the world frame.
+  MoveRequest move(const MoveClampGoal& goal) const;
+  /// Returns the way of a trajectory with at least one point, each with one transform.
+  MoveRequest trajectory(const trajectory_msgs::MultiDOFJointTrajectory& message) const;
   Request newClamp(const AddClamp::Request& message) const;
   Request reset(std::uint8_t scope) const;
   Request stroke(const CutStroke& message) const;

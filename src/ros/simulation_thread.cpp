@@ -72,8 +72,7 @@ CommandResult SimulationThread::inspect(Inspection inspection, std::chrono::mill
   return deliver(std::move(inspection), timeout);
 }
 
-CommandResult SimulationThread::deliver(std::variant<Command, Inspection> request,
-                                        std::chrono::milliseconds timeout) {
+CommandResult SimulationThread::deliver(Work request, std::chrono::milliseconds timeout) {
   const auto promise = std::make_shared<std::promise<CommandResult>>();
   const auto withdrawn = std::make_shared<std::atomic<bool>>(false);
   std::future<CommandResult> future = promise->get_future();
@@ -85,6 +84,19 @@ CommandResult SimulationThread::deliver(std::variant<Command, Inspection> reques
   // The thread that sets the flag first, this one or the simulation's, decides.
   if (withdrawn->exchange(true)) return future.get();
   return {false, "no answer from the simulation in time; the command was withdrawn"};
+}
+
+void SimulationThread::startJob(const std::shared_ptr<ClampJob>& job) {
+  if (enqueue({JobRequest{job, true, "", job->part()}, nullptr, nullptr})) return;
+  ClampJobs::refuse(*job, "too many commands are waiting, or the node is shutting down");
+}
+
+void SimulationThread::cancelJob(const std::shared_ptr<ClampJob>& job) {
+  enqueue({JobRequest{job, false, "", job->part()}, nullptr, nullptr});
+}
+
+void SimulationThread::cancelJob(const std::string& clamp, ClampJob::Part part) {
+  enqueue({JobRequest{nullptr, false, clamp, part}, nullptr, nullptr});
 }
 
 void SimulationThread::setPaused(bool paused) {
@@ -182,6 +194,7 @@ void SimulationThread::run() {
     }
   }
   takeRequests();
+  clampJobs_.endAll("the node is shutting down");
   answerJobs({false, "the node is shutting down"});
 }
 
@@ -206,10 +219,13 @@ void SimulationThread::takeMail(bool last) {
   for (Envelope& envelope : taken_) {
     if (!last) {
       process(envelope);
+    } else if (const auto* job = std::get_if<JobRequest>(&envelope.request)) {
+      if (job->begins) ClampJobs::refuse(*job->job, "the node is shutting down");
     } else if (envelope.answer && !(envelope.withdrawn && envelope.withdrawn->exchange(true))) {
       envelope.answer({false, "the node is shutting down"});
     }
   }
+  if (show) clampJobs_.tend();  // a command may have ended a goal, and a goal may be met already
   taken_.clear();
   show = show && !mayStep();  // otherwise the next step's observation comes soon enough
   if (show) publish();
@@ -258,6 +274,8 @@ void SimulationThread::process(Envelope& envelope) {
   CommandResult result{true, ""};
   if (const auto* inspection = std::get_if<Inspection>(&envelope.request)) {
     (*inspection)(simulation_);
+  } else if (const auto* job = std::get_if<JobRequest>(&envelope.request)) {
+    processJob(*job);
   } else {
     result = applyCommand(std::get<Command>(envelope.request));
   }
@@ -265,13 +283,23 @@ void SimulationThread::process(Envelope& envelope) {
   if (envelope.answer) envelope.answer(result);
 }
 
+void SimulationThread::processJob(const JobRequest& request) {
+  if (request.begins) {
+    clampJobs_.start(request.job);
+  } else if (request.job) {
+    clampJobs_.cancel(request.job.get());
+  } else {
+    clampJobs_.cancel(request.clamp, request.part);
+  }
+}
+
+/// Carries out a command of a client.
 CommandResult SimulationThread::applyCommand(const Command& command) {
-  CommandRecord record{0, simulation_.stepCount(), simulation_.time(), command};
-  const CommandResult result = simulation_.apply(command);
+  const CommandResult result = carryOut(command);
   if (!result.success) return result;
-  board_.addCommand(std::move(record));
   if (replacesCloth(command)) beginAnew();
   if (changesTime(command)) {
+    clampJobs_.endAll("the simulated time was set");
     meter_.restart(simulation_.time());
     figurePace_ = Pace();
     tellTime();
@@ -280,9 +308,27 @@ CommandResult SimulationThread::applyCommand(const Command& command) {
   return result;
 }
 
+/// Carries out a command, and records it.
+CommandResult SimulationThread::carryOut(const Command& command) {
+  CommandRecord record{0, simulation_.stepCount(), simulation_.time(), command};
+  const CommandResult result = simulation_.apply(command);
+  if (!result.success) return result;
+  board_.addCommand(std::move(record));
+  if (!result.warning.empty()) warnOnce(result.warning);
+  return result;
+}
+
+void SimulationThread::warnOnce(const std::string& warning) {
+  constexpr std::size_t kMaxWarnings = 1000;  // clamps may be added without end
+  if (!settings_.onWarning || warned_.size() >= kMaxWarnings) return;
+  if (warned_.insert(warning).second) settings_.onWarning(warning);
+}
+
 /// Forgets what belongs to the cloth before, after a reset or a restored state.
 void SimulationThread::beginAnew() {
   endRun(RunResult::Outcome::kFailed, "the simulation was reset");
+  clampJobs_.endAll("the simulation was reset");
+  warned_.clear();
   ++resets_;
   failureShown_ = false;
   const std::vector<FailureEvent> pending = simulation_.takeEvents();
@@ -309,6 +355,7 @@ void SimulationThread::stepOnce() {
   unseen_ = true;
   tellTime();
   collectEvents();
+  clampJobs_.tend();
   if (const double rate = observationRate_; observationPace_.isDue(Clock::now(), rate)) {
     observationPace_.take(Clock::now(), rate);
     show();

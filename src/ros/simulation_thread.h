@@ -9,8 +9,10 @@
 #include <functional>
 #include <future>
 #include <mutex>
+#include <set>
 #include <thread>
 
+#include "clamp_jobs.h"
 #include "cloth_sim/sim/simulation.h"
 #include "observation_board.h"
 #include "pace.h"
@@ -27,6 +29,9 @@ struct RunSettings {
   /// Called with the simulated time [s] after every step and whenever the time jumps, in order,
   /// from the thread that changed it; must not block.
   std::function<void(double)> onTime = nullptr;
+  /// Called with each warning about a command that was carried out, once for each text until the
+  /// cloth is reset, from the simulation thread; must not block.
+  std::function<void(const std::string&)> onWarning = nullptr;
 };
 
 /// Answer to a request for steps.
@@ -83,6 +88,14 @@ class SimulationThread {
   /// Cancels the run of that number and pauses, unless the run is over.
   void cancelRun(std::uint64_t number);
 
+  /// Begins a goal of a clamp between two steps, or refuses it; its listener is told. It neither
+  /// ends a pause nor pauses.
+  void startJob(const std::shared_ptr<ClampJob>& job);
+  /// Cancels a goal of a clamp, unless it is over.
+  void cancelJob(const std::shared_ptr<ClampJob>& job);
+  /// Cancels the goal for a part of a clamp, if there is one.
+  void cancelJob(const std::string& clamp, ClampJob::Part part);
+
   /// Sets the rate of observations, in wall time [Hz], > 0. Others are made after commands that
   /// somebody waits for, after requested steps, and when the simulation has failed.
   void setObservationRate(double rate) { observationRate_ = rate; }
@@ -112,9 +125,19 @@ class SimulationThread {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// A goal to begin or to cancel, or a part of a clamp whose goal is cancelled.
+  struct JobRequest {
+    std::shared_ptr<ClampJob> job;  ///< null: that for the part of the clamp, whichever it is
+    bool begins = false;
+    std::string clamp;
+    ClampJob::Part part = ClampJob::Part::kMotion;
+  };
+
+  using Work = std::variant<Command, Inspection, JobRequest>;
+
   /// A request that waits for its turn.
   struct Envelope {
-    std::variant<Command, Inspection> request;
+    Work request;
     Answer answer;
     std::shared_ptr<std::atomic<bool>>
         withdrawn;  ///< set when nobody waits any more; null: nobody does
@@ -129,15 +152,17 @@ class SimulationThread {
   };
 
   bool enqueue(Envelope envelope);
-  CommandResult deliver(std::variant<Command, Inspection> request,
-                        std::chrono::milliseconds timeout);
+  CommandResult deliver(Work request, std::chrono::milliseconds timeout);
   void run();
   void takeRequests();
   void takeMail(bool last);
   void takeRuns(bool last);
   void endRun(RunResult::Outcome outcome, const std::string& message);
   void process(Envelope& envelope);
+  void processJob(const JobRequest& request);
   CommandResult applyCommand(const Command& command);
+  CommandResult carryOut(const Command& command);
+  void warnOnce(const std::string& warning);
   void beginAnew();
   bool mayStep() const;
   bool isEarly() const;
@@ -159,6 +184,8 @@ class SimulationThread {
   RunSettings settings_;
   std::deque<StepJob> jobs_;
   std::optional<NumberedRun> run_;
+  ClampJobs clampJobs_{simulation_, [this](const Command& command) { return carryOut(command); }};
+  std::set<std::string> warned_;  ///< texts that onWarning got since the last reset
   std::deque<Envelope> taken_;
   Clock::time_point nextStep_;
   Pace observationPace_;

@@ -69,7 +69,8 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 
 std::string unknownName(const std::string& what, const std::string& name,
                         const std::vector<std::string>& known) {
-  return "unknown " + what + " '" + shownText(name) + "' (known: " + joinNames(known) + ")";
+  const std::string unknown = "unknown " + what + " '" + shownText(name) + "' ";
+  return unknown + (known.empty() ? "(there is none)" : "(known: " + joinNames(known) + ")");
 }
 
 std::string nameError(const std::string& name) {

@@ -23,7 +23,9 @@ NODE = '/cloth'
 COMMON_SERVICES = {'get_loggers', 'set_logger_level', 'set_parameters'}
 COMMON_TOPICS = {'parameter_descriptions', 'parameter_updates',
                  'handles/update', 'handles/update_full'}  # the last two: docs/rviz.md
-ACTION = re.compile(r'(?!handles/)(\w+)/(goal|cancel|status|feedback|result)$')
+ACTION = re.compile(r'(?!handles/)((?:clamps/\w+/)?\w+)/(goal|cancel|status|feedback|result)$')
+# The type of the grippers is that of control_msgs, where this package is.
+GRIPPER = {'control_msgs/GripperCommandAction': 'cloth_sim/GripperCommandAction'}
 
 
 def read(*path):
@@ -81,7 +83,8 @@ class ApiDocTest(unittest.TestCase):
                  if topic.startswith(NODE + '/'))
         for action in {goal.group(1) for goal in goals if goal and goal.group(2) == 'goal'}:
             kind = dict(self.master.getTopicTypes())['%s/%s/goal' % (NODE, action)]
-            types[action] = re.sub('Goal$', '', kind)
+            kind = re.sub('Goal$', '', kind)
+            types[re.sub('^clamps/(left|right)/', 'clamps/<name>/', action)] = GRIPPER.get(kind, kind)
         self.assertEqual(documented('Services'),
                          {name: '`%s`' % kind for name, kind in types.items()})
 

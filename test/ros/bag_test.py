@@ -10,7 +10,8 @@ import tempfile
 import rosbag
 import rospy
 import rostest
-from geometry_msgs.msg import Point, Vector3
+from actionlib import GoalStatus, SimpleActionClient
+from geometry_msgs.msg import Point, PoseStamped, Vector3
 from std_msgs.msg import Bool
 
 from cloth_sim import msg, srv
@@ -68,6 +69,23 @@ class BagTest(ServiceTest):
         message.direction = Vector3(0, 0, -1)
         return message
 
+    def move_and_step(self, steps):
+        """A goal that ends within these steps: two ways of 0.2 s."""
+        goal = msg.MoveClampGoal(times_from_start=[rospy.Duration(0.2), rospy.Duration(0.4)])
+        for x in (0.2, 0.15):
+            pose = PoseStamped()
+            pose.header.frame_id = 'world'
+            pose.pose.position = Point(x, -0.15, 0.6)
+            pose.pose.orientation.w = 1.0
+            goal.poses.append(pose)
+        client = SimpleActionClient('/cloth/clamps/right/move', msg.MoveClampAction)
+        self.assertTrue(client.wait_for_server(rospy.Duration(20.0)))
+        client.send_goal(goal)
+        wait_until(lambda: client.get_state() == GoalStatus.ACTIVE, 'the goal to begin')
+        self.accepted('step', steps)
+        self.assertTrue(client.wait_for_result(rospy.Duration(20.0)))
+        self.assertEqual(client.get_state(), GoalStatus.SUCCEEDED)
+
     def test_a_commanded_run_is_done_again_to_the_bit(self):
         """One test: numbers of commands run from the start of the node on."""
         bag = os.path.join(self.folder.name, 'run.bag')
@@ -93,7 +111,7 @@ class BagTest(ServiceTest):
         self.accepted('load_state', 'bag_test')
         self.accepted('reset', srv.ResetSceneRequest.TIME)
         self.accepted('cut', self.stroke())
-        self.accepted('step', 30)
+        self.move_and_step(30)
         end = self.state()
         # It is sent once a second while nothing changes: who has the second has the first.
         wait_until(lambda: sum(s.state_hash == end.state_hash for s in states.messages) > 1,
@@ -105,8 +123,9 @@ class BagTest(ServiceTest):
             last = [m for _, m, _ in opened.read_messages(['/cloth/state'])][-1]
         self.assertEqual([command.kind for command in commands],
                          ['set_grasp', 'set_phase', 'cut_along', 'set_grasp', 'refine_near',
-                          'reset', 'restore', 'reset', 'cut_along'])
-        self.assertEqual([command.number for command in commands], list(range(9)))
+                          'reset', 'restore', 'reset', 'cut_along',
+                          'guide_clamp', 'guide_clamp', 'set_clamp_target'])
+        self.assertEqual([command.number for command in commands], list(range(12)))
         self.assertEqual(commands[1].text, 'notch')
         self.assertEqual(last.state_hash, end.state_hash)
         result = replay(bag)

@@ -19,15 +19,18 @@ LINES = 40  # that an example has less than
 
 
 class ExamplesTest(unittest.TestCase):
-    def two_pieces_by(self, program):
-        call('reset', srv.ResetScene, srv.ResetSceneRequest.BOTH)
-        start = state()
-        self.assertEqual((start.pieces, start.broken.total, start.clamps[0].held), (1, 0, 0))
+    def said_by(self, program):
         path = subprocess.check_output(['catkin_find', '--first-only', '--libexec', 'cloth_sim',
                                         program], text=True).strip()
         client = subprocess.run([path], capture_output=True, text=True, timeout=60)
         self.assertEqual(client.returncode, 0, client.stdout + client.stderr)
-        self.assertIn('two pieces', client.stdout + client.stderr)
+        return client.stdout + client.stderr
+
+    def two_pieces_by(self, program):
+        call('reset', srv.ResetScene, srv.ResetSceneRequest.BOTH)
+        start = state()
+        self.assertEqual((start.pieces, start.broken.total, start.clamps[0].held), (1, 0, 0))
+        self.assertIn('two pieces', self.said_by(program))
         end = state()
         self.assertEqual(end.failure, '')
         self.assertEqual(end.pieces, 2)
@@ -42,9 +45,17 @@ class ExamplesTest(unittest.TestCase):
     def test_python(self):
         self.two_pieces_by('tear_client.py')
 
+    def test_lift(self):
+        call('reset', srv.ResetScene, srv.ResetSceneRequest.BOTH)
+        self.assertRegex(self.said_by('lift_client.py'), r'it holds \d+ particles')
+        end = state()
+        self.assertEqual(end.pieces, 1)
+        self.assertGreater(end.clamps[0].held, 0)
+        self.assertGreater(end.clamps[0].pose.position.z, 0.19)
+
     def test_they_are_short(self):
         examples = sorted(os.listdir(EXAMPLES))
-        self.assertEqual(examples, ['tear_client.cpp', 'tear_client.py'])
+        self.assertEqual(examples, ['lift_client.py', 'tear_client.cpp', 'tear_client.py'])
         for name in examples:
             with open(os.path.join(EXAMPLES, name)) as file:
                 lines = file.read().splitlines()

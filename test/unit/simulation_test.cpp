@@ -205,6 +205,21 @@ TEST(Command, ClampGoesWhereItIsTold) {
   EXPECT_NEAR((simulation.clamps()[0].pose().position - target).norm(), 0.0, 1e-6);
 }
 
+TEST(Command, APatchOutOfReachIsNotGrasped) {
+  Simulation simulation = simulationOf({"gravity=[0,0,0]", "clamps.left.pose={position: [0,0,3]}"});
+  const std::uint64_t before = stateHash(simulation.model(), simulation.state());
+  for (const Command& command :
+       {Command(SetGrasp{"left", true}), Command(SetGapWidth{"left", 0.0})}) {
+    const CommandResult result = simulation.apply(command);
+    EXPECT_FALSE(result.success);
+    EXPECT_THAT(result.message, testing::HasSubstr("m from its patch, and reaches 0.142 m"));
+    EXPECT_THAT(result.message, testing::HasSubstr("attach"));
+  }
+  EXPECT_EQ(simulation.clamps()[0].state(), ClampState::kOpen);
+  EXPECT_EQ(stateHash(simulation.model(), simulation.state()), before);
+  EXPECT_TRUE(simulation.apply(SetGrasp{"left", false}).success);
+}
+
 TEST(Command, GraspTakesThePatch) {
   Simulation simulation = simulationOf({"gravity=[0,0,0]"});
   ASSERT_TRUE(simulation.apply(SetGrasp{"left", true}).success);

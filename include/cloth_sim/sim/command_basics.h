@@ -13,6 +13,8 @@ namespace cloth_sim {
 struct CommandResult {
   bool success = false;
   std::string message;
+  /// A doubt about a command that was carried out, as a sentence without numbers; "" if none.
+  std::string warning = {};
 };
 
 inline CommandResult done(const std::string& message = "") { return {true, message}; }

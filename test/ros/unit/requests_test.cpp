@@ -135,6 +135,54 @@ TEST_F(RequestsTest, AGripperCommandIsAForceAndAWidth) {
   EXPECT_THAT(refusal(checker_.gripper("left", message)[0]), HasSubstr("width"));
 }
 
+TEST_F(RequestsTest, AMoveIsAWayInTheWorldFrame) {
+  MoveClampGoal goal;
+  goal.poses = {pose_, pose_};
+  goal.poses[1].header.frame_id = "hand";
+  goal.times_from_start = {ros::Duration(1.0), ros::Duration(2.5)};
+  goal.position_tolerance = 0.02;
+  const MovePlan plan = std::get<MovePlan>(checker_.move(goal));
+  EXPECT_TRUE(plan.timed);
+  EXPECT_EQ(plan.waypoints[1].time, 2.5);
+  EXPECT_EQ(plan.waypoints[1].pose.position.z(), 1.0);
+  EXPECT_EQ(plan.positionTolerance, 0.02);
+  EXPECT_EQ(plan.orientationTolerance, MovePlan().orientationTolerance);
+  EXPECT_FALSE(plan.timeLimit);
+
+  const auto refusal = [&] { return std::get<Refusal>(checker_.move(goal)).message; };
+  goal.times_from_start.pop_back();
+  EXPECT_THAT(refusal(), HasSubstr("as many as poses (got 1 and 2)"));
+  goal.times_from_start.clear();
+  goal.poses[1].pose.position.x = kNan;
+  EXPECT_THAT(refusal(), HasSubstr("poses[1]: position"));
+  goal.poses[1] = pose_;
+  goal.poses[0].header.frame_id = "nowhere";
+  EXPECT_THAT(refusal(), HasSubstr("poses[0]: unknown frame nowhere"));
+  goal.poses.clear();
+  EXPECT_THAT(refusal(), HasSubstr("poses"));
+  goal.poses.assign(10001, pose_);
+  EXPECT_THAT(refusal(), HasSubstr("at most 10000"));
+}
+
+TEST_F(RequestsTest, ATrajectoryIsThatOfOneBody) {
+  trajectory_msgs::MultiDOFJointTrajectory message;
+  message.header.frame_id = "hand";
+  message.joint_names = {"any"};
+  message.points.resize(1);
+  message.points[0].transforms.resize(1);
+  message.points[0].transforms[0].rotation.w = 1.0;
+  message.points[0].time_from_start = ros::Duration(2.0);
+  const MovePlan plan = std::get<MovePlan>(checker_.trajectory(message));
+  EXPECT_TRUE(plan.timed);
+  EXPECT_EQ(plan.waypoints[0].time, 2.0);
+  EXPECT_EQ(plan.waypoints[0].pose.position.z(), 1.0);
+  const auto refusal = [&] { return std::get<Refusal>(checker_.trajectory(message)).message; };
+  message.points[0].transforms.resize(2);
+  EXPECT_THAT(refusal(), HasSubstr("points[0].transforms: expected one (got 2)"));
+  message.joint_names.emplace_back("more");
+  EXPECT_THAT(refusal(), HasSubstr("joint_names"));
+}
+
 TEST_F(RequestsTest, ANewClampTakesDefaultsWhereNumbersAreZero) {
   AddClamp::Request message;
   message.name = "third";

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "cloth_sim/scene/load.h"
+#include "ros/grip_job.h"
 
 namespace cloth_sim {
 namespace {
@@ -292,6 +293,61 @@ TEST(SimulationThread, RecordsWhatWasCarriedOutAndNothingElse) {
   EXPECT_EQ(records[1].number, 1u);
   EXPECT_EQ(records[1].step, 3u);
   EXPECT_TRUE(simulation.takeCommands().empty());
+}
+
+TEST(SimulationThread, GoalsOfClampsAreAnsweredAndTheirCommandsRecorded) {
+  SimulationThread simulation(smallScene(), paused());
+  std::vector<ClampJobResult> ends;  // written before requestSteps or stop returns
+  const ClampJobListener listener{{}, [&](const ClampJobResult& end) { ends.push_back(end); }};
+  const auto grip = [&](double width) {
+    const auto job = std::make_shared<GripJob>("left", width, std::nullopt, listener);
+    simulation.startJob(job);
+    return job;
+  };
+  grip(0.0);
+  simulation.requestSteps(60).get();
+  ASSERT_EQ(ends.size(), 1u);
+  EXPECT_EQ(ends[0].outcome, ClampJobResult::Outcome::kReached);
+  const std::vector<CommandRecord> records = simulation.takeCommands();
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(std::get<SetGapWidth>(records[0].command).width, 0.0);
+
+  simulation.cancelJob(grip(1.0));
+  simulation.requestSteps(1).get();
+  ASSERT_EQ(ends.size(), 2u);
+  EXPECT_EQ(ends[1].outcome, ClampJobResult::Outcome::kCancelled);
+  grip(0.0);
+  EXPECT_TRUE(simulation.execute(Reset{ResetScope::kTime}, kTimeout).success);
+  ASSERT_EQ(ends.size(), 3u);
+  EXPECT_EQ(ends[2].outcome, ClampJobResult::Outcome::kFailed);
+  grip(1.0);
+  grip(0.0);
+  simulation.stop();
+  grip(0.0);
+  ASSERT_EQ(ends.size(), 6u);
+  EXPECT_EQ(ends[5].outcome, ClampJobResult::Outcome::kRefused) << "there is nobody to do it";
+}
+
+TEST(SimulationThread, WarnsOnceOfATargetInAnObstacle) {
+  const std::string ball = "obstacles: {ball: {type: sphere, radius: 0.2, position: [0, 0, -1]}}\n";
+  const Scene scene = parseScene(kScene + ball, "test");
+  RunSettings settings = paused();
+  std::vector<std::string> warnings;
+  settings.onWarning = [&](const std::string& warning) { warnings.push_back(warning); };
+  SimulationThread simulation(scene, settings);
+  const auto send = [&](double z) {
+    const Pose pose{Vec3(0.0, 0.0, z), Quat::Identity()};
+    EXPECT_TRUE(simulation.execute(SetClampTarget{"left", pose}, kTimeout).success);
+  };
+  send(-0.7);
+  EXPECT_TRUE(warnings.empty());
+  send(-0.9);
+  send(-1.0);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], testing::HasSubstr("clamp 'left' is told to go into obstacle 'ball'"));
+  EXPECT_TRUE(simulation.execute(Reset{}, kTimeout).success);
+  send(-0.9);
+  EXPECT_EQ(warnings.size(), 2u);
 }
 
 TEST(SimulationThread, ARestoredRunKnowsWhatHadFailedBefore) {

@@ -16,6 +16,19 @@ CommandResult withClamp(const std::string& name, SimulationParts& parts, Act act
   return done();
 }
 
+/// Returns the name of an obstacle that `point` is inside of now; "" if it is in none.
+std::string obstacleAround(const Vec3& point, const SimulationParts& parts);
+
+/// Reports success, with a warning if the target of a clamp is inside of an obstacle.
+CommandResult doneWithTarget(const Clamp& clamp, const SimulationParts& parts);
+
+/// Returns the distance from which a clamp can grasp its patch [m]: that of the place above it
+/// where clamps start by default, and half the diagonal of a plate.
+double patchReach(const ClampSpec& spec);
+
+/// Closes or opens a clamp. Refuses to close one that has a patch beyond its reach.
+CommandResult setClosed(const std::string& clamp, bool closed, SimulationParts& parts);
+
 /// Sends a clamp to a pose, where it goes within its limits on speed and acceleration.
 struct SetClampTarget {
   static constexpr const char* kKind = "set_clamp_target";
@@ -27,9 +40,10 @@ struct SetClampTarget {
   std::string describe() const { return clamp + " to " + toText(pose.position); }
   std::string validationError() const { return cloth_sim::validationError(pose); }
   CommandResult apply(SimulationParts& parts) const {
-    return withClamp(clamp, parts, [this](Clamp& it) {
-      it.setTarget({pose.position, pose.orientation.normalized()});
-    });
+    Clamp* it = parts.holders.find(clamp);
+    if (it == nullptr) return refuseUnknown("clamp", clamp, parts.holders.clampNames());
+    it->setTarget({pose.position, pose.orientation.normalized()});
+    return doneWithTarget(*it, parts);
   }
   template <class Archive>
   void serialize(Archive& archive) {
@@ -48,7 +62,10 @@ struct GuideClamp {
   std::string describe() const { return clamp + " to " + toText(target.pose.position); }
   std::string validationError() const { return cloth_sim::validationError(target); }
   CommandResult apply(SimulationParts& parts) const {
-    return withClamp(clamp, parts, [this](Clamp& it) { it.guide(normalized(target)); });
+    Clamp* it = parts.holders.find(clamp);
+    if (it == nullptr) return refuseUnknown("clamp", clamp, parts.holders.clampNames());
+    it->guide(normalized(target));
+    return doneWithTarget(*it, parts);
   }
   template <class Archive>
   void serialize(Archive& archive) {
@@ -79,6 +96,9 @@ struct SetGripForce {
   }
 };
 
+/// Returns the largest width at which a clamp closes [m]: halfway between closed and open.
+inline double closingWidth(const ClampSpec& spec) { return 0.5 * (spec.gapClosed + spec.gapOpen); }
+
 /// Closes or opens a clamp as the width of a gripper says: up to halfway between closed and open it
 /// closes, beyond that it lets go.
 struct SetGapWidth {
@@ -93,10 +113,9 @@ struct SetGapWidth {
     return std::isfinite(width) ? "" : "width: expected a finite number";
   }
   CommandResult apply(SimulationParts& parts) const {
-    return withClamp(clamp, parts, [this](Clamp& it) {
-      const bool closes = width <= 0.5 * (it.spec().gapClosed + it.spec().gapOpen);
-      closes ? it.close() : it.release();
-    });
+    const Clamp* it = parts.holders.find(clamp);
+    if (it == nullptr) return refuseUnknown("clamp", clamp, parts.holders.clampNames());
+    return setClosed(clamp, width <= closingWidth(it->spec()), parts);
   }
   template <class Archive>
   void serialize(Archive& archive) {
@@ -104,7 +123,7 @@ struct SetGapWidth {
   }
 };
 
-/// Closes a clamp, or lets it go.
+/// Closes a clamp, or lets it go. A clamp with a patch that is out of its reach refuses to close.
 struct SetGrasp {
   static constexpr const char* kKind = "set_grasp";
   static constexpr Wakes kWakes = Wakes::kIfSomethingMoves;
@@ -114,9 +133,7 @@ struct SetGrasp {
 
   std::string describe() const { return clamp + (grasp ? " closes" : " lets go"); }
   std::string validationError() const { return ""; }
-  CommandResult apply(SimulationParts& parts) const {
-    return withClamp(clamp, parts, [this](Clamp& it) { grasp ? it.close() : it.release(); });
-  }
+  CommandResult apply(SimulationParts& parts) const { return setClosed(clamp, grasp, parts); }
   template <class Archive>
   void serialize(Archive& archive) {
     archive(clamp, grasp);
