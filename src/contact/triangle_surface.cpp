@@ -57,6 +57,58 @@ double angleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
   return std::atan2((a - corner).cross(b - corner).norm(), (a - corner).dot(b - corner));
 }
 
+/// Whether the foot of a point is in the triangle. \param p  relative to its first corner.
+template <class Flat>
+bool isOver(const Flat& flat, const Vec3& p) {
+  const double u = flat.gradients[0].dot(p);
+  const double v = flat.gradients[1].dot(p);
+  return u > 0.0 && v > 0.0 && u + v < 1.0;
+}
+
+/// A lower bound of the squared distance from the foot of a point to the triangle [m^2].
+/// \param p  relative to its first corner.
+template <class Flat>
+double leastSquareBeside(const Flat& flat, const Vec3& p) {
+  const auto& [g, h] = flat.gradients;
+  const double u = std::min(0.0, g.dot(p));
+  const double v = std::min(0.0, h.dot(p));
+  const double w = std::min(0.0, 1.0 - g.dot(p) - h.dot(p));
+  return std::max(
+      {u * u / g.squaredNorm(), v * v / h.squaredNorm(), w * w / (g + h).squaredNorm()});
+}
+
+/// `push` of a path over a face, as far as it begins within reach of it.
+double pushAtFace(double gap, double slope, double rise) {
+  const double left = gap < 0.0 ? std::min(0.0, gap + rise) : 0.0;
+  return left - (gap + slope);
+}
+
+/// Most contacts: a path that begins within reach of a face and stays over it. Another triangle
+/// that the path meets as early is found once this one has been dealt with. \param isInFront  set
+/// if the path begins within reach of the outer side of a face.
+template <class Flats>
+bool stopsAtFace(const Flats& flats, bool isClosed, const Vec3& from, const Vec3& to, double reach,
+                 double rise, const NearTriangles& near, bool& isInFront, SurfaceHit& hit) {
+  for (std::int32_t k = 0; k < near.count; ++k) {
+    const auto& flat = flats[near.triangles[k]];
+    const Vec3 start = from - flat.corner;
+    const double before = flat.normal.dot(start);
+    const double height = isClosed ? before : std::abs(before);
+    if (height > reach + geometry::kEntryTolerance || height < kNoDistance) continue;
+    if (!isOver(flat, start)) continue;
+    isInFront = true;
+    const double side = before > 0.0 ? 1.0 : -1.0;
+    const Vec3 path = to - from;
+    const double push = pushAtFace(height - reach, side * flat.normal.dot(path), rise);
+    if (!(push > kPushRoundOff) || !isOver(flat, start + path)) continue;
+    hit.at = std::min(0.0, height - reach);
+    hit.normal = side * flat.normal;
+    hit.push = push;
+    return true;
+  }
+  return false;
+}
+
 bool hasVertex(const TriangleSurface::Triangle& triangle, std::int32_t vertex) {
   return triangle[0] == vertex || triangle[1] == vertex || triangle[2] == vertex;
 }
@@ -142,8 +194,8 @@ void TriangleSurface::findWhetherClosed() {
     }
   }
   isClosed_ = open + flipped == 0;
-  // A few bad edges among many are a mistake; many are the border of a sheet.
-  if (!isClosed_ && 100 * (open + flipped) <= edges.size()) {
+  // A few bad edges are a mistake; the border of a sheet has about the root of their number.
+  if (!isClosed_ && 20 * (open + flipped) * (open + flipped) <= edges.size()) {
     doubt_ = "its surface is nearly closed, but " + std::to_string(open) +
              " edges do not have two triangles, and at " + std::to_string(flipped) +
              " they turn opposite ways: it is taken as an open sheet, without an inside";
@@ -206,10 +258,14 @@ std::int32_t TriangleSurface::build(std::vector<std::int32_t>& order, std::int32
 void TriangleSurface::finish() {
   double edges = 0.0;
   for (const Triangle& t : triangles_) {
+    const Vec3 e1 = vertices_[t[1]] - vertices_[t[0]];
+    const Vec3 e2 = vertices_[t[2]] - vertices_[t[0]];
+    const Vec3 area = e1.cross(e2);
     Flat flat;
-    for (int k = 0; k < 3; ++k) flat.corners[k] = vertices_[t[k]];
-    flat.normal = areaNormalOf(vertices_, t).normalized();
-    edges += (flat.corners[1] - flat.corners[0]).norm();
+    flat.corner = vertices_[t[0]];
+    flat.normal = area.normalized();
+    flat.gradients = {e2.cross(area) / area.squaredNorm(), area.cross(e1) / area.squaredNorm()};
+    edges += e1.norm();
     flats_.push_back(flat);
   }
   pad_ = 0.25 * edges / static_cast<double>(triangles_.size());
@@ -226,7 +282,7 @@ void TriangleSurface::findPseudonormals() {
   vertexNormals_.assign(vertices_.size(), Vec3::Zero());
   edgeNormals_.resize(triangles_.size());
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
-    const std::array<Vec3, 3>& x = flats_[t].corners;
+    const std::array<Vec3, 3> x = cornersOf(static_cast<std::int32_t>(t));
     for (int k = 0; k < 3; ++k) {
       vertexNormals_[triangles_[t][k]] +=
           angleAt(x[k], x[(k + 1) % 3], x[(k + 2) % 3]) * flats_[t].normal;
@@ -238,6 +294,11 @@ void TriangleSurface::findPseudonormals() {
     for (const Edge& edge : {edges[k], edges[k + 1]})
       edgeNormals_[edge.triangle][edge.corner] = sum;
   }
+}
+
+std::array<Vec3, 3> TriangleSurface::cornersOf(std::int32_t triangle) const {
+  const Triangle& t = triangles_[triangle];
+  return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
 }
 
 Vec3 TriangleSurface::pseudonormal(const TrianglePoint& at) const {
@@ -254,7 +315,7 @@ Vec3 TriangleSurface::pseudonormal(const TrianglePoint& at) const {
 
 TrianglePoint TriangleSurface::closestOf(std::int32_t triangle, const Vec3& p) const {
   TrianglePoint result;
-  const std::array<Vec3, 3>& x = flats_[triangle].corners;
+  const std::array<Vec3, 3> x = cornersOf(triangle);
   result.triangle = triangle;
   result.weight = closestOnTriangle(p, x);
   result.point = x[0] + result.weight[1] * (x[1] - x[0]) + result.weight[2] * (x[2] - x[0]);
@@ -309,7 +370,7 @@ double TriangleSurface::distance(const Vec3& p, Vec3& normal) const {
 bool TriangleSurface::isWithin(const Vec3& p, double limit, const NearTriangles& near) const {
   if (limit >= 0.0) {
     const double limit2 = limit * limit;
-    if (near.count > 0 && (p - flats_[near.triangles[0]].corners[0]).squaredNorm() <= limit2) {
+    if (near.count > 0 && (p - flats_[near.triangles[0]].corner).squaredNorm() <= limit2) {
       return true;  // as most particles near the surface
     }
     std::array<std::int32_t, kDeepest> stack;
@@ -391,7 +452,7 @@ bool TriangleSurface::list(double reach, NearTriangles& near) const {
     const Node& node = nodes_[k];
     if ((node.low - high).maxCoeff() > 0.0 || (low - node.high).maxCoeff() > 0.0) continue;
     for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
-      const std::array<Vec3, 3>& x = flats_[t].corners;
+      const std::array<Vec3, 3> x = cornersOf(static_cast<std::int32_t>(t));
       const Vec3 least = x[0].cwiseMin(x[1]).cwiseMin(x[2]);
       const Vec3 most = x[0].cwiseMax(x[1]).cwiseMax(x[2]);
       if ((least - high).maxCoeff() > 0.0 || (low - most).maxCoeff() > 0.0) continue;
@@ -427,10 +488,13 @@ bool TriangleSurface::stopsInside(const Vec3& from, const Vec3& to, double reach
 bool TriangleSurface::meets(std::int32_t triangle, const Vec3& from, const Vec3& to, double reach,
                             double rise, SurfaceHit& hit, TrianglePoint& at) const {
   const Flat& flat = flats_[triangle];
-  const double before = flat.normal.dot(from - flat.corners[0]);
-  const double after = flat.normal.dot(to - flat.corners[0]);
+  const double before = flat.normal.dot(from - flat.corner);
+  const double after = flat.normal.dot(to - flat.corner);
   if ((before > reach && after > reach) || (before < -reach && after < -reach)) return false;
   const Vec3 path = to - from;
+  const double limit = reach + path.norm();
+  const double beside2 = leastSquareBeside(flat, from - flat.corner);
+  if (before * before + beside2 >= limit * limit) return false;  // too far away to get there
   at = closestOf(triangle, from);
   double gap = at.distance - reach;
   if (gap >= 0.0 && gap * gap >= path.squaredNorm()) return false;  // too far away to get there
@@ -485,13 +549,15 @@ bool TriangleSurface::sweep(const Vec3& from, const Vec3& to, double reach, doub
                             NearTriangles& near, SurfaceHit& hit) const {
   fill(from, to, reach, near);
   if (near.count == 0 && !near.isInside) return false;
-  if (isClosed_) {
+  bool isInFront = false;
+  if (stopsAtFace(flats_, isClosed_, from, to, reach, rise, near, isInFront, hit)) return true;
+  if (isClosed_ && !isInFront) {
     // The sign is that of the closest point; without one that the list must have, it is as before.
     const double left = near.half - (from - near.centre).cwiseAbs().maxCoeff();
     TrianglePoint nearest;
     nearest.distance = reach + (near.count == kNone ? pad_ : left);
     visitNear(from, from, nearest.distance, near, [&](std::int32_t t) {
-      const double height = flats_[t].normal.dot(from - flats_[t].corners[0]);
+      const double height = flats_[t].normal.dot(from - flats_[t].corner);
       if (std::abs(height) >= nearest.distance) return;
       const TrianglePoint at = closestOf(t, from);
       if (at.distance < nearest.distance) nearest = at;

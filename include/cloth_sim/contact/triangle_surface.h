@@ -94,11 +94,13 @@ class TriangleSurface {
   };
   /// A triangle ready for use.
   struct Flat {
-    std::array<Vec3, 3> corners;
-    Vec3 normal;
+    Vec3 corner;                    ///< the first one [m]
+    Vec3 normal;                    ///< of unit length
+    std::array<Vec3, 2> gradients;  ///< of the weights of the other two, along the plane [1/m]
   };
   struct Edge;
 
+  std::array<Vec3, 3> cornersOf(std::int32_t triangle) const;
   void takeTriangles(const std::vector<Triangle>& triangles);
   std::vector<Edge> sortedEdges() const;
   void findWhetherClosed();
