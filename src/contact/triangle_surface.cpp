@@ -268,7 +268,7 @@ void TriangleSurface::finish() {
     edges += e1.norm();
     flats_.push_back(flat);
   }
-  pad_ = 0.25 * edges / static_cast<double>(triangles_.size());
+  pad_ = 0.08 * edges / static_cast<double>(triangles_.size());
   if (isClosed_) findPseudonormals();
   Hash hash;
   for (const Vec3& x : vertices_) hash.add(x.data(), 3 * sizeof(double));
@@ -452,7 +452,7 @@ bool TriangleSurface::list(double reach, NearTriangles& near) const {
     const Node& node = nodes_[k];
     if ((node.low - high).maxCoeff() > 0.0 || (low - node.high).maxCoeff() > 0.0) continue;
     for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
-      const std::array<Vec3, 3> x = cornersOf(static_cast<std::int32_t>(t));
+      const std::array<Vec3, 3> x = cornersOf(t);
       const Vec3 least = x[0].cwiseMin(x[1]).cwiseMin(x[2]);
       const Vec3 most = x[0].cwiseMax(x[1]).cwiseMax(x[2]);
       if ((least - high).maxCoeff() > 0.0 || (low - most).maxCoeff() > 0.0) continue;
