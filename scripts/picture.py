@@ -338,7 +338,8 @@ class SceneFile:
         if entry['type'] == 'cylinder':
             return [(cylinder(float(entry['radius']), float(entry['length']), where, turn), BALL)]
         if entry['type'] == 'mesh':
-            return [(self._mesh(entry) @ turn.T + where, BALL)]
+            triangles = self._mesh(entry) @ turn.T + where
+            return [(np.concatenate([triangles, triangles[:, ::-1]]), BALL)]  # both sides
         if entry['type'] in ('board', 'box'):
             return [(box(np.array(entry['size'], dtype=float), where, turn), BOARD)]
         if entry['type'] == 'plane':
