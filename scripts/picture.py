@@ -243,6 +243,16 @@ def read_mesh(path):
     return np.array(corners, dtype=float).reshape(-1, 3, 3)
 
 
+def divided(triangles, count=5000):
+    """The same surface in at least `count` triangles: few large ones are drawn in a wrong order."""
+    while 0 < len(triangles) < count:
+        a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        triangles = np.concatenate([np.stack(part, axis=1) for part in (
+            (a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return triangles
+
+
 def turn_by(vector):
     """The rotation about a vector by its length [rad]."""
     angle = float(np.linalg.norm(vector))
@@ -327,7 +337,7 @@ class SceneFile:
             path = next((path for path in paths if os.path.exists(path)), None)
             if path is None:
                 sys.exit(f'error: cannot find the mesh {name}: give --scene')
-            self.meshes[name] = read_mesh(path)
+            self.meshes[name] = divided(read_mesh(path))
         return self.meshes[name] * float(entry.get('scale', 1))
 
     def _obstacle(self, entry, where, turn):
