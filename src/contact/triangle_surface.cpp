@@ -428,14 +428,44 @@ void TriangleSurface::fill(const Vec3& from, const Vec3& to, double reach,
   const double farthest = std::max((from - near.centre).cwiseAbs().maxCoeff(),
                                    (to - near.centre).cwiseAbs().maxCoeff());
   if (farthest <= near.half) return;
-  near.isInside = isClosed_ && distance(from) < 0.0;
   near.centre = 0.5 * (from + to);
   const double path = 0.5 * (to - from).cwiseAbs().maxCoeff();
+  bool fits = false;
   for (const double pad : {pad_, 0.125 * pad_}) {
     near.half = path + pad;
-    if (list(reach, near)) return;
+    fits = list(reach, near);
+    if (fits) break;
   }
-  near.half = -1.0;  // only this path may use it
+  if (!fits) near.half = -1.0;  // only this path may use it
+  if (near.count != 0) {
+    if (!isClosed_) return;
+    const std::optional<bool> side = sideNearby(from, reach + 0.125 * pad_, near);
+    near.isInside = side ? *side : distance(from) < 0.0;
+    return;
+  }
+  const double away = distance(from);
+  near.isInside = away < 0.0;
+  // The box in the ball that is free of triangles may be larger.
+  const double free = 0.577 * (std::abs(away) - reach - 2.0 * geometry::kEntryTolerance);
+  if (free <= near.half) return;
+  near.centre = from;
+  near.half = free;
+}
+
+/// Whether a point is inside the closed surface, if a triangle is nearer than `within`; the list
+/// must have all of those.
+std::optional<bool> TriangleSurface::sideNearby(const Vec3& p, double within,
+                                                const NearTriangles& near) const {
+  TrianglePoint nearest;
+  nearest.distance = within;
+  visitNear(p, p, within, near, [&](std::int32_t t) {
+    const double height = flats_[t].normal.dot(p - flats_[t].corner);
+    if (std::abs(height) >= nearest.distance) return;
+    const TrianglePoint at = closestOf(t, p);
+    if (at.distance < nearest.distance) nearest = at;
+  });
+  if (nearest.triangle == kNone) return std::nullopt;
+  return (p - nearest.point).dot(pseudonormal(nearest)) < 0.0;
 }
 
 /// Lists the triangles in reach of the box. \return false, and no list, if there are too many.
@@ -554,17 +584,8 @@ bool TriangleSurface::sweep(const Vec3& from, const Vec3& to, double reach, doub
   if (isClosed_ && !isInFront) {
     // The sign is that of the closest point; without one that the list must have, it is as before.
     const double left = near.half - (from - near.centre).cwiseAbs().maxCoeff();
-    TrianglePoint nearest;
-    nearest.distance = reach + (near.count == kNone ? pad_ : left);
-    visitNear(from, from, nearest.distance, near, [&](std::int32_t t) {
-      const double height = flats_[t].normal.dot(from - flats_[t].corner);
-      if (std::abs(height) >= nearest.distance) return;
-      const TrianglePoint at = closestOf(t, from);
-      if (at.distance < nearest.distance) nearest = at;
-    });
-    if (nearest.triangle != kNone) {
-      near.isInside = (from - nearest.point).dot(pseudonormal(nearest)) < 0.0;
-    }
+    const double within = reach + (near.count == kNone ? pad_ : left);
+    near.isInside = sideNearby(from, within, near).value_or(near.isInside);
     if (near.isInside) return stopsInside(from, to, reach, rise, hit);
   }
   hit.at = 2.0;

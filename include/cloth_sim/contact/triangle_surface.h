@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -113,6 +114,7 @@ class TriangleSurface {
   TrianglePoint closestOf(std::int32_t triangle, const Vec3& p) const;
   void fill(const Vec3& from, const Vec3& to, double reach, NearTriangles& near) const;
   bool list(double reach, NearTriangles& near) const;
+  std::optional<bool> sideNearby(const Vec3& p, double within, const NearTriangles& near) const;
   bool stopsInside(const Vec3& from, const Vec3& to, double reach, double rise,
                    SurfaceHit& hit) const;
   bool meets(std::int32_t triangle, const Vec3& from, const Vec3& to, double reach, double rise,
