@@ -337,6 +337,11 @@ TrianglePoint TriangleSurface::closest(const Vec3& p, double within) const {
     if (distance2 > best.distance * best.distance) continue;
     const Node& node = nodes_[k];
     for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
+      const Vec3 relative = p - flats_[t].corner;
+      const double height = flats_[t].normal.dot(relative);
+      const double least2 = height * height + leastSquareBeside(flats_[t], relative);
+      // A margin for round-off: what is skipped is farther.
+      if (least2 * (1.0 - 1e-9) > best.distance * best.distance) continue;
       const TrianglePoint at = closestOf(t, p);
       if (at.distance < best.distance) best = at;
     }
