@@ -83,30 +83,25 @@ double pushAtFace(double gap, double slope, double rise) {
   return left - (gap + slope);
 }
 
-/// Most contacts: a path that begins within reach of a face and stays over it. Another triangle
-/// that the path meets as early is found once this one has been dealt with. \param isInFront  set
-/// if the path begins within reach of the outer side of a face.
-template <class Flats>
-bool stopsAtFace(const Flats& flats, bool isClosed, const Vec3& from, const Vec3& to, double reach,
-                 double rise, const NearTriangles& near, bool& isInFront, SurfaceHit& hit) {
-  for (std::int32_t k = 0; k < near.count; ++k) {
-    const auto& flat = flats[near.triangles[k]];
-    const Vec3 start = from - flat.corner;
-    const double before = flat.normal.dot(start);
-    const double height = isClosed ? before : std::abs(before);
-    if (height > reach + geometry::kEntryTolerance || height < kNoDistance) continue;
-    if (!isOver(flat, start)) continue;
-    isInFront = true;
-    const double side = before > 0.0 ? 1.0 : -1.0;
-    const Vec3 path = to - from;
-    const double push = pushAtFace(height - reach, side * flat.normal.dot(path), rise);
-    if (!(push > kPushRoundOff) || !isOver(flat, start + path)) continue;
-    hit.at = std::min(0.0, height - reach);
-    hit.normal = side * flat.normal;
-    hit.push = push;
-    return true;
-  }
-  return false;
+/// Most contacts: whether a path begins within reach of a face, stays over it and is stopped by it.
+/// Another triangle that the path meets as early is found once this one has been dealt with.
+/// \param isInFront  set if the path begins within reach of the outer side of the face.
+template <class Flat>
+bool stopsAtFace(const Flat& flat, bool isClosed, const Vec3& from, const Vec3& path, double reach,
+                 double rise, bool& isInFront, SurfaceHit& hit) {
+  const Vec3 start = from - flat.corner;
+  const double before = flat.normal.dot(start);
+  const double height = isClosed ? before : std::abs(before);
+  if (height > reach + geometry::kEntryTolerance || height < kNoDistance) return false;
+  if (!isOver(flat, start)) return false;
+  isInFront = true;
+  const double side = before > 0.0 ? 1.0 : -1.0;
+  const double push = pushAtFace(height - reach, side * flat.normal.dot(path), rise);
+  if (!(push > kPushRoundOff) || !isOver(flat, start + path)) return false;
+  hit.at = std::min(0.0, height - reach);
+  hit.normal = side * flat.normal;
+  hit.push = push;
+  return true;
 }
 
 bool hasVertex(const TriangleSurface::Triangle& triangle, std::int32_t vertex) {
@@ -585,7 +580,12 @@ bool TriangleSurface::sweep(const Vec3& from, const Vec3& to, double reach, doub
   fill(from, to, reach, near);
   if (near.count == 0 && !near.isInside) return false;
   bool isInFront = false;
-  if (stopsAtFace(flats_, isClosed_, from, to, reach, rise, near, isInFront, hit)) return true;
+  bool stops = false;
+  const Vec3 path = to - from;
+  visitNear(from, to, reach, near, [&](std::int32_t t) {
+    stops = stops || stopsAtFace(flats_[t], isClosed_, from, path, reach, rise, isInFront, hit);
+  });
+  if (stops) return true;
   if (isClosed_ && !isInFront) {
     // The sign is that of the closest point; without one that the list must have, it is as before.
     const double left = near.half - (from - near.centre).cwiseAbs().maxCoeff();
