@@ -78,6 +78,13 @@ class Run:
                 if name and (i + 1 == len(names) or names[i + 1] != name)]
         return ends
 
+    def phase_begins(self):
+        """The time at which each phase begins, by its name."""
+        begins = {}
+        for _, state in self.states:
+            begins.setdefault(state.phase, state.time)
+        return begins
+
     def state_at(self, time):
         return min(range(len(self.states)), key=lambda i: abs(self.states[i][1].time - time))
 
@@ -201,6 +208,60 @@ def capsule(radius, length, position, rotation):
     return ends @ rotation.T + position
 
 
+def cylinder(radius, length, position, rotation, parts=48):
+    around = np.linspace(0, 2 * math.pi, parts + 1)
+    low = np.stack([radius * np.cos(around), radius * np.sin(around),
+                    np.full(parts + 1, -length / 2)], axis=1)
+    high = low + (0, 0, length)
+    a, b, c, d = low[:-1], low[1:], high[1:], high[:-1]
+    middle = np.broadcast_to([0, 0, length / 2], a.shape)
+    sides = [np.stack(part, axis=1) for part in ((a, b, c), (a, c, d), (d, c, middle),
+                                                 (b, a, -middle))]
+    return np.concatenate(sides) @ rotation.T + position
+
+
+def read_mesh(path):
+    """Triangles (n, 3, 3) of an STL or OBJ file, in its units."""
+    with open(path, 'rb') as file:
+        data = file.read()
+    if path.lower().endswith('.obj'):
+        vertices, triangles = [], []
+        for words in (line.split() for line in data.decode('ascii', 'replace').splitlines()):
+            if words[:1] == ['v']:
+                vertices.append([float(word) for word in words[1:4]])
+            elif words[:1] == ['f']:
+                corners = [int(word.split('/')[0]) for word in words[1:]]
+                corners = [k - 1 if k > 0 else len(vertices) + k for k in corners]
+                triangles += [(corners[0], b, c) for b, c in zip(corners[1:], corners[2:])]
+        return np.array(vertices)[np.array(triangles)]
+    count = int.from_bytes(data[80:84], 'little')
+    if len(data) == 84 + 50 * count:
+        kind = np.dtype([('normal', '<f4', 3), ('corners', '<f4', (3, 3)), ('more', '<u2')])
+        return np.frombuffer(data, kind, count, 84)['corners'].astype(float)
+    words = data.decode('ascii', 'replace').split()
+    corners = [words[k + 1:k + 4] for k, word in enumerate(words) if word == 'vertex']
+    return np.array(corners, dtype=float).reshape(-1, 3, 3)
+
+
+def divided(triangles, count=5000):
+    """The same surface in at least `count` triangles: few large ones are drawn in a wrong order."""
+    while 0 < len(triangles) < count:
+        a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        triangles = np.concatenate([np.stack(part, axis=1) for part in (
+            (a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return triangles
+
+
+def turn_by(vector):
+    """The rotation about a vector by its length [rad]."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0:
+        return np.eye(3)
+    half = np.sin(angle / 2) / angle * np.asarray(vector, dtype=float)
+    return quaternion_matrix((*half, math.cos(angle / 2)))
+
+
 def rotation_of(entry):
     if 'rpy' in entry:
         r, p, y = entry['rpy']
@@ -214,8 +275,10 @@ def rotation_of(entry):
 class SceneFile:
     """The obstacles and clamps of a scene; the cloth comes from the bag."""
 
-    def __init__(self, path, recorded):
-        """From a file, or without one from the text of the bag."""
+    def __init__(self, path, recorded, begins=None):
+        """From a file, or without one from the text of the bag.
+
+        `begins`: the time at which each phase of the run begins, by its name."""
         import yaml
         try:
             if path:
@@ -224,7 +287,13 @@ class SceneFile:
             scene = yaml.safe_load(recorded) or {}
         except (OSError, yaml.YAMLError) as error:
             sys.exit(f'error: --scene: {path}: {" ".join(str(error).split())}')
-        self.obstacles = list((scene.get('obstacles') or {}).values())
+        self.folder = os.path.dirname(self._find(path)) if path else ''
+        self.meshes = {}
+        self.obstacles = scene.get('obstacles') or {}
+        # Phases come in the order of the scene; one that did not begin moves nothing.
+        self.changes = [(begins[phase['name']], phase['obstacles'])
+                        for phase in scene.get('phases') or []
+                        if phase.get('obstacles') and phase.get('name') in (begins or {})]
         self.plates = {name: clamp.get('plate_size')
                        for name, clamp in (scene.get('clamps') or {}).items()}
 
@@ -240,21 +309,47 @@ class SceneFile:
     def solids(self, state):
         """[(triangles, colour)] at the time of a state."""
         found = []
-        for entry in self.obstacles:
-            found += self._obstacle(entry, state.time)
+        for name, entry in self.obstacles.items():
+            found += self._obstacle(entry, *self._pose(name, entry, state.time))
         for clamp in state.clamps:
             found += self._clamp(clamp)
         return found
 
-    @staticmethod
-    def _obstacle(entry, time):
+    def _pose(self, name, entry, time):
+        """(position, rotation) of an obstacle, moved by its own velocities and those of phases."""
         where = np.array(entry.get('position', (0, 0, 0)), dtype=float)
-        where += np.array(entry.get('velocity', (0, 0, 0)), dtype=float) * time
         turn = rotation_of(entry)
+        moves = [(0.0, entry)] + [(begin, change[name]) for begin, change in self.changes
+                                  if name in change and begin < time]
+        for (begin, move), end in zip(moves, [begin for begin, _ in moves[1:]] + [time]):
+            where += np.array(move.get('velocity', (0, 0, 0)), dtype=float) * (end - begin)
+            spin = np.array(move.get('angular_velocity', (0, 0, 0)), dtype=float)
+            turn = turn_by(spin * (end - begin)) @ turn
+        return where, turn
+
+    def _mesh(self, entry):
+        """The triangles of a mesh, in its axes [m]."""
+        name = entry['file']
+        if name not in self.meshes:
+            here = os.path.dirname(os.path.realpath(__file__))
+            folders = [self.folder, '', os.path.join(here, '..', 'config', 'scenes')]
+            paths = [os.path.join(folder, name) for folder in folders]
+            path = next((path for path in paths if os.path.exists(path)), None)
+            if path is None:
+                sys.exit(f'error: cannot find the mesh {name}: give --scene')
+            self.meshes[name] = divided(read_mesh(path))
+        return self.meshes[name] * float(entry.get('scale', 1))
+
+    def _obstacle(self, entry, where, turn):
         if entry['type'] == 'sphere':
             return [(ball(float(entry['radius']), where), BALL)]
         if entry['type'] == 'capsule':
             return [(capsule(float(entry['radius']), float(entry['length']), where, turn), BALL)]
+        if entry['type'] == 'cylinder':
+            return [(cylinder(float(entry['radius']), float(entry['length']), where, turn), BALL)]
+        if entry['type'] == 'mesh':
+            triangles = self._mesh(entry) @ turn.T + where
+            return [(np.concatenate([triangles, triangles[:, ::-1]]), BALL)]  # both sides
         if entry['type'] in ('board', 'box'):
             return [(box(np.array(entry['size'], dtype=float), where, turn), BOARD)]
         if entry['type'] == 'plane':
@@ -524,7 +619,7 @@ def main():
         parser.error('--out or --video is required')
 
     run = Run(args.bag)
-    scene = SceneFile(args.scene, run.scene())
+    scene = SceneFile(args.scene, run.scene(), run.phase_begins())
     if args.out:
         draw_panels(run, scene, args)
     if args.video:

@@ -48,28 +48,44 @@ double Collider::margin() const {
 Pose Collider::poseAt(double time) const {
   Pose pose = obstacle_.pose;
   pose.position += obstacle_.velocity * (time - referenceTime_);
+  if (turns()) {
+    const double speed = obstacle_.angularVelocity.norm();
+    const Eigen::AngleAxisd turn(speed * (time - referenceTime_),
+                                 obstacle_.angularVelocity / speed);
+    pose.orientation = (Quat(turn) * pose.orientation).normalized();
+  }
   return pose;
 }
 
-void Collider::place(const Pose& pose, const Vec3& velocity, double time) {
+void Collider::place(const Pose& pose, const Vec3& velocity, double time,
+                     const Vec3& angularVelocity) {
   obstacle_.pose = pose;
   obstacle_.pose.orientation.normalize();
   obstacle_.velocity = velocity;
+  obstacle_.angularVelocity = angularVelocity;
   referenceTime_ = time;
 }
 
 double Collider::gap(const Vec3& point, double time) const {
-  const Vec3 relative = point - poseAt(time).position;
-  return visitGeometry(obstacle_.shape, obstacle_.pose.orientation, margin(),
+  const Pose pose = poseAt(time);
+  const Vec3 relative = point - pose.position;
+  return visitGeometry(obstacle_.shape, pose.orientation, margin(),
                        [&](const auto& solid) { return solid.gap(relative); });
 }
 
 Vec3 Collider::normal(const Vec3& point, double time) const {
-  const Vec3 relative = point - poseAt(time).position;
+  const Pose pose = poseAt(time);
+  const Vec3 relative = point - pose.position;
   Vec3 result = Vec3::Zero();
-  visitGeometry(obstacle_.shape, obstacle_.pose.orientation, margin(),
+  visitGeometry(obstacle_.shape, pose.orientation, margin(),
                 [&](const auto& solid) { solid.gap(relative, result); });
   return result;
+}
+
+NearTriangles* Collider::nearTriangles(std::size_t count) const {
+  if (!std::holds_alternative<MeshShape>(obstacle_.shape)) return nullptr;
+  if (near_.size() < count) near_.resize(count);
+  return near_.data();
 }
 
 void ColliderSet::add(Obstacle obstacle, std::vector<ContactProperties> properties) {

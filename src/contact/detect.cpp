@@ -22,19 +22,42 @@ MotionBounds motionBounds(const State& state) {
   return {0.5 * (low + high), 0.5 * (high - low), std::sqrt(speed2)};
 }
 
+namespace {
+
+/// Whether the gap at `point` is at most `limit`. \param near  of the vertex there.
+template <class Geometry>
+bool isWithin(const Geometry& solid, const Vec3& point, double limit,
+              const NearTriangles* /*near*/) {
+  return solid.gap(point) <= limit;
+}
+
+bool isWithin(const geometry::Mesh& solid, const Vec3& point, double limit,
+              const NearTriangles* near) {
+  return solid.isWithin(point, limit, *near);
+}
+
+}  // namespace
+
 void Collider::collectWithin(const MotionBounds& bounds, const State& state, double dt,
                              double reach, std::vector<VertexId>& out) const {
-  const Vec3 position = poseAt(state.t).position;
+  const Pose pose = poseAt(state.t);
+  const Vec3& position = pose.position;
   const Vec3 velocity = obstacle_.velocity;
-  const double farthest = reach + dt * (bounds.speed + velocity.norm());
-  visitGeometry(obstacle_.shape, obstacle_.pose.orientation, margin(), [&](const auto& solid) {
+  const double turn = obstacle_.angularVelocity.norm() * dt;  // [rad]
+  const double moved = dt * (bounds.speed + velocity.norm());
+  const double away = (bounds.centre - position).norm() + bounds.half.norm();
+  const double farthest = reach + moved + turn * (away + moved);
+  const NearTriangles* near = nearTriangles(state.x.size());
+  visitGeometry(obstacle_.shape, pose.orientation, margin(), [&](const auto& solid) {
     if (solid.leastGap(bounds.centre - position, bounds.half) > farthest) return;
     const VertexId count = static_cast<VertexId>(state.x.size());
     for (VertexId v = 0; v < count; ++v) {
       const Vec3 relative = state.x[v] - position;
       if (solid.isBeyond(relative, farthest)) continue;
-      const double speed = (state.v[v] - velocity).norm();
-      if (solid.gap(relative) <= reach + dt * speed) out.push_back(v);
+      double path = dt * (state.v[v] - velocity).norm();
+      if (turn > 0.0) path += turn * (relative.norm() + path);
+      const NearTriangles* own = near != nullptr ? near + v : nullptr;
+      if (isWithin(solid, relative, reach + path, own)) out.push_back(v);
     }
   });
 }

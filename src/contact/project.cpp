@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <type_traits>
 
 #include "cloth_sim/contact/collider.h"
 #include "threads/parallel_for.h"
@@ -20,11 +21,19 @@ constexpr double kRestTolerance = 1e-12;
 
 /// The collider during one substep: the same for all particles.
 struct ColliderSubstep {
-  Vec3 position = Vec3::Zero();  ///< of the collider at the end [m]
-  Vec3 carry = Vec3::Zero();     ///< displacement of the collider [m]
-  double friction = 0.0;         ///< Coulomb coefficient [-]
-  double keep = 1.0;             ///< fraction of its slip that a particle keeps after the decay [-]
-  double rise = 0.0;             ///< limit on the push of a particle that starts inside [m]
+  Vec3 position = Vec3::Zero();                        ///< of the collider at the end [m]
+  Vec3 before = Vec3::Zero();                          ///< its position at the start [m]
+  Vec3 carry = Vec3::Zero();                           ///< displacement of the collider [m]
+  bool turns = false;                                  ///< whether it turns
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< from the start to the end
+  double friction = 0.0;                               ///< Coulomb coefficient [-]
+  double keep = 1.0;  ///< fraction of its slip that a particle keeps after the decay [-]
+  double rise = 0.0;  ///< limit on the push of a particle that starts inside [m]
+
+  /// Returns where a particle would be if it moved along with the collider.
+  Vec3 carried(const Vec3& start) const {
+    return turns ? Vec3(position + turn * (start - before)) : Vec3(start + carry);
+  }
 };
 
 /// Returns the end of a particle of positive mass that the collider stops.
@@ -82,23 +91,49 @@ bool stopAtTop(const LevelTop& top, const ColliderSubstep& substep, const Partic
   return true;
 }
 
+/// The path of one particle, for the sweeps of a solid.
+struct ParticlePath {
+  Vec3 start;  ///< relative to the solid, in the axes of the world [m]
+  Vec3 end;
+  double rise;          ///< [m]
+  bool isLastSweep;     ///< of the substep
+  NearTriangles* near;  ///< of a mesh
+};
+
+template <class Geometry>
+[[gnu::always_inline]] inline bool sweepPath(const Geometry& solid, const ParticlePath& path,
+                                             SweepHit& hit) {
+  return solid.sweep(path.start, path.end, path.rise, hit);
+}
+
+inline bool sweepPath(const geometry::Mesh& solid, const ParticlePath& path, SweepHit& hit) {
+  if (path.isLastSweep) return solid.stop(path.start, path.end, path.rise, hit, *path.near);
+  return solid.sweep(path.start, path.end, path.rise, hit, *path.near);
+}
+
 /// Projects the vertices of a range. \return the sum of mass times displacement [kg m].
+/// \param near  by vertex, of a mesh.
 template <class Geometry>
 Vec3 projectRange(const Geometry& solid, const ColliderSubstep& substep, const VertexId* vertex,
-                  const VertexId* end, const ParticleView& p) {
+                  const VertexId* end, const ParticleView& p, NearTriangles* near) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   Vec3 moment = Vec3::Zero();
   SweepHit hit;
   const std::optional<LevelTop> top = solid.levelTop();
   for (; vertex != end; ++vertex) {
     const std::int32_t i = p.slot(*vertex);
-    if (top && p.mass[i] != 0.0 && stopAtTop(*top, substep, p, i, moment)) continue;
-    const Vec3 anchor = p.startAt(i) + substep.carry;
+    if (top && !substep.turns && p.mass[i] != 0.0 && stopAtTop(*top, substep, p, i, moment))
+      continue;
+    const Vec3 anchor = substep.carried(p.startAt(i));
     const bool prescribed = p.mass[i] == 0.0;
     const double rise = prescribed ? kNoLimit : substep.rise;
     for (int hits = 0; hits < Geometry::kMaxHits; ++hits) {
       const Vec3 at(p.x[i], p.y[i], p.z[i]);
-      if (!solid.sweep(anchor - substep.position, at - substep.position, rise, hit)) break;
+      if (std::is_same_v<Geometry, geometry::Mesh> && hits > 0 && at == anchor) break;  // it sticks
+      const ParticlePath path{anchor - substep.position, at - substep.position, rise,
+                              hits == Geometry::kMaxHits - 1,
+                              near != nullptr ? near + *vertex : nullptr};
+      if (!sweepPath(solid, path, hit)) break;
       const Vec3 stop =
           prescribed ? Vec3(at + hit.push * hit.normal) : stopAt(substep, hit, anchor, at);
       p.x[i] = stop.x();
@@ -115,7 +150,7 @@ Vec3 projectRange(const Geometry& solid, const ColliderSubstep& substep, const V
 /// \return the sum of mass times displacement [kg m].
 template <class Geometry>
 Vec3 projectAll(const Geometry& solid, const ColliderSubstep& substep,
-                const std::vector<VertexId>& vertices, const ParticleView& p) {
+                const std::vector<VertexId>& vertices, const ParticleView& p, NearTriangles* near) {
   constexpr std::size_t kRange = 512;  // vertices
   constexpr std::size_t kMaxRanges = 256;
   constexpr std::int32_t kGrain = 8;  // ranges that pay for a second thread
@@ -126,7 +161,7 @@ Vec3 projectAll(const Geometry& solid, const ColliderSubstep& substep,
   };
   const auto projectRanges = [&](std::int32_t first, std::int32_t last) {
     for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
-      moments[k] = projectRange(solid, substep, boundary(k), boundary(k + 1), p);
+      moments[k] = projectRange(solid, substep, boundary(k), boundary(k + 1), p, near);
     }
   };
   parallelFor(static_cast<std::int32_t>(ranges), kGrain, projectRanges);
@@ -139,14 +174,23 @@ void Collider::project(const std::vector<VertexId>& vertices, const ParticleView
                        double time, double h, Vec3& impulse, std::size_t cloth) const {
   const ContactProperties& properties = properties_[cloth];
   ColliderSubstep substep;
-  substep.position = poseAt(time).position;
+  const Pose pose = poseAt(time);
+  substep.position = pose.position;
   substep.carry = obstacle_.velocity * h;
+  substep.turns = turns();
+  if (substep.turns) {
+    const Pose before = poseAt(time - h);
+    substep.before = before.position;
+    substep.turn = (pose.orientation * before.orientation.conjugate()).toRotationMatrix();
+  }
   substep.friction = friction(cloth);
   substep.keep = std::exp(-obstacle_.tangentialDecay * h);
   substep.rise = kDepenetrationSpeed * h;
+  const std::size_t known = vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
+  NearTriangles* near = nearTriangles(known);
   const Vec3 moment = visitGeometry(
-      obstacle_.shape, obstacle_.pose.orientation, properties.margin,
-      [&](const auto& solid) { return projectAll(solid, substep, vertices, particles); });
+      obstacle_.shape, pose.orientation, properties.margin,
+      [&](const auto& solid) { return projectAll(solid, substep, vertices, particles, near); });
   impulse -= moment / h;
 }
 

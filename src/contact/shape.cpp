@@ -5,8 +5,17 @@
 namespace cloth_sim {
 namespace {
 
-bool isLength(double value) { return std::isfinite(value) && value > 0.0; }
-bool isLength(const Vec3& size) { return size.allFinite() && size.minCoeff() > 0.0; }
+bool isGood(double value) { return std::isfinite(value) && value > 0.0; }
+bool isGood(const std::optional<double>& length) { return !length || isGood(*length); }
+bool isGood(const Vec3& size) { return size.allFinite() && size.minCoeff() > 0.0; }
+
+bool isGood(const SurfaceFile& file) { return file.surface != nullptr; }
+
+std::string textOfGood(const SurfaceFile& /*file*/) { return "a file of triangles"; }
+template <class Length>
+std::string textOfGood(const Length& /*length*/) {
+  return "a length > 0";
+}
 
 template <std::size_t... kRow>
 std::vector<Shape> oneOfEach(std::index_sequence<kRow...> /*rows*/) {
@@ -40,7 +49,7 @@ std::optional<double> handleRadius(const Shape& shape) {
 std::string validationError(const Shape& shape) {
   std::string error;
   const auto check = [&error](const char* name, const auto& value) {
-    if (error.empty() && !isLength(value)) error = std::string(name) + ": expected a length > 0";
+    if (error.empty() && !isGood(value)) error = name + (": expected " + textOfGood(value));
   };
   std::visit([&check](const auto& known) { forEachKey(known, check); }, shape);
   return error;

@@ -23,6 +23,8 @@ constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
 /// Number of faces from which each face has one colour instead of one for each corner. That makes
 /// the message a quarter as large, and the faces are too small for the difference to show.
 constexpr std::size_t kManyFaces = 10000;
+/// Most triangles of an obstacle that a marker lists. More are read from their file by the viewer.
+constexpr std::size_t kMostSentTriangles = 20000;
 constexpr double kTextClearance = 0.20;  ///< of the text above the cloth [m]
 
 Colour clampColour(ClampState state) {
@@ -53,6 +55,8 @@ int markerType(DrawnPart::Kind kind) {
       return Marker::CYLINDER;
     case DrawnPart::Kind::kBoxEdges:
       return Marker::LINE_LIST;
+    case DrawnPart::Kind::kTriangles:
+      return Marker::TRIANGLE_LIST;
   }
   throw std::invalid_argument("unknown kind of drawn part");
 }
@@ -73,6 +77,20 @@ void addBoxEdges(const Vec3& size, std::vector<geometry_msgs::Point>& points) {
         points.push_back(toPoint(sign.cwiseProduct(size)));
       }
     }
+  }
+}
+
+/// Sends triangles one by one, or the name of their file if they are many.
+void addTriangles(const DrawnPart& part, Marker& marker) {
+  const TriangleSurface& surface = *part.surface;
+  if (surface.triangles().size() > kMostSentTriangles && !part.resource.empty()) {
+    marker.type = Marker::MESH_RESOURCE;
+    marker.mesh_resource = part.resource;
+    return;
+  }
+  setScale(marker, 1.0, 1.0, 1.0);
+  for (const TriangleSurface::Triangle& triangle : surface.triangles()) {
+    for (const std::int32_t v : triangle) marker.points.push_back(toPoint(surface.vertices()[v]));
   }
 }
 
@@ -237,11 +255,14 @@ void MarkerBuilder::addObstacle(const Obstacle& obstacle) {
     pose.position = obstacle.pose.toWorld(part.centre);
     marker.pose = toPoseMessage(pose);
     marker.color = toColour(part.colour);
+    marker.points.clear();
+    marker.mesh_resource.clear();
     if (lines) {
       marker.scale.x = kBoundsWidth;
       addBoxEdges(part.size, marker.points);
     } else {
       setScale(marker, part.size.x(), part.size.y(), part.size.z());
+      if (part.surface) addTriangles(part, marker);
     }
   }
 }

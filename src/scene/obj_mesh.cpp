@@ -21,10 +21,14 @@ struct Corner {
   std::int32_t uv = kNone;
 };
 
+/// The part of corners that is read.
+enum class ObjCorners : std::uint8_t { kWithUv, kVerticesOnly };
+
 /// The text of a file as lists, with line numbers for errors.
 class ObjText {
  public:
-  ObjText(const std::string& text, std::string path) : path_(std::move(path)) {
+  ObjText(const std::string& text, std::string path, ObjCorners corners = ObjCorners::kWithUv)
+      : path_(std::move(path)), corners_(corners) {
     std::istringstream stream(text);
     std::string line;
     while (std::getline(stream, line)) {
@@ -53,7 +57,7 @@ class ObjText {
       positions.push_back(numbers<3>(words, "v x y z"));
       positionLines.push_back(line_);
       if (positions.size() > kMaxVertices) refuse(line_, "expected at most 1100000 vertices");
-    } else if (kind == "vt") {
+    } else if (kind == "vt" && corners_ == ObjCorners::kWithUv) {
       uvs.push_back(numbers<2>(words, "vt u v"));
     } else if (kind == "f") {
       readFace(words);
@@ -80,6 +84,9 @@ class ObjText {
       faces.push_back({corners[0], corners[k - 1], corners[k]});
       faceLines.push_back(line_);
     }
+    if (corners_ == ObjCorners::kVerticesOnly && faces.size() > kMostTriangles) {
+      refuse(line_, "expected at most " + std::to_string(kMostTriangles) + " triangles");
+    }
   }
 
   /// Reads "12/7" or "12/7/3". Negative numbers count from the last vertex or uv.
@@ -88,6 +95,12 @@ class ObjText {
     long vertex = 0;
     long uv = 0;
     char slash = 0;
+    if (corners_ == ObjCorners::kVerticesOnly) {
+      if (!(parts >> vertex) || (parts >> slash && slash != '/')) {
+        refuse(line_, "expected corners \"vertex\" or \"vertex/...\" (got \"" + word + "\")");
+      }
+      return {index(vertex, positions.size(), "vertex"), kNone};
+    }
     if (!(parts >> vertex >> slash >> uv) || slash != '/') {
       refuse(line_, "expected corners \"vertex/uv\": material coordinates come from uv (got \"" +
                         word + "\")");
@@ -105,6 +118,7 @@ class ObjText {
   }
 
   std::string path_;
+  ObjCorners corners_;
   int line_ = 0;
 };
 
@@ -215,6 +229,16 @@ ClothMesh parseObj(const std::string& text, const std::string& path, const ObjUn
     obj.refuse(0, error.what());
   }
   return mesh;
+}
+
+Triangles parseObjTriangles(const std::string& text, const std::string& path) {
+  ObjText obj(text, path, ObjCorners::kVerticesOnly);
+  Triangles result;
+  result.vertices = std::move(obj.positions);
+  for (const std::array<Corner, 3>& face : obj.faces) {
+    result.corners.push_back({face[0].vertex, face[1].vertex, face[2].vertex});
+  }
+  return result;
 }
 
 ClothMesh readObj(const std::string& path, const ObjUnits& units) {

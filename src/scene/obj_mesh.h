@@ -1,10 +1,11 @@
 #pragma once
-/// \file Reads the mesh of a cloth from a Wavefront OBJ file.
+/// \file Reads the mesh of a cloth, or plain triangles, from a Wavefront OBJ file.
 
 #include <optional>
 #include <string>
 
 #include "cloth_sim/scene/scene.h"
+#include "surface_reader.h"
 
 namespace cloth_sim {
 
@@ -23,5 +24,9 @@ ClothMesh readObj(const std::string& path, const ObjUnits& units);
 
 /// Parses the text of a file. \param path  of the file, for messages.
 ClothMesh parseObj(const std::string& text, const std::string& path, const ObjUnits& units);
+
+/// Parses the lines `v` and `f` of a text, and skips all others; divides polygons into fans.
+/// \throws SceneError "FILE:LINE: ..." as above, or for more than kMostTriangles.
+Triangles parseObjTriangles(const std::string& text, const std::string& path);
 
 }  // namespace cloth_sim

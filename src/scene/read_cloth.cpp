@@ -36,13 +36,6 @@ void readGrid(const SceneNode& node, ClothSpec& cloth) {
   }
 }
 
-/// Returns the path of a file that the scene names relative to its own folder.
-std::string besideScene(const SceneNode& node, const std::string& file) {
-  const std::size_t slash = node.file().find_last_of('/');
-  if (file.front() == '/' || slash == std::string::npos) return file;
-  return node.file().substr(0, slash + 1) + file;
-}
-
 void readMesh(const SceneNode& node, ClothSpec& cloth) {
   const auto obj = node.find("obj");
   for (const char* key : {"scale", "uv_scale"}) {

@@ -64,6 +64,12 @@ std::optional<Quat> readOrientation(const SceneNode& map) {
   return std::nullopt;
 }
 
+std::string besideScene(const SceneNode& node, const std::string& file) {
+  const std::size_t slash = node.file().find_last_of('/');
+  if (file.front() == '/' || slash == std::string::npos) return file;
+  return node.file().substr(0, slash + 1) + file;
+}
+
 void readPose(const SceneNode& map, Pose& pose) {
   kPoseSection.readKnown(map, pose);
   if (const std::optional<Quat> orientation = readOrientation(map)) pose.orientation = *orientation;

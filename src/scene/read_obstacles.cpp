@@ -1,5 +1,6 @@
 #include "readers.h"
 #include "section.h"
+#include "surface_reader.h"
 
 namespace cloth_sim {
 namespace {
@@ -11,6 +12,7 @@ const Section<Obstacle> kObstacleSection{
      {"rpy"},
      {"orientation"},
      {"velocity", &Obstacle::velocity},
+     {"angular_velocity", &Obstacle::angularVelocity},
      {"friction", &Obstacle::friction, kNotNegative},
      {"tangential_decay", &Obstacle::tangentialDecay, kNotNegative}}};
 
@@ -20,6 +22,20 @@ void readDimension(const SceneNode& map, const char* key, double& length) {
 
 void readDimension(const SceneNode& map, const char* key, Vec3& size) {
   size = map.need(key, "[x, y, z]").vector<3>(kPositive);
+}
+
+void readDimension(const SceneNode& map, const char* key, std::optional<double>& length) {
+  map.read(key, length, kPositive);
+}
+
+void readDimension(const SceneNode& map, const char* key, SurfaceFile& file) {
+  const std::string what = "the name of an STL or OBJ file";
+  const SceneNode value = map.need(key, what);
+  const std::string name = value.word(what);
+  if (name.empty()) value.expected(what);
+  double scale = 1.0;
+  map.read("scale", scale, kPositive);
+  file = readSurface(besideScene(value, name), name, scale);
 }
 
 /// Returns the default shape of the type that the map names.

@@ -93,7 +93,8 @@ const Section<ObstacleAction> kObstacleActionSection{
     {Key<ObstacleAction>::required("velocity", "[x, y, z]",
                                    [](const SceneNode& value, ObstacleAction& action) {
                                      action.velocity = value.vector<3>();
-                                   })}};
+                                   }),
+     {"angular_velocity", &ObstacleAction::angularVelocity}}};
 
 void readObstacleActions(const SceneNode& node, const Scene& scene,
                          std::vector<ObstacleAction>& actions) {

@@ -12,6 +12,8 @@ namespace cloth_sim {
 /// Reads `position` and `rpy` or `orientation` of a map that may have other keys. An absent key
 /// leaves its part of the pose as it is.
 void readPose(const SceneNode& map, Pose& pose);
+/// Returns the path of a file that the scene names relative to its own folder; not empty.
+std::string besideScene(const SceneNode& node, const std::string& file);
 /// Reads a map that is a pose and nothing else.
 void readPoseMap(const SceneNode& map, Pose& pose);
 /// Reads `rpy` or `orientation` of a map, if it has one of them.

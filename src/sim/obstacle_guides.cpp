@@ -13,6 +13,14 @@ bool isNear(const Pose& a, const Pose& b) {
          (a.orientation.coeffs() - b.orientation.coeffs()).norm() <= kRoundOff;
 }
 
+/// The angular velocity that turns one orientation into another within `dt` [s], in the axes of the
+/// world [rad/s].
+Vec3 turnSpeed(const Quat& from, const Quat& to, double dt) {
+  if (from.coeffs() == to.coeffs()) return Vec3::Zero();
+  const Eigen::AngleAxisd turn(to * from.conjugate());
+  return turn.angle() / dt * turn.axis();
+}
+
 }  // namespace
 
 void ObstacleGuides::set(const std::string& obstacle, const MovingPose& target) {
@@ -39,12 +47,12 @@ void ObstacleGuides::steer(double time, double dt, ColliderSet& colliders) {
     if (collider == nullptr) continue;
     guide.target.advance(dt);
     const Pose& goal = guide.target.pose;
-    const Vec3 from = collider->poseAt(time).position;
-    const Vec3 velocity = (goal.position - from) / dt;
+    const Pose from = collider->poseAt(time);
+    const Vec3 velocity = (goal.position - from.position) / dt;
     if (velocity.norm() > kFastestObstacle) {
       collider->place(goal, Vec3::Zero(), time);
     } else {
-      collider->place({from, goal.orientation}, velocity, time);
+      collider->place(from, velocity, time, turnSpeed(from.orientation, goal.orientation, dt));
     }
   }
 }

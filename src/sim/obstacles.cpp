@@ -27,9 +27,12 @@ void Obstacles::place(const std::string& obstacle, const Pose& pose, const Vec3&
   collider->place(pose, velocity, time);
 }
 
-void Obstacles::setVelocity(const std::string& obstacle, const Vec3& velocity, double time) {
-  const Collider* collider = colliders_.find(obstacle);
-  if (collider != nullptr) place(obstacle, collider->poseAt(time), velocity, time);
+void Obstacles::setVelocity(const std::string& obstacle, const Vec3& velocity, double time,
+                            const Vec3& angularVelocity) {
+  Collider* collider = colliders_.find(obstacle);
+  if (collider == nullptr) return;
+  guides_.drop(obstacle);
+  collider->place(collider->poseAt(time), velocity, time, angularVelocity);
 }
 
 void Obstacles::guide(const std::string& obstacle, const MovingPose& target) {
@@ -52,7 +55,7 @@ bool Obstacles::areTouched() const {
 
 bool Obstacles::areStill(double time, double dt) const {
   const auto stands = [dt](const Collider& collider) {
-    return collider.obstacle().velocity.norm() * dt <= kPoseRoundOff;
+    return !collider.turns() && collider.obstacle().velocity.norm() * dt <= kPoseRoundOff;
   };
   const std::vector<Collider>& all = colliders_.all();
   return std::all_of(all.begin(), all.end(), stands) && guides_.areIdle(time, colliders_);

@@ -80,7 +80,8 @@ void beginPhase(const PhaseSpec& phase, SimulationParts& parts) {
   for (Clamp& clamp : parts.holders.clamps()) clamp.setSpeedLimit(std::nullopt);
   for (const ClampAction& action : phase.clamps) act(action, parts);
   for (const ObstacleAction& action : phase.obstacles) {
-    parts.obstacles.setVelocity(action.obstacle, action.velocity, parts.time());
+    parts.obstacles.setVelocity(action.obstacle, action.velocity, parts.time(),
+                                action.angularVelocity);
   }
   if (phase.wind) parts.controls.wind = phase.wind;
   if (phase.tearing) parts.surgery.tearing().setEnabled(*phase.tearing);

@@ -10,6 +10,18 @@ namespace {
 
 /// Number of the warning about thick layers, beyond those of ResultWatch.
 constexpr std::size_t kThickLayer = 100;
+/// Number of the warning about obstacles that are nearly closed.
+constexpr std::size_t kNearlyClosed = 101;
+
+/// Warns of obstacles whose surface is nearly closed.
+void checkSurfaces(SimulationParts& parts) {
+  for (const Obstacle& obstacle : parts.scene.obstacles) {
+    const auto* mesh = std::get_if<MeshShape>(&obstacle.shape);
+    if (mesh == nullptr || mesh->file.surface->doubt().empty()) continue;
+    const std::string text = "obstacle '" + obstacle.name + "': " + mesh->file.surface->doubt();
+    parts.sceneWarnings.push_back({kNearlyClosed, text});
+  }
+}
 
 /// Refuses a method that cannot hold layers apart and cloth that touches itself at the start, and
 /// warns of cloth that is too thick for its mesh.
@@ -55,6 +67,7 @@ SimulationParts::SimulationParts(Scene loaded)
   controls.wind = scene.wind;
   if (!scene.tearing.energy.empty()) checkTearEnergy(findSolver(scene.solver.method));
   if (layers) prepareLayers(*this);
+  checkSurfaces(*this);
 }
 
 std::vector<ResultWarning> SimulationParts::warnings() const {

@@ -109,6 +109,12 @@ class StateFormat {
     refuseIf(isOneLine(parts.failure) ? "" : "the reason of its failure is no sentence");
   }
 
+  /// Gives the colliders the shapes of the scene, which `check` has found to be the same.
+  static void adoptShapes(const ColliderSet& ofScene, SimulationParts& parts) {
+    std::vector<Collider>& colliders = parts.obstacles.colliders_.all();
+    for (std::size_t k = 0; k < colliders.size(); ++k) colliders[k].shareShape(ofScene.all()[k]);
+  }
+
   static const Solver& solverOf(const SimulationParts& parts) { return *parts.solver.solver_; }
   static Solver& solverOf(SimulationParts& parts) { return *parts.solver.solver_; }
   static void derive(SimulationParts& parts) {
@@ -202,6 +208,7 @@ class StateContents {
   void readAllButMethod(const Undamaged& undamaged, SimulationParts& parts) {
     StateFormat::serialize(archive_, parts);
     StateFormat::check(parts, undamaged);
+    StateFormat::adoptShapes(undamaged.colliders, parts);
   }
 
   void readMethod(StateHash stateHash, SimulationParts& parts) {

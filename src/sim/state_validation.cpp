@@ -181,6 +181,7 @@ std::string validationError(const ColliderSet& colliders, const ColliderSet& ofS
     Obstacle before = ofScene.all()[k].obstacle();
     before.pose = now.pose;
     before.velocity = now.velocity;
+    before.angularVelocity = now.angularVelocity;
     const bool isSame = bytesOf(now) == bytesOf(before) &&
                         bytesOf(one.properties()) == bytesOf(ofScene.all()[k].properties());
     if (!isSame) return "obstacle " + std::to_string(k) + " is not that of the scene";

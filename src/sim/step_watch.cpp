@@ -22,7 +22,14 @@ double drivingSpeed(const State& state, const Controls& controls, const Collider
     fastest = std::max({fastest, mean, target.velocity.norm()});
   }
   for (const Collider& collider : colliders.all()) {
-    fastest = std::max(fastest, collider.obstacle().velocity.norm() + kPushOut);
+    double speed = collider.obstacle().velocity.norm() + kPushOut;
+    if (collider.turns()) {
+      const Vec3 centre = collider.poseAt(state.t).position;
+      double farthest = 0.0;
+      for (const Vec3& x : state.x) farthest = std::max(farthest, (x - centre).norm());
+      speed += farthest * collider.obstacle().angularVelocity.norm();
+    }
+    fastest = std::max(fastest, speed);
   }
   return fastest;
 }

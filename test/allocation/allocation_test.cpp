@@ -78,6 +78,19 @@ obstacles:
 phases: [{name: all, timeout: 100.0}]
 )";
 
+/// A cloth on a turning sheet of triangles, of a file in the scenes.
+const char* const kOnMesh = R"(
+cloth:
+  particles: [24, 24]
+  size: [0.3, 0.3]
+  pose: {position: [0.1, 0, 0.002]}
+  fabric: {preset: silk}
+drag: 1.0
+obstacles:
+  flap: {type: mesh, file: flap.obj, friction: 0.3, angular_velocity: [0, -0.2, 0]}
+phases: [{name: all, timeout: 100.0}]
+)";
+
 /// The number of allocations in `steps` steps, after `warmUp` steps.
 long allocationsOf(Simulation& simulation, int warmUp, int steps) {
   for (int k = 0; k < warmUp; ++k) simulation.step();
@@ -105,6 +118,16 @@ TEST_P(Allocation, AStepOfTwoClothsOnOneBallAllocatesNothing) {
   EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);
   ASSERT_FALSE(simulation.failed()) << simulation.failure();
   EXPECT_EQ(simulation.contacts().candidates.size(), 2U);
+}
+
+TEST_P(Allocation, AStepOnAMeshAllocatesNothing) {
+  const ThreadLimit oneThread(1);
+  const std::string name = std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/scene.yaml";
+  Simulation simulation(
+      parseScene(kOnMesh, name, {"solver.method=" + GetParam(), "solver.dt=0.0002"}));
+  EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);
+  ASSERT_FALSE(simulation.failed()) << simulation.failure();
+  EXPECT_FALSE(simulation.contacts().empty());
 }
 
 TEST(AllocationErrorControl, AChangeOfSubstepsAllocatesNothing) {

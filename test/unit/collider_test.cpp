@@ -179,6 +179,9 @@ std::vector<Vec3> surfaceOf(const DrawnPart& part) {
         case DrawnPart::Kind::kBoxEdges:
           points.push_back(Vec3(u, 0.5, -0.5));
           break;
+        case DrawnPart::Kind::kTriangles:
+          points = part.surface->vertices();
+          break;
       }
     }
   }

@@ -557,17 +557,18 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadScene{CLOTH "obstacles: {a: {radius: 1}}",
                  "s.yaml:2: obstacles.a.type: missing, expected one of plane, sphere, capsule, "
-                 "board, box, bounds"},
+                 "board, box, bounds, cylinder, mesh"},
         BadScene{CLOTH "obstacles: {a: {type: cube}}",
                  "s.yaml:2: obstacles.a.type: expected one of plane, sphere, capsule, board, box, "
-                 "bounds (got "
+                 "bounds, cylinder, mesh (got "
                  "'cube')"},
         BadScene{CLOTH "obstacles: {a: {type: sphere, radius: -1}}",
                  "s.yaml:2: obstacles.a.radius: expected a number > 0 (got -1)"},
-        BadScene{CLOTH "obstacles: {a: {type: sphere, radus: 1}}",
-                 "s.yaml:2: obstacles.a.radus: unknown key, did you mean 'radius'? expected one "
-                 "of type, radius, position, rpy, orientation, velocity, friction, "
-                 "tangential_decay"},
+        BadScene{
+            CLOTH "obstacles: {a: {type: sphere, radus: 1}}",
+            "s.yaml:2: obstacles.a.radus: unknown key, did you mean 'radius'? expected one "
+            "of type, radius, position, rpy, orientation, velocity, angular_velocity, friction, "
+            "tangential_decay"},
         BadScene{CLOTH "obstacles: {a: {type: board, size: [1, 1, 0]}}",
                  "s.yaml:2: obstacles.a.size.2: expected a number > 0 (got 0)"},
         BadScene{CLOTH "clamps: {c: {}}",

@@ -31,8 +31,13 @@ Obstacle obstacleOf(const Shape& shape, double friction) {
 std::vector<Shape> shapesToFallOn() {
   BoundsShape room;
   room.size = Vec3(0.7, 0.7, 1.0);
-  return {PlaneShape{}, SphereShape{0.15}, CapsuleShape{0.1, 0.3}, BoxShape{Vec3(0.25, 0.3, 0.2)},
-          room};
+  return {PlaneShape{},
+          SphereShape{0.15},
+          CapsuleShape{0.1, 0.3},
+          BoxShape{Vec3(0.25, 0.3, 0.2)},
+          room,
+          CylinderShape{0.15, 0.2},
+          MeshShape{}};
 }
 
 bool isStableAtAnyStep(const std::string& method) {

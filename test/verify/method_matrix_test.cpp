@@ -69,6 +69,7 @@ const std::vector<Start>& matrixStarts() {
       {"explicit_hang", 0.0},       // begins to fall
       {"fold_quarters", 3.6},       // both layers are lifted
       {"fold_towel", 0.6},          // the clamps lift it
+      {"folding_board", 0.6},       // the flap lifts it
       {"hang", 0.0},                // takes up its weight
       {"knot", 2.0},                // the loop closes
       {"napkin_ring", 1.6},         // the ring gathers it

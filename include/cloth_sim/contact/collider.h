@@ -53,10 +53,16 @@ class Collider {
   double friction(std::size_t cloth) const {
     return obstacle_.friction.value_or(properties_[cloth].friction);
   }
-  /// The pose at `time` [s], extrapolated with the velocity from the last `place`.
+  /// The pose at `time` [s], extrapolated with the velocities from the last `place`.
   Pose poseAt(double time) const;
-  /// Sets the pose that holds at `time` [s], and the velocity with which it changes from there.
-  void place(const Pose& pose, const Vec3& velocity, double time);
+  /// Sets the pose that holds at `time` [s], and the velocities with which it changes from there.
+  /// \param angularVelocity  in the axes of the world [rad/s].
+  void place(const Pose& pose, const Vec3& velocity, double time,
+             const Vec3& angularVelocity = Vec3::Zero());
+  /// Whether it turns.
+  bool turns() const { return !obstacle_.angularVelocity.isZero(0.0); }
+  /// Takes the shape of a collider that has the same one: that of a saved state has no triangles.
+  void shareShape(const Collider& other) { obstacle_.shape = other.obstacle_.shape; }
   /// Moves the time at which the stored pose holds `by` [s] later.
   void shiftTime(double by) { referenceTime_ += by; }
 
@@ -85,12 +91,16 @@ class Collider {
     archive(obstacle_, properties_, referenceTime_);
   }
 
+  /// Returns the triangles near each vertex up to `count`; nullptr if the shape has none.
+  NearTriangles* nearTriangles(std::size_t count) const;
   void collectWithin(const MotionBounds& bounds, const State& state, double dt, double reach,
                      std::vector<VertexId>& out) const;
 
   Obstacle obstacle_;
   std::vector<ContactProperties> properties_;  ///< by cloth
   double referenceTime_ = 0.0;                 ///< time at which the pose of the obstacle holds [s]
+  /// By vertex, if the shape is a mesh. Each is used for the motion of its vertex only.
+  mutable std::vector<NearTriangles> near_;
 };
 
 /// All obstacles of a scene.

@@ -9,17 +9,21 @@
 #include "cloth_sim/contact/shapes/bounds.h"
 #include "cloth_sim/contact/shapes/box.h"
 #include "cloth_sim/contact/shapes/capsule.h"
+#include "cloth_sim/contact/shapes/cylinder.h"
+#include "cloth_sim/contact/shapes/mesh.h"
 #include "cloth_sim/contact/shapes/plane.h"
 #include "cloth_sim/contact/shapes/sphere.h"
 
 namespace cloth_sim {
 
 /// Any shape. Saved states store the number of the row: new rows go to the end.
-using Shape = std::variant<PlaneShape,    //
-                           SphereShape,   //
-                           CapsuleShape,  //
-                           BoxShape,      //
-                           BoundsShape>;
+using Shape = std::variant<PlaneShape,     //
+                           SphereShape,    //
+                           CapsuleShape,   //
+                           BoxShape,       //
+                           BoundsShape,    //
+                           CylinderShape,  //
+                           MeshShape>;
 
 /// One of each, in the order of the rows, with its default dimensions.
 const std::vector<Shape>& allShapes();

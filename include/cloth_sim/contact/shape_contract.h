@@ -32,7 +32,9 @@
 /// would spend as much time on passing vectors through memory as on arithmetic.
 
 #include <array>
+#include <memory>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -40,7 +42,10 @@
 
 namespace cloth_sim {
 
-/// A dimension of a shape: a length, or the three edge lengths of a box [m], > 0.
+class TriangleSurface;
+
+/// A dimension of a shape: a length, an optional length or the three edge lengths of a box [m], >
+/// 0; or a file of triangles.
 template <class S, class Value>
 struct ShapeKey {
   constexpr ShapeKey(const char* key, Value S::*where) : name(key), member(where) {}
@@ -61,14 +66,17 @@ struct DrawnPart {
   enum class Kind {
     kBox,
     kSphere,
-    kCylinder,  ///< its axis is z
-    kBoxEdges,  ///< the twelve edges of a box, as lines
+    kCylinder,   ///< its axis is z
+    kBoxEdges,   ///< the twelve edges of a box, as lines
+    kTriangles,  ///< those of `surface`
   };
 
   Kind kind = Kind::kBox;
   Vec3 size = Vec3::Ones();    ///< edge lengths, or diameters and height [m]
   Vec3 centre = Vec3::Zero();  ///< relative to the obstacle, in the axes of the shape [m]
   Rgba colour;
+  std::shared_ptr<const TriangleSurface> surface = nullptr;  ///< of kTriangles
+  std::string resource = {};  ///< URL of the file that has them, in units of `size`; may be empty
 };
 
 constexpr Rgba kRoundColour{0.98f, 0.62f, 0.42f};  ///< of spheres and rods

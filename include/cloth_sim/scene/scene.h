@@ -121,10 +121,11 @@ struct ClampAction {
   std::optional<double> speed;      ///< limit on the linear speed while this phase lasts [m/s]
 };
 
-/// The new velocity of an obstacle from the beginning of a phase on.
+/// The new velocities of an obstacle from the beginning of a phase on.
 struct ObstacleAction {
   std::string obstacle;
-  Vec3 velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 velocity = Vec3::Zero();         ///< [m/s]
+  Vec3 angularVelocity = Vec3::Zero();  ///< in the axes of the world [rad/s]
 };
 
 /// The consequence of a time-out of a phase whose conditions do not hold.

@@ -23,8 +23,8 @@ class ObstacleGuides {
   /// Whether every guided collider is, at `time` [s], where its target stays.
   bool areIdle(double time, const ColliderSet& colliders) const;
 
-  /// Gives every guided collider the velocity with which it reaches its target at `time + dt`, and
-  /// the orientation of the target at once. Advances the targets by `dt` [s].
+  /// Gives every guided collider the velocities with which it reaches its target at `time + dt`;
+  /// one that jumps there is turned at once. Advances the targets by `dt` [s].
   void steer(double time, double dt, ColliderSet& colliders);
 
  private:

@@ -22,8 +22,10 @@ class Obstacles {
   /// more. Does nothing if there is no obstacle of that name.
   /// \param time  now [s].
   void place(const std::string& obstacle, const Pose& pose, const Vec3& velocity, double time);
-  /// Lets an obstacle move on from where it is, at `velocity` [m/s]; otherwise as `place`.
-  void setVelocity(const std::string& obstacle, const Vec3& velocity, double time);
+  /// Lets an obstacle move on from where it is, at `velocity` [m/s] and `angularVelocity` [rad/s];
+  /// otherwise as `place`.
+  void setVelocity(const std::string& obstacle, const Vec3& velocity, double time,
+                   const Vec3& angularVelocity = Vec3::Zero());
   /// Lets an obstacle follow a moving target from the next step on.
   void guide(const std::string& obstacle, const MovingPose& target);
 

@@ -308,6 +308,36 @@ TEST(Markers, ObstaclesHaveTheirShapes) {
   EXPECT_EQ((cylinder + 1)->type, Marker::SPHERE);
 }
 
+TEST(Markers, AMeshIsListedUnlessItIsLargeAndHasAFile) {
+  MarkerBuilder builder{MarkerStyle()};
+  Snapshot snapshot = flatCloth(3);
+  MeshShape mesh;
+  mesh.scale = 0.001;
+  mesh.file.path = "/somewhere/part.stl";
+  snapshot.obstacles.resize(1);
+  snapshot.obstacles[0].shape = mesh;
+  const auto small = sent(builder, snapshot, ros::Time(1.0));
+  EXPECT_EQ(find(small, "obstacles")->type, Marker::TRIANGLE_LIST);
+  EXPECT_EQ(find(small, "obstacles")->points.size(), 36u);  // a cube
+  EXPECT_EQ(find(small, "obstacles")->scale.x, 1.0);        // its points are in metres
+
+  std::vector<Vec3> corners;
+  std::vector<TriangleSurface::Triangle> triangles;
+  for (int k = 0; k < 20001; ++k) {
+    for (const Vec3& corner : {Vec3(0.0, 0.0, k), Vec3(1.0, 0.0, k), Vec3(0.0, 1.0, k)}) {
+      corners.push_back(corner);
+    }
+    triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+  }
+  mesh.file.surface = std::make_shared<TriangleSurface>(corners, triangles);
+  snapshot.obstacles[0].shape = mesh;
+  const auto large = sent(builder, snapshot, ros::Time(2.0));
+  EXPECT_EQ(find(large, "obstacles")->type, Marker::MESH_RESOURCE);
+  EXPECT_EQ(find(large, "obstacles")->mesh_resource, "file:///somewhere/part.stl");
+  EXPECT_EQ(find(large, "obstacles")->scale.x, 0.001);
+  EXPECT_TRUE(find(large, "obstacles")->points.empty());
+}
+
 TEST(Markers, EveryShapeIsDrawn) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(3);

@@ -1,0 +1,56 @@
+#include <utility>
+
+#include "cloth_sim/contact/shapes/mesh.h"
+
+namespace cloth_sim {
+namespace {
+
+TriangleSurface cube(double half) {
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) {
+    corners.push_back(half * Vec3(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0));
+  }
+  return {std::move(corners),
+          {{{0, 2, 1}},
+           {{1, 2, 3}},
+           {{4, 5, 6}},
+           {{5, 7, 6}},
+           {{0, 1, 4}},
+           {{1, 5, 4}},
+           {{2, 6, 3}},
+           {{3, 6, 7}},
+           {{0, 4, 2}},
+           {{2, 4, 6}},
+           {{1, 3, 5}},
+           {{3, 7, 5}}}};
+}
+
+}  // namespace
+
+SurfaceFile surfaceFile(std::string name, TriangleSurface surface) {
+  const std::uint64_t hash = surface.contentHash();
+  return {std::move(name), std::make_shared<const TriangleSurface>(std::move(surface)), hash, ""};
+}
+
+const SurfaceFile& defaultSurface() {
+  static const SurfaceFile file = surfaceFile("cube", cube(0.1));
+  return file;
+}
+
+std::vector<DrawnPart> MeshShape::drawing() const {
+  DrawnPart part;
+  part.kind = DrawnPart::Kind::kTriangles;
+  part.colour = kRoundColour;
+  part.surface = file.surface;
+  part.size = Vec3::Constant(scale.value_or(1.0));
+  if (!file.path.empty()) part.resource = "file://" + file.path;
+  return {part};
+}
+
+std::optional<double> MeshShape::handleRadius() const {
+  const double depth = -file.surface->distance(Vec3::Zero());
+  if (!(depth > 0.0)) return std::nullopt;
+  return depth;
+}
+
+}  // namespace cloth_sim
