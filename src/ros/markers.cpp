@@ -1,6 +1,7 @@
 #include "cloth_sim/ros/markers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -25,6 +26,8 @@ constexpr double kTextHeight = 0.045;      ///< of a capital letter [m]
 constexpr std::size_t kManyFaces = 10000;
 /// Most triangles of an obstacle that a marker lists. More are read from their file by the viewer.
 constexpr std::size_t kMostSentTriangles = 20000;
+/// Distance of the sides of an open surface from it, so that neither hides the other [m].
+constexpr double kSideOfSheet = 2e-4;
 constexpr double kTextClearance = 0.20;  ///< of the text above the cloth [m]
 
 Colour clampColour(ClampState state) {
@@ -80,7 +83,15 @@ void addBoxEdges(const Vec3& size, std::vector<geometry_msgs::Point>& points) {
   }
 }
 
-/// Sends triangles one by one, or the name of their file if they are many.
+/// Appends a triangle, shifted along its normal.
+/// \param shift  [m].
+void addTriangle(const std::array<Vec3, 3>& corners, double shift, Marker& marker) {
+  const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+  for (const Vec3& corner : corners) marker.points.push_back(toPoint(corner + shift * normal));
+}
+
+/// Sends triangles one by one, or the name of their file if they are many. Those of an open surface
+/// are sent for either side, because rviz leaves the back of a triangle black.
 void addTriangles(const DrawnPart& part, Marker& marker) {
   const TriangleSurface& surface = *part.surface;
   if (surface.triangles().size() > kMostSentTriangles && !part.resource.empty()) {
@@ -90,7 +101,11 @@ void addTriangles(const DrawnPart& part, Marker& marker) {
   }
   setScale(marker, 1.0, 1.0, 1.0);
   for (const TriangleSurface::Triangle& triangle : surface.triangles()) {
-    for (const std::int32_t v : triangle) marker.points.push_back(toPoint(surface.vertices()[v]));
+    const std::vector<Vec3>& at = surface.vertices();
+    const std::array<Vec3, 3> corners{at[triangle[0]], at[triangle[1]], at[triangle[2]]};
+    addTriangle(corners, surface.isClosed() ? 0.0 : kSideOfSheet, marker);
+    if (surface.isClosed()) continue;
+    addTriangle({corners[0], corners[2], corners[1]}, kSideOfSheet, marker);
   }
 }
 

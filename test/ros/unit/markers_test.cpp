@@ -321,6 +321,15 @@ TEST(Markers, AMeshIsListedUnlessItIsLargeAndHasAFile) {
   EXPECT_EQ(find(small, "obstacles")->points.size(), 36u);  // a cube
   EXPECT_EQ(find(small, "obstacles")->scale.x, 1.0);        // its points are in metres
 
+  const std::vector<Vec3> sheet{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+  mesh.file.surface =
+      std::make_shared<TriangleSurface>(sheet, std::vector<TriangleSurface::Triangle>{{0, 1, 2}});
+  snapshot.obstacles[0].shape = mesh;
+  const auto open = sent(builder, snapshot, ros::Time(1.5));
+  ASSERT_EQ(find(open, "obstacles")->points.size(), 6u) << "either side is lit";
+  EXPECT_GT(find(open, "obstacles")->points[0].z, 0.0);
+  EXPECT_LT(find(open, "obstacles")->points[3].z, 0.0);
+
   std::vector<Vec3> corners;
   std::vector<TriangleSurface::Triangle> triangles;
   for (int k = 0; k < 20001; ++k) {
