@@ -22,7 +22,7 @@ class StateDirectoryOfROS : public testing::Test {
     set("HOME", (folder_ / "home").string());
     set("ROS_HOME", "");
   }
-  ~StateDirectoryOfROS() override {
+  void TearDown() override {
     for (const auto& [name, value] : before_) {
       if (value) {
         setenv(name.c_str(), value->c_str(), 1);
