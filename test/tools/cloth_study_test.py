@@ -293,7 +293,7 @@ drag: 0.01
         result = run_study('--quick', '--parts', 'reality', '--no-charts', '--out', folder)
         self.assertEqual(result.returncode, 0, result.stderr)
         names = {name for name in os.listdir(folder) if name.endswith('.csv')}
-        self.assertEqual(len(names), 9)
+        self.assertEqual(len(names), 12)
         for name in names:
             with open(os.path.join(folder, name), newline='') as file:
                 rows = list(csv.DictReader(file))
