@@ -397,6 +397,23 @@ bool TriangleSurface::isWithin(const Vec3& p, double limit, const NearTriangles&
   return distance(p) <= limit;
 }
 
+/// Calls `function` with the triangles of the leaves that `isNear` leads to, in their order.
+template <class IsNear, class Function>
+void TriangleSurface::visitLeaves(IsNear&& isNear, Function&& function) const {
+  std::array<std::int32_t, kDeepest> stack;
+  std::size_t size = 0;
+  stack[size++] = 0;
+  while (size > 0) {
+    const std::int32_t k = stack[--size];
+    const Node& node = nodes_[k];
+    if (!isNear(node)) continue;
+    for (std::int32_t t = node.first; t < node.first + node.count; ++t) function(t);
+    if (node.count > 0) continue;
+    stack[size++] = node.right;
+    stack[size++] = k + 1;
+  }
+}
+
 /// Calls `function` with each triangle that a part of the path may come nearer to than `reach`, and
 /// with others.
 template <class Function>
@@ -408,18 +425,9 @@ void TriangleSurface::visitNear(const Vec3& from, const Vec3& to, double reach,
   }
   const Vec3 path = to - from;
   const Vec3 room = Vec3::Constant(reach + 2.0 * geometry::kEntryTolerance);
-  std::array<std::int32_t, kDeepest> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const std::int32_t k = stack[--size];
-    const Node& node = nodes_[k];
-    if (!meetsBox(from, path, node.low - room, node.high + room)) continue;
-    for (std::int32_t t = node.first; t < node.first + node.count; ++t) function(t);
-    if (node.count > 0) continue;
-    stack[size++] = node.right;
-    stack[size++] = k + 1;
-  }
+  visitLeaves(
+      [&](const Node& node) { return meetsBox(from, path, node.low - room, node.high + room); },
+      function);
 }
 
 /// Lists the triangles around a path, if the list does not have them yet.
@@ -474,31 +482,23 @@ bool TriangleSurface::list(double reach, NearTriangles& near) const {
   const Vec3 room = Vec3::Constant(near.half + reach + 2.0 * geometry::kEntryTolerance);
   const Vec3 low = near.centre - room;
   const Vec3 high = near.centre + room;
-  std::array<std::int32_t, kDeepest> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const std::int32_t k = stack[--size];
-    const Node& node = nodes_[k];
-    if ((node.low - high).maxCoeff() > 0.0 || (low - node.high).maxCoeff() > 0.0) continue;
-    for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
-      const std::array<Vec3, 3> x = cornersOf(t);
-      const Vec3 least = x[0].cwiseMin(x[1]).cwiseMin(x[2]);
-      const Vec3 most = x[0].cwiseMax(x[1]).cwiseMax(x[2]);
-      if ((least - high).maxCoeff() > 0.0 || (low - most).maxCoeff() > 0.0) continue;
-      const double side = flats_[t].normal.dot(near.centre - x[0]);
-      if (std::abs(side) > flats_[t].normal.cwiseAbs().dot(room)) continue;
-      if (near.count == NearTriangles::kMost) {
-        near.count = kNone;
-        return false;
-      }
-      near.triangles[near.count++] = t;
-    }
-    if (node.count > 0) continue;
-    stack[size++] = node.right;
-    stack[size++] = k + 1;
-  }
-  return true;
+  const auto overlaps = [&](const Vec3& least, const Vec3& most) {
+    return (least - high).maxCoeff() <= 0.0 && (low - most).maxCoeff() <= 0.0;
+  };
+  const auto isNear = [&](const Node& node) {
+    return near.count != kNone && overlaps(node.low, node.high);
+  };
+  visitLeaves(isNear, [&](std::int32_t t) {
+    if (near.count == kNone) return;
+    const std::array<Vec3, 3> x = cornersOf(t);
+    if (!overlaps(x[0].cwiseMin(x[1]).cwiseMin(x[2]), x[0].cwiseMax(x[1]).cwiseMax(x[2]))) return;
+    const double side = flats_[t].normal.dot(near.centre - x[0]);
+    if (std::abs(side) > flats_[t].normal.cwiseAbs().dot(room)) return;
+    const bool isFull = near.count == NearTriangles::kMost;
+    if (!isFull) near.triangles[near.count] = t;
+    near.count = isFull ? kNone : near.count + 1;
+  });
+  return near.count != kNone;
 }
 
 /// `sweep` of a path that begins inside a closed surface.

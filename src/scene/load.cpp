@@ -96,13 +96,12 @@ void resolve(const SceneNode& root, Scene& scene) {
 
 /// Refuses a bending energy that the method cannot follow, at the key that asks for it.
 void checkFeatures(const SceneNode& root, const Scene& scene) {
-  const SceneNode node = root.need("cloth", "a map");
+  const std::vector<SceneNode> cloths = clothNodes(root.need("cloth", "a map"));
   for (std::size_t k = 0; k < scene.cloths.size(); ++k) {
     try {
       checkFeatures(findSolver(scene.solver.method), scene.cloths[k].plate);
     } catch (const std::invalid_argument& error) {
-      const SceneNode cloth = node.isList() ? node.list("a list of maps")[k] : node;
-      cloth.need("bending", "a word").refuse(error.what());
+      cloths[k].need("bending", "a word").refuse(error.what());
     }
   }
 }
@@ -131,10 +130,7 @@ bool givesRatio(const Scene& scene) {
 
 /// Returns the first tear energy that a cloth of the scene is given, if any.
 std::optional<SceneNode> givenTearEnergy(const SceneNode& root) {
-  const SceneNode node = root.need("cloth", "a map");
-  const std::vector<SceneNode> cloths =
-      node.isList() ? node.list("a list of maps") : std::vector<SceneNode>{node};
-  for (const SceneNode& cloth : cloths) {
+  for (const SceneNode& cloth : clothNodes(root.need("cloth", "a map"))) {
     const auto fabric = cloth.find("fabric");
     const auto energy = fabric && fabric->isMap() ? fabric->find("tear_energy") : std::nullopt;
     if (energy) return energy;

@@ -238,15 +238,6 @@ void readCloth(const SceneNode& node, ClothSpec& cloth) {
   if (const auto pins = node.find("pins")) readPins(*pins, cloth);
 }
 
-/// Returns the maps of the cloths: one, or those of a list.
-std::vector<SceneNode> clothNodes(const SceneNode& node) {
-  if (!node.isList()) return {node};
-  const std::string what = "a map, or a list of maps with a name each";
-  std::vector<SceneNode> nodes = node.list(what);
-  if (nodes.empty()) node.expected(what);
-  return nodes;
-}
-
 void checkNames(const std::vector<SceneNode>& nodes, const std::vector<ClothSpec>& cloths) {
   if (nodes.size() == 1) return;
   std::set<std::string> names;
@@ -296,6 +287,14 @@ void readSurgeryOf(const std::vector<SceneNode>& nodes, Scene& scene) {
 }
 
 }  // namespace
+
+std::vector<SceneNode> clothNodes(const SceneNode& node) {
+  if (!node.isList()) return {node};
+  const std::string what = "a map, or a list of maps with a name each";
+  std::vector<SceneNode> nodes = node.list(what);
+  if (nodes.empty()) node.expected(what);
+  return nodes;
+}
 
 void readCloths(const SceneNode& node, Scene& scene) {
   const std::vector<SceneNode> nodes = clothNodes(node);

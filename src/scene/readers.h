@@ -33,6 +33,9 @@ Refinement readRefinement(const SceneNode& node);
 
 // The parts.
 
+/// Returns the maps of the cloths: one, or those of a list.
+/// \param node  the key `cloth` of a scene.
+std::vector<SceneNode> clothNodes(const SceneNode& node);
 /// Reads the cloths of a scene, and its surgery settings.
 void readCloths(const SceneNode& node, Scene& scene);
 void readSolver(const SceneNode& node, SolverSpec& solver);

@@ -11,9 +11,9 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kSquareSide = 0.24;     // of the square cloth of a trouser tear [m]
-constexpr double kLength = 0.2;    // of the strip [m]
-constexpr double kWidth = 0.05;    // of the strip [m]
+constexpr double kSquareSide = 0.24;  // of the square cloth of a trouser tear [m]
+constexpr double kLength = 0.2;       // of the strip [m]
+constexpr double kWidth = 0.05;       // of the strip [m]
 constexpr double kCutEnd = -0.02;  // of the cut between the legs, from the middle of the strip [m]
 constexpr double kOvershoot = 0.004;  // of cuts beyond the corners of the strip [m]
 constexpr double kHeld = 0.0075;      // middle of the clamps from the end of the legs [m]

@@ -7,6 +7,10 @@
 
 namespace cloth_sim {
 
+/// The method of the tests, as YAML: one whose strain at a tip follows from the tension there.
+constexpr char kTearSolver[] =
+    "method: projective, substeps: 4, iterations: 5, dt: 0.0041666666666666667";
+
 /// A trouser tear (ISO 13937-2): a strip of 0.05 x 0.2 m, cut in from one end, whose two legs are
 /// pulled apart. It is cut out of a square cloth of side 0.24 m, at any angle to the threads. The
 /// fabric is so stiff that the legs hardly stretch.
@@ -14,7 +18,7 @@ struct TrouserTear {
   int particles = 33;   ///< along a side of the square cloth
   double angle = 0.0;   ///< between the strip and the warp [degrees], 0 to 45
   double energy = 2.0;  ///< tear energy of the fabric in all directions [J/m]
-  std::string solver = "method: projective, substeps: 4, iterations: 5, dt: 0.0041666666666666667";
+  std::string solver = kTearSolver;
 };
 
 /// A strip of 0.8 x 1.6 m with a notch in the middle of its long side, pulled along it.
@@ -22,7 +26,7 @@ struct NotchedStrip {
   int particles = 65;   ///< across the strip
   double notch = 0.1;   ///< its length [m]
   double energy = 2.0;  ///< tear energy of the fabric in all directions [J/m]
-  std::string solver = "method: projective, substeps: 4, iterations: 5, dt: 0.0041666666666666667";
+  std::string solver = kTearSolver;
 };
 
 /// The force of the clamps over time.

@@ -15,8 +15,9 @@ namespace cloth_sim {
 ///   J = - integral of (W I - F^T P) grad q dA,
 /// with the energy W per area, the deformation gradient F and the first Piola-Kirchhoff stress P.
 /// The stress is that of the springs; each acts on the faces that it represents. The result does
-/// not depend on the domain where cloth is at rest, and holds for large rotations: where two legs
-/// are torn apart by a force F each, it is 2 F. \param tip  end of a tear or cut, on the border.
+/// not depend on the domain where cloth is at rest, and holds for large rotations: of two legs that
+/// are torn apart by a force F each it is 2 F.
+/// \param tip  end of a tear or cut, on the border.
 Vec2 materialForce(const Model& model, const State& state, VertexId tip);
 
 /// An advance of a tear: the direction in which it releases most for what it takes.

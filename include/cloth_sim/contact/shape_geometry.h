@@ -51,6 +51,17 @@ template <class Convex>
   return hit.push > 0.0;
 }
 
+/// The same for solids whose gap is a distance: first tests whether the path is long enough to get
+/// there.
+template <class Convex>
+[[gnu::always_inline]] inline bool sweepNearConvex(const Convex& solid, const Vec3& start,
+                                                   const Vec3& end, double rise, SweepHit& hit) {
+  const double length2 = (end - start).squaredNorm();
+  const double before = solid.gap(start);
+  if (before >= 0.0 && before * before >= length2) return false;
+  return sweepConvex(solid, start, end, rise, hit);
+}
+
 /// Axes of an upright box: those of the world, so nothing to compute.
 struct WorldAxes {
   static constexpr bool kUpright = true;

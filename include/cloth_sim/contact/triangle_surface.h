@@ -121,6 +121,8 @@ class TriangleSurface {
              SurfaceHit& hit, TrianglePoint& at) const;
   bool isBesideNearer(const TrianglePoint& at, const Vec3& p, double reach,
                       const NearTriangles& near) const;
+  template <class IsNear, class Function>
+  void visitLeaves(IsNear&& isNear, Function&& function) const;
   template <class Function>
   void visitNear(const Vec3& from, const Vec3& to, double reach, const NearTriangles& near,
                  Function&& function) const;

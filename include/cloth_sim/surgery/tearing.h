@@ -67,8 +67,8 @@ class Tearing {
   void setRatio(const TearRatios& ratio);
 
   /// Lists the failure lengths of the springs that bear more than half of their failure strain; by
-  /// energy, lengths at which a tip may come near its limit. When a spring exceeds one of them,
-  /// call `plan`. \param limits  replaced by the list.
+  /// energy, lengths at which a tip may come near its limit. When one is exceeded, call `plan`.
+  /// \param limits  replaced by the list.
   void listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits);
 
   /// Whether the last plan found a spring beyond its limit that has not failed yet, because it

@@ -31,10 +31,7 @@ class Capsule {
 
   [[gnu::always_inline]] bool sweep(const Vec3& start, const Vec3& end, double rise,
                                     SweepHit& hit) const {
-    const double length2 = (end - start).squaredNorm();
-    const double before = gap(start);
-    if (before >= 0.0 && before * before >= length2) return false;  // too far away to get there
-    return sweepConvex(*this, start, end, rise, hit);
+    return sweepNearConvex(*this, start, end, rise, hit);
   }
 
   std::optional<LevelTop> levelTop() const { return std::nullopt; }
