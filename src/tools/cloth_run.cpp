@@ -17,6 +17,7 @@
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "number_option.h"
 #include "ros/bag_writer.h"
 #include "ros/recording.h"
 #include "ros/scene_path.h"
@@ -108,12 +109,12 @@ void addOptions(CLI::App& app, Options& options) {
   auto* duration =
       app.add_option("--duration", options.duration,
                      "simulated time to run [s] (default: until the phases end; 10 without phases)")
-          ->check(CLI::Range(0.0, 1e6));
+          ->check(numberIn(0.0, 1e6));
   auto* bag = app.add_option("--bag", options.bag, "rosbag to write");
   auto* rate =
       app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
           ->capture_default_str()
-          ->check(CLI::Range(0.1, 1000.0));
+          ->check(numberIn(0.1, 1000.0));
   app.add_option("--frame-every", options.frameEvery,
                  "steps from one frame in the bag to the next, instead of --bag-rate")
       ->needs(bag)

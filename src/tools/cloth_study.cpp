@@ -16,6 +16,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/real_time.h"
 #include "cloth_sim/threads/thread_limit.h"
+#include "number_option.h"
 #include "ros/scene_path.h"
 #include "status_line.h"
 #include "study/advise.h"
@@ -103,17 +104,17 @@ void addAdviceOptions(CLI::App& app, Options& options) {
                  "largest error for the advice: of positions over the cloth's side, or (if the\n"
                  "cloth comes apart) of the time of separation")
       ->capture_default_str()
-      ->check(CLI::Range(1e-9, 1.0));
+      ->check(numberIn(1e-9, 1.0));
   app.add_option("--duration", options.duration, "simulated time of each run for the advice [s]")
       ->capture_default_str()
-      ->check(CLI::Range(1e-3, 1e4));
+      ->check(numberIn(1e-3, 1e4));
   app.add_flag(
       "--cache", options.cache,
       "advise on the solver only, and keep the result for 'solver: {method: auto}' of this\n"
       "scene on this machine");
   app.add_option("--budget", options.budget, "CPU time after which the advice begins no run [s]")
       ->capture_default_str()
-      ->check(CLI::Range(1.0, 1e6));
+      ->check(numberIn(1.0, 1e6));
 }
 
 /// Parses the command line. \return an exit code if the program ends here.

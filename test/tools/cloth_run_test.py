@@ -137,6 +137,9 @@ class ClothRunTest(ScratchTest):
         self.refused(self.scene, '--duraton', '1', says=['--duraton'])
         self.refused(self.scene, '--duration', 'long', says=['--duration'])
         self.refused(self.scene, '--duration', '-1', says=['--duration'])
+        self.refused('hang', '--duration', 'nan', says=['--duration', 'expected a number'])
+        self.refused('hang', '--bag', self.path('x.bag'), '--bag-rate', 'nan',
+                     says=['--bag-rate', 'expected a number'])
         self.refused(self.scene, '--threads', '-1', says=['--threads'])
         self.refused(self.scene, '--set', 'nothing', says=['nothing'])
         self.refused(self.scene, '--summary', '/no/such/folder/x.json', says=['/no/such/folder'])
