@@ -256,6 +256,19 @@ class RvizTest(unittest.TestCase):
             self.screen.release()
             wait_until(lambda: lowest_right() > held + 0.1, 'the corner to swing back')
 
+    def test_refine_where_the_mouse_hovers(self):
+        view = self.open('Refine')
+        whole = state().particles
+        self.screen.mouse('mousemove', *view.pixel(0.2, 1.1))
+        self.screen.mouse('mousemove', *view.pixel(0.21, 1.1))
+        wait_until(lambda: state().particles > whole, 'a finer mesh')
+        with Listener('/cloth/frame', msg.ClothFrame) as frames:
+            frames.wait()
+            added = numpy.array(frames.messages[-1].positions).reshape(-1, 3)[whole:]
+        # Bisections spread by a few cells (3 cm) beyond the radius of 3 cm.
+        self.assertLess(numpy.abs(added - [0.2, 0.0, 1.1]).max(), 0.2)
+        self.assertEqual(state().pieces, 1)
+
 
 def stroke(height):
     from geometry_msgs.msg import Point, Vector3
