@@ -17,6 +17,10 @@ import sys
 
 import numpy as np
 
+HERE = os.path.dirname(os.path.realpath(__file__))
+sys.path.append(os.path.join(HERE, os.pardir, 'python'))
+from cloth_sim import frames  # noqa: E402
+
 KIND = 'cloth_sim/ClothState'
 
 
@@ -88,13 +92,13 @@ class Run:
     def meshes(self):
         """Yields (frame, positions, topology) of every frame whose topology is in the bag."""
         topologies = {}
-        for name, message in self.messages('topology', 'frame'):
+        for name, message in self.messages('topology', *frames.TOPICS):
             if name == 'topology':
                 topologies[message.revision] = message
                 continue
             topology = topologies.get(message.revision)
-            if topology is not None and 3 * len(topology.uv) == 2 * len(message.positions):
-                positions = np.array(message.positions, dtype='<f4').reshape(-1, 3)
+            positions = frames.positions(message)
+            if topology is not None and len(topology.uv) == 2 * len(positions):
                 yield message, positions, topology
 
 

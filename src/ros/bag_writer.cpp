@@ -14,6 +14,7 @@
 #include "clock_publisher.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
+#include "compact_frame.h"
 #include "support/output_file.h"
 
 namespace cloth_sim {
@@ -43,13 +44,17 @@ std::string reason(int code, const std::exception& error) {
 }  // namespace
 
 struct BagWriter::Impl {
-  Impl(const std::string& path, std::string text)
-      : place(path, kOnlyRegular), active(place.target() + ".active"), scene(std::move(text)) {
+  Impl(const std::string& path, std::string text, FrameFormat frames)
+      : place(path, kOnlyRegular),
+        active(place.target() + ".active"),
+        scene(std::move(text)),
+        format(frames) {
     // Nothing else than a bag that was not completed may stand there either.
     [[maybe_unused]] const OutputFile refusesOthers(active, {Links::kRefused, true});
     errno = 0;
     try {
       bag->open(active, rosbag::bagmode::Write);
+      if (format == FrameFormat::kCompact) bag->setCompression(rosbag::compression::BZ2);
     } catch (const rosbag::BagException& error) {
       const int code = errno;
       static_cast<void>(bag.release());  // see close()
@@ -109,6 +114,7 @@ struct BagWriter::Impl {
   OutputFile place;
   std::string active;  ///< where it grows
   std::string scene;
+  FrameFormat format;
   std::optional<double> repeated;  ///< time of the last latched messages [s]
   std::unique_ptr<rosbag::Bag> bag = std::make_unique<rosbag::Bag>();
   std_msgs::Header header;  ///< of all messages of one call
@@ -118,11 +124,12 @@ struct BagWriter::Impl {
   int broken = -1;  ///< springs; -1: nothing written yet
   FailureLog failures;
   ClothFrame frame;
+  CompactFrame compactFrame;
   MarkerBuilder markers{MarkerStyle()};
 };
 
-BagWriter::BagWriter(const std::string& file, const std::string& scene)
-    : impl_(std::make_unique<Impl>(file, scene)) {}
+BagWriter::BagWriter(const std::string& file, const std::string& scene, FrameFormat format)
+    : impl_(std::make_unique<Impl>(file, scene, format)) {}
 
 BagWriter::~BagWriter() = default;
 
@@ -185,8 +192,13 @@ void BagWriter::Impl::writeShape(const Snapshot& snapshot) {
     topology = snapshot.topology;
     writeLatched("topology", toTopologyMessage(*topology, header));
   }
-  fillFrame(snapshot, header, frame);
-  write("frame", frame);
+  if (format == FrameFormat::kCompact) {
+    fillCompactFrame(snapshot, header, compactFrame);
+    write("compact_frame", compactFrame);
+  } else {
+    fillFrame(snapshot, header, frame);
+    write("frame", frame);
+  }
 }
 
 void BagWriter::Impl::writePhase(const Snapshot& snapshot) {

@@ -10,6 +10,7 @@
 #include "bag_writer.h"
 #include "clock_publisher.h"
 #include "cloth_sim/ros/surface_messages.h"
+#include "compact_frame.h"
 #include "thread_name.h"
 
 namespace cloth_sim {
@@ -54,6 +55,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       sceneMarkersSchedule_(parameters.rateMarkers),
       contactsSchedule_(parameters.rateMarkers),
       frameSchedule_(parameters.rateFrame),
+      compactFrameSchedule_(parameters.rateFrame),
       transformsSchedule_(parameters.rateState),
       stateSchedule_(parameters.rateState),
       wrenchSchedule_(parameters.rateWrench),
@@ -66,6 +68,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   sceneMarkers_ = own.advertise<visualization_msgs::MarkerArray>("scene_markers", 1);
   topology_ = own.advertise<ClothTopology>("topology", 10, true);
   frame_ = own.advertise<ClothFrame>("frame", 10);
+  compactFrame_ = own.advertise<CompactFrame>("compact_frame", 10);
   state_ = own.advertise<ClothState>("state", 10);
   brokenSprings_ = own.advertise<BrokenSprings>("broken_springs", 10, true);
   tearEvents_ = own.advertise<TearEvents>("tear_events", 1000);
@@ -80,6 +83,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
   updater_.setHardwareID("none");
   updater_.add("simulation", this, &Publishers::diagnose);
   updater_.add("followers", this, &Publishers::diagnoseTrackers);
+  sendSceneFrame();
   thread_ = std::thread([this] { run(); });
 }
 
@@ -108,7 +112,9 @@ bool Publishers::Schedule::due(Clock::time_point now, std::uint64_t observation,
 /// Returns the rate of observations for the present subscribers [Hz].
 double Publishers::wantedRate() const {
   double rate = std::max(kMinWanted, parameters_.rateState);
-  if (frame_.getNumSubscribers() > 0) rate = std::max(rate, parameters_.rateFrame);
+  if (frame_.getNumSubscribers() + compactFrame_.getNumSubscribers() > 0) {
+    rate = std::max(rate, parameters_.rateFrame);
+  }
   if (sceneMarkers_.getNumSubscribers() > 0 || wantContacts()) {
     rate = std::max(rate, parameters_.rateMarkers);
   }
@@ -163,6 +169,9 @@ void Publishers::tick() {
     trackers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
+  if (compactFrameSchedule_.due(now, number, compactFrame_.getNumSubscribers())) {
+    sendCompactFrame(observation);
+  }
   if (markersSchedule_.due(now, number, markers_.getNumSubscribers())) sendMarkers(observation);
   if (sceneMarkersSchedule_.due(now, number, sceneMarkers_.getNumSubscribers())) {
     sendSceneMarkers(observation);
@@ -254,6 +263,17 @@ void Publishers::sendState(const Observation& observation) {
   state_.publish(toStateMessage(observation, header));
 }
 
+/// Sends the frame of the scene, at the world frame, so that tf knows the world without clamps too.
+void Publishers::sendSceneFrame() {
+  if (nodeName_ == parameters_.worldFrame) return;
+  geometry_msgs::TransformStamped transform;
+  transform.header.stamp = ros::Time::now();
+  transform.header.frame_id = parameters_.worldFrame;
+  transform.child_frame_id = nodeName_;
+  transform.transform.rotation.w = 1.0;
+  staticBroadcaster_.sendTransform(transform);
+}
+
 void Publishers::sendClamps(const Observation& observation) {
   const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
   std::vector<geometry_msgs::TransformStamped> transforms;
@@ -270,6 +290,11 @@ void Publishers::sendClamps(const Observation& observation) {
 void Publishers::sendFrame(const Observation& observation) {
   fillFrame(*observation.snapshot, header_, frameMessage_);
   frame_.publish(frameMessage_);
+}
+
+void Publishers::sendCompactFrame(const Observation& observation) {
+  fillCompactFrame(*observation.snapshot, header_, compactFrameMessage_);
+  compactFrame_.publish(compactFrameMessage_);
 }
 
 void Publishers::sendSurfaces(const Observation& observation, Clock::time_point now) {
@@ -359,6 +384,7 @@ void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.add("held particles blocked by layers", snapshot.layers->blocked);
   }
   status.add("phase", snapshot.phase);
+  status.add("end of the phase", snapshot.phaseProgress);
   status.add("pieces", figures.pieces.size());
   status.add("broken springs", snapshot.broken.total);
   status.add("dropped commands", diagnosed_.droppedCommands);

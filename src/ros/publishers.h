@@ -5,6 +5,7 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <std_msgs/String.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <atomic>
@@ -13,6 +14,7 @@
 #include <thread>
 
 #include "clamp_ports.h"
+#include "cloth_sim/CompactFrame.h"
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
 #include "obstacle_trackers.h"
@@ -65,8 +67,10 @@ class Publishers {
   void sendGraspEvents();
   void sendPhase(const Observation& observation);
   void sendState(const Observation& observation);
+  void sendSceneFrame();
   void sendClamps(const Observation& observation);
   void sendFrame(const Observation& observation);
+  void sendCompactFrame(const Observation& observation);
   void sendSurfaces(const Observation& observation, Clock::time_point now);
   void sendMarkers(const Observation& observation);
   void sendContacts(const Observation& observation, Clock::time_point now);
@@ -86,6 +90,7 @@ class Publishers {
   ros::Publisher sceneMarkers_;
   ros::Publisher topology_;
   ros::Publisher frame_;
+  ros::Publisher compactFrame_;
   ros::Publisher state_;
   ros::Publisher brokenSprings_;
   ros::Publisher tearEvents_;
@@ -97,12 +102,14 @@ class Publishers {
   ros::Publisher points_;
   ros::Publisher mesh_;
   tf2_ros::TransformBroadcaster broadcaster_;
+  tf2_ros::StaticTransformBroadcaster staticBroadcaster_;
   diagnostic_updater::Updater updater_;
 
   Schedule markersSchedule_;
   Schedule sceneMarkersSchedule_;
   Schedule contactsSchedule_;
   Schedule frameSchedule_;
+  Schedule compactFrameSchedule_;
   Schedule transformsSchedule_;
   Schedule stateSchedule_;
   Schedule wrenchSchedule_;
@@ -111,6 +118,7 @@ class Publishers {
   MarkerBuilder builder_;
   MarkerBuilder sceneBuilder_;
   ClothFrame frameMessage_;
+  CompactFrame compactFrameMessage_;
   FailureLog failures_;
   std_msgs::Header header_;  ///< of all messages of one tick
   std::shared_ptr<const Topology> sentTopology_;

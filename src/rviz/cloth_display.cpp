@@ -17,6 +17,7 @@
 
 #include "cloth_sim/ros/shading.h"
 #include "contact_visual.h"
+#include "scene_framing.h"
 #include "strain_legend.h"
 
 namespace cloth_sim {
@@ -88,6 +89,10 @@ ClothDisplay::ClothDisplay() {
       new rviz::FloatProperty("Length", static_cast<float>(2.0 * kContactReach),
                               "Length of the line across the layers [m].", showContacts_);
   contactLength_->setMin(0.0f);
+  framesScene_ = new rviz::BoolProperty(
+      "Frame Scene", false, "Move the camera to show the whole scene when a node begins with it.",
+      this);
+  connect(framesScene_, &rviz::Property::changed, this, [this] { subscribeFraming(); });
   connect(showContacts_, &rviz::Property::changed, this, [this] { subscribeContacts(); });
   for (rviz::Property* property : std::initializer_list<rviz::Property*>{
            mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
@@ -102,6 +107,7 @@ void ClothDisplay::onInitialize() {
   visual_ = std::make_unique<SurfaceVisual>(*scene_manager_, *scene_node_);
   contactVisual_ = std::make_unique<ContactVisual>(*scene_manager_, *scene_node_);
   legend_ = std::make_unique<StrainLegend>();
+  framing_ = std::make_unique<SceneFraming>(*context_);
   applyStyle();
 }
 
@@ -144,6 +150,20 @@ void ClothDisplay::subscribe() {
     setStatusStd(Status::Error, "Topic", error.what());
   }
   subscribeContacts();
+  subscribeFraming();
+}
+
+void ClothDisplay::subscribeFraming() {
+  const std::string frames = topic_->getTopicStd();
+  if (!framing_) return;
+  framing_->unsubscribe();
+  if (!isEnabled() || frames.empty() || !framesScene_->getBool()) return;
+  try {
+    framing_->subscribe(update_nh_, topicBeside(frames, "scene"),
+                        topicBeside(frames, "scene_markers"));
+  } catch (const ros::Exception& error) {
+    setStatusStd(Status::Error, "Topic", error.what());
+  }
 }
 
 /// Subscribes to the contacts if they are shown, so that the node computes them for nobody else.
@@ -165,6 +185,7 @@ void ClothDisplay::unsubscribe() {
   topologySubscriber_.shutdown();
   frameSubscriber_.shutdown();
   contactSubscriber_.shutdown();
+  if (framing_) framing_->unsubscribe();
 }
 
 void ClothDisplay::onTopology(const ClothTopology::ConstPtr& topology) {
@@ -187,6 +208,7 @@ void ClothDisplay::onContacts(const ClothContacts::ConstPtr& contacts) {
 void ClothDisplay::update(float wallDt, float /*rosDt*/) {
   drawWaiting();
   drawContacts();
+  frameScene();
   report(wallDt);
 }
 
@@ -221,6 +243,13 @@ void ClothDisplay::drawContacts() {
   contactVisual_->show(*waitingContacts_, contactLength_->getFloat());
   waitingContacts_.reset();
   context_->queueRender();
+}
+
+void ClothDisplay::frameScene() {
+  if (!drawn_) return;
+  const Eigen::Vector3f& low = surface_.low();
+  const Eigen::Vector3f& high = surface_.high();
+  framing_->update({low.x(), low.y(), low.z(), high.x(), high.y(), high.z()}, *scene_node_);
 }
 
 /// Moves the scene node to the pose of the positions' frame in the fixed frame.

@@ -21,6 +21,7 @@ class RosTopicProperty;
 namespace cloth_sim {
 
 class ContactVisual;
+class SceneFraming;
 class StrainLegend;
 
 /// Draws the newest frame whose topology is known, once per frame of rviz. A frame that arrives
@@ -59,6 +60,8 @@ class ClothDisplay : public rviz::Display {
   void subscribeContacts();
   void drawWaiting();
   void drawContacts();
+  void subscribeFraming();
+  void frameScene();
   bool placeInScene(const std::string& frame);
   void applyStyle();
   SurfaceStyle style() const;
@@ -69,6 +72,7 @@ class ClothDisplay : public rviz::Display {
   std::unique_ptr<SurfaceVisual> visual_;
   std::unique_ptr<ContactVisual> contactVisual_;
   std::unique_ptr<StrainLegend> legend_;
+  std::unique_ptr<SceneFraming> framing_;
   ros::Subscriber topologySubscriber_;
   ros::Subscriber frameSubscriber_;
   ros::Subscriber contactSubscriber_;
@@ -93,6 +97,7 @@ class ClothDisplay : public rviz::Display {
   rviz::FloatProperty* tornWidth_ = nullptr;
   rviz::BoolProperty* showContacts_ = nullptr;
   rviz::FloatProperty* contactLength_ = nullptr;
+  rviz::BoolProperty* framesScene_ = nullptr;
 };
 
 }  // namespace cloth_sim

@@ -70,9 +70,7 @@ void runScript(SimulationParts& parts) {
   }
   if (script.status() != ScriptStatus::kRunning) return;
   if (const PhaseSpec* next = script.update(observe(parts))) beginPhase(*next, parts);
-  if (script.status() == ScriptStatus::kFailed) {
-    parts.failure = "phase '" + script.history().back().name + "' did not end within its time-out";
-  }
+  if (script.status() == ScriptStatus::kFailed) parts.failure = script.failureText();
 }
 
 void beginPhase(const PhaseSpec& phase, SimulationParts& parts) {

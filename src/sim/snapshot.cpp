@@ -58,6 +58,7 @@ void showSurroundings(const SimulationParts& parts, Snapshot& shot) {
     shot.obstacles.back().pose = collider.poseAt(parts.time());
   }
   shot.phase = phaseName(parts.script);
+  shot.phaseProgress = parts.script.progressText();
   shot.script = parts.script.status();
   shot.tuning = parts.tuning();
 }

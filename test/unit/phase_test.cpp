@@ -261,5 +261,35 @@ TEST(PhaseScript, JumpToAnUnknownPhaseChangesNothing) {
   EXPECT_EQ(script.history().size(), 1u);
 }
 
+TEST(PhaseScript, TellsWhatEndsThePhase) {
+  PhaseConditions until;
+  until.piecesAtLeast = 2;
+  until.meanSpeedBelow = 0.02;
+  until.meanSpeedFor = 0.5;
+  PhaseSpec wait = phaseNamed("wait");
+  wait.until = until;
+  wait.timeout = 4.0;
+  PhaseScript script({lasting("first", 1.0), wait, phaseNamed("last")});
+  EXPECT_EQ(script.progressText(), "no phase has begun");
+  script.start(0.0);
+  EXPECT_EQ(script.progressText(), "'first' (1 of 3) lasts until t = 1 s");
+  script.update(at(1.0));
+  EXPECT_EQ(
+      script.progressText(),
+      "'wait' (2 of 3) lasts until the mean speed has stayed below 0.02 m/s for 0.5 s and the "
+      "cloth is in 2 pieces, or until t = 5 s, when the run fails");
+  EXPECT_EQ(script.failureText(), "");
+  PhaseScript failing = script;
+  failing.update(at(5.0));
+  EXPECT_EQ(
+      failing.failureText(),
+      "phase 'wait' did not end within its time-out of 4 s; it lasts until the mean speed has "
+      "stayed below 0.02 m/s for 0.5 s and the cloth is in 2 pieces");
+  EXPECT_EQ(failing.progressText(), failing.failureText());
+  script.jump("last", 3.0);
+  EXPECT_EQ(script.progressText(), "'last' (3 of 3) lasts until another phase is begun");
+  EXPECT_EQ(PhaseScript({}).progressText(), "the scene has no phases");
+}
+
 }  // namespace
 }  // namespace cloth_sim

@@ -354,7 +354,10 @@ TEST(Simulation, FailsIfAPhaseDoesNotEndInTime) {
       simulationOf({"phases=[{name: wait, until: {pieces: 2}, timeout: 0.05}]"});
   run(simulation, 20);
   EXPECT_TRUE(simulation.failed());
-  EXPECT_EQ(simulation.failure(), "phase 'wait' did not end within its time-out");
+  EXPECT_EQ(
+      simulation.failure(),
+      "phase 'wait' did not end within its time-out of 0.05 s; it lasts until the cloth is in 2 "
+      "pieces");
 }
 
 // ---- summary

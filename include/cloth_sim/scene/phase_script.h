@@ -67,6 +67,10 @@ class PhaseScript {
   bool wantsMeanSpeed() const;
   const std::vector<PhaseRecord>& history() const { return history_; }
   std::vector<std::string> names() const;
+  /// Returns the present phase and what ends it, for people.
+  std::string progressText() const;
+  /// Returns what a script that has failed waited for; "" if it has not.
+  std::string failureText() const;
 
   /// Checks what was read from a file.
   /// \return one sentence about the first error; empty if there is none.

@@ -107,6 +107,8 @@ struct PhaseConditions {
 
   /// Whether no condition is present.
   bool none() const;
+  /// Returns what holds when the phase ends, as "the cloth is in 2 pieces"; "" without conditions.
+  std::string text() const;
 };
 
 /// The commands of a phase to one clamp, given when the phase begins.

@@ -97,6 +97,7 @@ struct Snapshot {
   std::vector<ClampSnapshot> clamps;
   std::vector<Obstacle> obstacles;  ///< with their pose now
   std::string phase;                ///< current or last phase; "" without a script
+  std::string phaseProgress;        ///< its number and what ends it, for people
   ScriptStatus script = ScriptStatus::kIdle;
   int particles = 0;
   int faces = 0;
