@@ -240,7 +240,7 @@ link_package() {
         fi
         ;;
       *)
-        if [[ -d $entry || $name == CMakeLists.txt ]]; then
+        if [[ -d $entry || $name == CMakeLists.txt || $name == setup.py ]]; then
           ln -sfn "../../../$name" "$package/$name"
         fi
         ;;
