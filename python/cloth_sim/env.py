@@ -2,7 +2,9 @@
 import os
 
 import numpy as np
+import yaml
 
+from cloth_sim.script import Script
 from cloth_sim.session import ClothError, Session
 from cloth_sim.spaces import Box, Env
 from cloth_sim.tasks import find_task
@@ -136,13 +138,17 @@ class ClothEnv(Env):
         self.close()
         random = np.random.default_rng([seed, self.task.number])
         overrides = [*self.task.start(random), *self._overrides, *extra]
-        self._session = Session(os.path.join(SCENES, self.task.scene), overrides, self._node,
-                                self._threads)
+        scene = os.path.join(SCENES, self.task.scene)
+        self._session = Session(scene, overrides, self._node, self._threads)
+        with open(scene) as file:
+            self._scene = yaml.safe_load(file)
         self._dt = self._session.state().dt
         self._begin()
-        for action in self.task.prepare(self, random):
+        script = Script(self.task, self.period, lambda it: self.task.prepare(it, random))
+        action = script.act(self._observation())
+        while not script.done:
             self._running = True
-            self.step(action)
+            action = script.act(self.step(action)[0])
         self._session.step(round(self.task.settle / self._dt))
         self._session.call('save_state', START)
 

@@ -4,9 +4,14 @@ import numpy as np
 CELL = 0.002  # of the raster of covered_area [m]
 
 
+def area(faces):
+    """Area of triangles in a plane, corners (n, 3, 2)."""
+    a, b, c = (faces[:, k] for k in range(3))
+    return float(0.5 * np.abs(_cross(b - a, c - a)).sum())
+
+
 def rest_area(surface):
-    a, b, c = (surface.uv[surface.faces[:, k]] for k in range(3))
-    return 0.5 * np.abs(_cross(b - a, c - a)).sum()
+    return area(surface.uv[surface.faces])
 
 
 def covered_area(surface, cell=CELL):
@@ -32,14 +37,6 @@ def near(surface, places):
     """The vertex nearest to each material place (n, 2)."""
     places = np.asarray(places, dtype=float)
     return np.array([((surface.uv - place) ** 2).sum(axis=1).argmin() for place in places])
-
-
-def border(surface):
-    """Vertices of the edges of one face."""
-    edges = np.concatenate([np.sort(surface.faces[:, pair], axis=1)
-                            for pair in ([0, 1], [1, 2], [2, 0])])
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
-    return np.unique(unique[counts == 1])
 
 
 def rms(lengths):
@@ -68,3 +65,10 @@ def pieces(surface):
             break
         label = after
     return np.unique(label[surface.faces[:, 0]], return_inverse=True)[1]
+
+
+def piece_areas(surface):
+    """Rest areas of the pieces, the largest first."""
+    piece = pieces(surface)
+    return sorted((area(surface.uv[surface.faces[piece == k]]) for k in range(piece.max() + 1)),
+                  reverse=True)
