@@ -67,7 +67,7 @@ class ClothEnv(Env):
             seed = int(self._seeds.integers(2 ** 31))
         check_seed(seed)
         self._seeds = np.random.default_rng(seed)
-        self._running, self._camera = False, None
+        self._running = False
         start = (seed, *extra)
         if self._from == start:
             self._session.call('load_state', START)
@@ -107,8 +107,8 @@ class ClothEnv(Env):
             raise RuntimeError('render: there is no episode: call reset')
         from cloth_sim import drawing  # needs matplotlib, which nothing else here does
         if self._camera is None:
-            points = self.task.viewed(self._surface)
-            self._camera = drawing.Camera(points, *self.task.view, *SIZE)
+            box = np.stack(np.meshgrid(*zip(*self.task.room)), axis=-1).reshape(-1, 3)
+            self._camera = drawing.Camera(box, *self.task.view, *SIZE)
         cloth = self._surface
         return drawing.image_of(self._camera, drawing.Scene(self._scene), self._state, cloth.points,
                                 drawing.Topology(cloth.faces, cloth.uv, cloth.torn))

@@ -8,24 +8,27 @@ from cloth_sim.tasks.task import Task, random_pose
 class Part(Task):
     """The cloth shall become two pieces along a straight line in the material.
 
-    across: index of the material coordinate that the line keeps: 0 or 1
-    line: its value [m]
+    line: its first and last point [m], on two opposite sides
+    share: of the rest area that the smaller piece shall have
     worst: error of the edge at which the score is 0 [m]
     """
 
-    across = 0
-    line = worst = 0.0
+    line = (0.0, 0.0), (0.0, 0.0)
+    share = worst = 0.0
     largest_error = smallest_coverage = 0.0
 
     def measures(self, surface, state):
         edge = surface.uv[np.unique(surface.torn)]
-        along = 1 - self.across
-        share = np.ptp(edge[:, along]) / self.size[along] if len(edge) else 0.0
-        wanted = self.line / self.size[self.across] * measures.rest_area(surface)
+        begin, way = np.array(self.line[0]), np.subtract(self.line[1], self.line[0])
+        length = np.linalg.norm(way)
+        along = (edge - begin) @ way / length
+        aside = (edge - begin) @ np.array([-way[1], way[0]]) / length
         areas = measures.piece_areas(surface)
-        return {'coverage': areas[1] / wanted if len(areas) == 2 else 0.0,
-                'edge_error_m': measures.rms(edge[:, self.across] - self.line),
-                'parted': float(share), 'pieces': len(areas)}
+        wanted = self.share * measures.rest_area(surface)
+        return {'coverage': areas[1] / wanted if len(areas) > 1 else 0.0,
+                'edge_error_m': measures.rms(aside),
+                'parted': float(np.ptp(along) / length) if len(edge) else 0.0,
+                'pieces': len(areas)}
 
     def score(self, measured):
         return min(1.0, measured['parted']) * max(0.0, 1.0 - measured['edge_error_m'] / self.worst)
@@ -37,30 +40,30 @@ class Part(Task):
 
 class TearSeam(Part):
     name, env_id, number = 'tear_seam', 'ClothSim/TearSeam-v0', 5
-    summary = 'tear a cloth in two along a weak seam that begins with a notch'
+    summary = 'tear a cloth in two along a slanted seam that begins with a notch'
     scene = 'seam.yaml'
-    size = 0.3, 0.3
+    size = 0.2, 0.2
     clamps = 'left', 'right'
-    time_limit = 12.0
-    across, line, worst = 0, 0.15, 0.015
-    largest_error, smallest_coverage = 0.008, 0.9
+    time_limit = 10.0
+    line, share, worst = ((0.11, 0.0), (0.09, 0.2)), 0.5, 0.012
+    largest_error, smallest_coverage = 0.006, 0.9
+    room = (-0.25, -0.25, 0.0), (0.25, 0.2, 0.1)
 
     def start(self, random):
         return [random_pose(random, shift=0.02, turn=0.2)]
 
     def plan(self, script):
-        """Grasps both sides of the cloth along their whole length, and pulls them apart."""
-        along, _, level = script.view.axes()
-        points = script.view.points
-        inset, low = 0.014 * along, np.array([0.0, 0.0, 0.002])
-        places = {'left': points[0].mean(axis=0) + inset, 'right': points[-1].mean(axis=0) - inset}
-        yield from script.move({name: (np.append(place[:2], 0) + low, level)
-                                for name, place in places.items()})
+        """Grasps the cloth on both sides of the notch, and pulls apart what it holds."""
+        along, across, level = script.view.axes()
+        mouth = script.view.corner(0, 0) + self.line[0][0] * along + 0.015 * across
+        mouth[2] = 0.002
+        yield from script.move({'left': (mouth - 0.03 * along, level),
+                                'right': (mouth + 0.03 * along, level)})
         yield from script.grip(True)
-        for _ in range(200):
-            here = {name: script.view.positions[name] for name in self.clamps}
-            yield from script.move({'left': (here['left'] - 0.01 * along, None),
-                                    'right': (here['right'] + 0.01 * along, None)}, 0.1)
+        pull = 0.3 * along
+        ends = {name: (script.target(name) + way, None)
+                for name, way in (('left', -pull), ('right', pull))}
+        yield from script.move(ends, 0.1)
 
 
 class CutStrip(Part):
@@ -70,8 +73,9 @@ class CutStrip(Part):
     size = 0.2, 0.12
     blade = -0.15, -0.1, 0.03
     time_limit = 8.0
-    across, line, worst = 1, 0.02, 0.02
+    line, share, worst = ((0.0, 0.02), (0.2, 0.02)), 1.0 / 6.0, 0.02
     largest_error, smallest_coverage = 0.001, 0.95
+    room = (-0.15, -0.12, 0.0), (0.15, 0.12, 0.05)
 
     def start(self, random):
         return [random_pose(random, shift=0.02, turn=0.3)]
@@ -79,5 +83,5 @@ class CutStrip(Part):
     def plan(self, script):
         """Draws the blade along the line, from before the cloth to behind it."""
         along, across, _ = script.view.axes()
-        start = script.view.corner(0, 0) + self.line * across
+        start = script.view.corner(0, 0) + self.line[0][1] * across
         yield from script.cut([start - 0.02 * along, start + (self.size[0] + 0.02) * along])

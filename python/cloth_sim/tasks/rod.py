@@ -17,6 +17,7 @@ class HangOverRod(Task):
     grid = 9, 5
     clamps = 'left', 'right'
     time_limit = 15.0
+    room = (-0.2, -0.3, 0.0), (0.6, 0.3, 0.5)
     view = -50, 12
 
     def start(self, random):

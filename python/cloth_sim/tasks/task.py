@@ -20,6 +20,7 @@ class Task:
     blade: where the blade starts [m]; None: there is no blade
     time_limit: of an episode, in simulated time [s]
     settle: simulated time before the start state [s]
+    room: two corners of the box that images show [m]
     view: azimuth and elevation of the eye in images [deg]
     """
 
@@ -31,6 +32,7 @@ class Task:
     blade = None
     time_limit = 15.0
     settle = 0.1
+    room = (-0.3, -0.25, 0.0), (0.3, 0.25, 0.15)
     view = -62, 35
 
     def __init__(self):
@@ -85,12 +87,6 @@ class Task:
             count = max(1, round(float(np.linalg.norm(way)) / spacing))
             places += [a + way * k / count for k in range(count)]
         return np.array(places)
-
-    def viewed(self, surface):
-        """Points that an image has to show."""
-        margin = np.array([0.05, 0.05, 0.15])
-        low, high = surface.points.min(axis=0), surface.points.max(axis=0)
-        return np.array([low - margin * (1, 1, 0), high + margin, (low + high) / 2])
 
 
 def is_let_go(state):
