@@ -5,9 +5,9 @@ import numpy as np
 import yaml
 
 from cloth_sim.script import Script
-from cloth_sim.session import ClothError, Session
+from cloth_sim.session import Session
 from cloth_sim.spaces import Box, Env
-from cloth_sim.tasks import find_task
+from cloth_sim.tasks import TASKS, find_task
 from cloth_sim.tools import Blade, Clamp
 
 SCENES = os.path.join(os.path.dirname(os.path.realpath(__file__)), 'scenes')
@@ -51,25 +51,24 @@ class ClothEnv(Env):
         count = 3 * len(self.task.places) + 12 * len(self.task.clamps) + 1
         count += 3 * (self.task.blade is not None)
         self.observation_space = Box(-np.inf, np.inf, (count,), dtype=np.float32)
-        self._seeds = np.random.default_rng()
         self._session, self._from, self._running = None, None, False
         self._camera = None
 
     # ---- Gymnasium's interface -------------------------------------------------------------------
 
-    def reset(self, seed=None, options=None):
+    def reset(self, *, seed=None, options=None):
         """Starts an episode. Returns an observation and the measures.
 
         \\param seed of the start state, a whole number >= 0; None: the next random one
         \\param options {'set': list of overrides of the scene} or None"""
         extra = read_options(options)
-        if seed is None:
-            seed = int(self._seeds.integers(2 ** 31))
         check_seed(seed)
-        self._seeds = np.random.default_rng(seed)
-        self._running = False
-        start = (seed, *extra)
+        super().reset(seed=seed)
+        if seed is None:
+            seed = int(self.np_random.integers(2 ** 31))
+        start = (int(seed), *extra)
         if self._from == start:
+            self._running = False
             self._session.call('load_state', START)
         else:
             self._prepare(seed, extra)
@@ -93,7 +92,7 @@ class ClothEnv(Env):
             if self._state.failed:
                 break
         self._look()
-        terminated = self._success or self._state.failed
+        terminated = self._success or bool(self._state.failed)
         truncated = not terminated and self._time() > self.task.time_limit - 1e-9
         self._running = not (terminated or truncated)
         return (self._observation(), self._score - before, terminated, truncated, self._info())
@@ -135,11 +134,12 @@ class ClothEnv(Env):
 
     def _prepare(self, seed, extra):
         """Starts a node, brings the cloth into the start state of a seed, and saves that."""
-        self.close()
         random = np.random.default_rng([seed, self.task.number])
         overrides = [*self.task.start(random), *self._overrides, *extra]
         scene = os.path.join(SCENES, self.task.scene)
-        self._session = Session(scene, overrides, self._node, self._threads)
+        session = Session(scene, overrides, self._node, self._threads)
+        self.close()  # the node of the episode before
+        self._session = session
         with open(scene) as file:
             self._scene = yaml.safe_load(file)
         self._dt = self._session.state().dt
@@ -174,8 +174,8 @@ class ClothEnv(Env):
     def _look(self):
         self._surface = self._session.surface(self._step)
         self._measures = self.task.measures(self._surface, self._state)
-        self._score = self.task.score(self._measures)
-        self._success = self.task.success(self._measures, self._state)
+        self._score = float(self.task.score(self._measures))
+        self._success = bool(self.task.success(self._measures, self._state))
 
     def _time(self):
         return (self._step - self._first) * self._dt
@@ -204,6 +204,8 @@ class ClothEnv(Env):
 
 
 def check_seed(seed):
+    if seed is None:
+        return
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise ValueError('seed: expected a whole number >= 0 (got %.40r)' % (seed,))
 
@@ -219,4 +221,14 @@ def read_options(options):
     return list(extra)
 
 
-__all__ = ['ClothEnv', 'ClothError']
+def register_all():
+    """Makes the tasks known to Gymnasium, by their `env_id`, where it is installed."""
+    try:
+        from gymnasium import register
+    except ImportError:
+        return
+    for task in TASKS.values():
+        register(id=task.env_id, entry_point='cloth_sim.env:ClothEnv', kwargs={'task': task.name})
+
+
+register_all()

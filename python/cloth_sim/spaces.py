@@ -12,10 +12,23 @@ except ImportError:
 
         metadata = {'render_modes': []}
         render_mode = None
+        _np_random = None
 
         @property
         def unwrapped(self):
             return self
+
+        @property
+        def np_random(self):
+            """Random numbers of the environment: of the seed of `reset`, or of an arbitrary one."""
+            if self._np_random is None:
+                self._np_random = np.random.default_rng()
+            return self._np_random
+
+        def reset(self, *, seed=None, options=None):
+            """Starts the random numbers from a seed; None: they go on."""
+            if seed is not None:
+                self._np_random = np.random.default_rng(seed)
 
         def close(self):
             """Ends what the environment has started."""

@@ -10,6 +10,6 @@ TASKS = {task.name: task
 
 def find_task(name):
     """A task by its name."""
-    if name not in TASKS:
+    if not isinstance(name, str) or name not in TASKS:
         raise ValueError('task: expected one of %s (got %.40r)' % (', '.join(TASKS), name))
     return TASKS[name]()
