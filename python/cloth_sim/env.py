@@ -173,7 +173,8 @@ class ClothEnv(Env):
 
     def _look(self):
         self._surface = self._session.surface(self._step)
-        self._measures = self.task.measures(self._surface, self._state)
+        self._measures = {**self.task.measures(self._surface, self._state),
+                          'peak_force_n': self._peak}
         self._score = float(self.task.score(self._measures))
         self._success = bool(self.task.success(self._measures, self._state))
 
@@ -186,8 +187,8 @@ class ClothEnv(Env):
         return np.concatenate([samples, tools, [self._time()]]).astype(np.float32)
 
     def _info(self):
-        return {**self._measures, 'peak_force_n': self._peak, 'sim_time_s': self._time(),
-                'score': self._score, 'success': self._success, 'failure': self._state.failure,
+        return {**self._measures, 'sim_time_s': self._time(), 'score': self._score,
+                'success': self._success, 'failure': self._state.failure,
                 'state_hash': self._state.state_hash}
 
     def _checked(self, action):

@@ -7,6 +7,7 @@ import argparse
 import importlib.util
 import json
 import os
+import signal
 import sys
 import time
 
@@ -61,6 +62,7 @@ def main():
     parser.add_argument('--set', action='append', default=[])
     parser.add_argument('--picture')
     options = parser.parse_args()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit('ended by a signal'))
     try:
         make_policy = load_policy(options.policy) if options.policy else scripted
         with ClothEnv(options.task, 'rgb_array' if options.picture else None,

@@ -11,11 +11,13 @@ class Part(Task):
     line: its first and last point [m], on two opposite sides
     share: of the rest area that the smaller piece shall have
     worst: error of the edge at which the score is 0 [m]
+    strongest: force on a clamp below which a success stays [N]
     """
 
     line = (0.0, 0.0), (0.0, 0.0)
     share = worst = 0.0
     largest_error = smallest_coverage = 0.0
+    strongest = np.inf
 
     def measures(self, surface, state):
         edge = surface.uv[np.unique(surface.torn)]
@@ -35,7 +37,8 @@ class Part(Task):
 
     def success(self, measured, state):
         return (measured['pieces'] == 2 and measured['edge_error_m'] < self.largest_error and
-                measured['coverage'] > self.smallest_coverage)
+                measured['coverage'] > self.smallest_coverage and
+                measured['peak_force_n'] < self.strongest)
 
 
 class TearSeam(Part):
@@ -46,7 +49,7 @@ class TearSeam(Part):
     clamps = 'left', 'right'
     time_limit = 10.0
     line, share, worst = ((0.11, 0.0), (0.09, 0.2)), 0.5, 0.012
-    largest_error, smallest_coverage = 0.006, 0.9
+    largest_error, smallest_coverage, strongest = 0.006, 0.9, 30.0
     room = (-0.25, -0.25, 0.0), (0.25, 0.2, 0.1)
 
     def start(self, random):

@@ -59,6 +59,7 @@ class Task:
         raise NotImplementedError
 
     def success(self, measured, state):
+        """Whether the task is done; `measured` also has `peak_force_n`, so far [N]."""
         raise NotImplementedError
 
     def plan(self, script):
