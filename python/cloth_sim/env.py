@@ -45,12 +45,13 @@ class ClothEnv(Env):
         self.task, self.render_mode = find_task(task), render_mode
         self._overrides, self._node, self._threads = list(overrides), node, threads
         self._kinds = [Clamp] * len(self.task.clamps) + [Blade] * (self.task.blade is not None)
-        self.action_space = Box(np.concatenate([kind.low for kind in self._kinds]),
-                                np.concatenate([kind.high for kind in self._kinds]),
-                                dtype=np.float32)
+        low, high = (np.concatenate([getattr(kind, side) for kind in self._kinds]).astype(np.float32)
+                     for side in ('low', 'high'))
+        self.action_space = Box(low, high, dtype=np.float32)
         count = 3 * len(self.task.places) + 12 * len(self.task.clamps) + 1
         count += 3 * (self.task.blade is not None)
-        self.observation_space = Box(-np.inf, np.inf, (count,), dtype=np.float32)
+        self.observation_space = Box(np.float32(-np.inf), np.float32(np.inf), (count,),
+                                     dtype=np.float32)
         self._session, self._from, self._running = None, None, False
         self._camera = None
 

@@ -92,8 +92,13 @@ def start_master():
     os.environ['ROS_IP'] = '127.0.0.1'
     os.environ.pop('ROS_HOSTNAME', None)  # ROS would prefer it
     master = Program(['rosmaster', '--core', '-p', port], os.path.join(folder, 'log'))
-    atexit.register(master.end)
+    atexit.register(end_master, master)
     wait_until(rosgraph.is_master_online, master, 'the ROS master')
+
+
+def end_master(master):
+    rospy.signal_shutdown('the program ends')  # while the master can still hear of it
+    master.end()
 
 
 def wait_until(holds, program, name):
