@@ -45,12 +45,11 @@ def rms(lengths):
 
 
 def misfit(points, shape):
-    """Distances of points (n, 2) from a shape (n, 2), which is first moved and turned (not mirrored)
-    to fit best (Kabsch 1976)."""
+    """Distances of points (n, 2) from a shape (n, 2), which is first moved, turned and, if need be,
+    mirrored to fit best (Kabsch 1976)."""
     points, shape = points - points.mean(axis=0), shape - shape.mean(axis=0)
     u, _, v = np.linalg.svd(shape.T @ points)
-    mirror = np.diag([1.0, np.sign(np.linalg.det(u @ v))])
-    return np.linalg.norm(shape @ u @ mirror @ v - points, axis=1)
+    return np.linalg.norm(shape @ u @ v - points, axis=1)
 
 
 def pieces(surface):

@@ -88,11 +88,15 @@ class MeasuresTest(unittest.TestCase):
         self.assertAlmostEqual(measures.covered_area(sheet), 0.06, delta=2 * 0.5 * measures.CELL)
         self.assertAlmostEqual(measures.rest_area(sheet), 0.12, places=12)
 
-    def test_a_shape_fits_itself_moved_and_turned_but_not_mirrored(self):
+    def test_a_shape_fits_itself_moved_turned_and_mirrored(self):
         shape = np.array([[0, 0], [0.3, 0], [0.3, 0.1], [0, 0.2]])
         turn = np.array([[math.cos(2), -math.sin(2)], [math.sin(2), math.cos(2)]])
         np.testing.assert_allclose(measures.misfit(shape @ turn.T + 5, shape), 0, atol=1e-12)
-        self.assertGreater(measures.misfit(shape * (1, -1), shape).max(), 0.01)
+        np.testing.assert_allclose(measures.misfit(shape * (1, -1), shape), 0, atol=1e-12)
+        # A vertex moved by d, where the shape would rather keep the mean of four.
+        moved = shape + [[0, 0], [0, 0], [0, 0], [0, 0.004]]
+        self.assertLess(measures.misfit(moved, shape).max(), 0.004)
+        self.assertGreater(measures.misfit(moved, shape).max(), 0.001)
 
     def test_pieces(self):
         sheet = Sheet(5, 4)
@@ -106,7 +110,7 @@ class MeasuresTest(unittest.TestCase):
     def test_rotations(self):
         random = np.random.default_rng(1)
         for _ in range(20):
-            vector = random.normal(size=3)
+            vector = random.uniform(-1.7, 1.7, 3)  # shorter than half a turn
             turn = rotations.from_vector(vector)
             np.testing.assert_allclose(rotations.to_vector(turn), vector, atol=1e-12)
             back = rotations.product(rotations.inverse(turn), turn)
@@ -155,6 +159,21 @@ class DocsTest(unittest.TestCase):
             self.assertIn('### `%s`' % task.name, page)
             self.assertIn('`%s`' % task.env_id, page)
             self.assertIn('`%s`' % task.scene, page)
+
+
+class PackageTest(ScratchTest):
+    def test_all_modules_and_scenes_are_installed(self):
+        subprocess.run(['/usr/bin/python3', 'setup.py', '-q', 'build', '--build-base',
+                        self.path('base'), '--build-lib', self.path('lib')], cwd=ROOT, check=True,
+                       capture_output=True, timeout=120)
+        self.assertEqual(files_below(self.path('lib')), files_below(os.path.join(ROOT, 'python')))
+
+
+def files_below(root):
+    """Modules and scenes, relative to a folder."""
+    return sorted(os.path.relpath(os.path.join(folder, name), root)
+                  for folder, _, names in os.walk(root) for name in names
+                  if name.endswith(('.py', '.yaml')))
 
 
 class ClothTasksTest(ScratchTest):
@@ -268,7 +287,7 @@ class TasksTests(unittest.TestSuite):
     def __init__(self):
         super().__init__(unittest.defaultTestLoader.loadTestsFromTestCase(case)
                          for case in (SpacesTest, MeasuresTest, PlansTest, DocsTest,
-                                      ClothTasksTest))
+                                      PackageTest, ClothTasksTest))
 
 
 if __name__ == '__main__':

@@ -5,7 +5,7 @@ from cloth_sim import measures
 from cloth_sim.tasks.task import Task, is_let_go, random_pose
 
 ROUNDS = 3       # in which the scripted policy pulls at both short sides
-CLEARANCE = 0.1  # of what the clamps carry above the table [m]
+LIFT = 0.3       # of the clamps above the table, before they lay the towel down [m]
 
 
 class Flatten(Task):
@@ -20,7 +20,7 @@ class Flatten(Task):
 
     def start(self, random):
         fingers = ['clamps.%s.%s' % (name, value) for name in self.clamps for value in (
-            'plate_size=[0.02, 0.02]', 'gap_open=0.012', 'gap_closed=0.002', 'grip_force=5.0')]
+            'plate_size=[0.02, 0.02]', 'gap_open=0.006', 'gap_closed=0.002', 'grip_force=5.0')]
         return [random_pose(random, shift=0.03, turn=0.3), 'cloth.particles=[37, 25]',
                 'solver.error=0.05', 'solver.budget=20', *fingers]
 
@@ -53,21 +53,37 @@ class Flatten(Task):
         """Pulls the corners to where those of a flat towel are, one short side after the other, as
         the oracle of Seita et al. (2020) does with one corner at a time."""
         for _ in range(ROUNDS):
+            corners = self.nearest_rectangle(script.view)
             for side in (0, 1):
-                yield from self.pull(script, side)
+                yield from self.pull(script, side, corners)
 
-    def pull(self, script, u):
-        """Carries the corners of a short side, u = 0 or 1, to their places."""
+    def nearest_rectangle(self, view):
+        """Where the corners of a flat towel are [m], {(u, v): place}: of the four ways in which it may
+        lie in the middle of the table, either side up, the one nearest to the corners now."""
+        def rectangle(sign_u, sign_v):
+            return {(u, v): np.array([sign_u * (u - 0.5) * self.size[0],
+                                      sign_v * (v - 0.5) * self.size[1], 0.003])
+                    for u in (0, 1) for v in (0, 1)}
+
+        def distance(places):
+            return sum(np.linalg.norm((view.corner(*corner) - place)[:2])
+                       for corner, place in places.items())
+
+        return min((rectangle(a, b) for a in (1, -1) for b in (1, -1)), key=distance)
+
+    def pull(self, script, u, corners):
+        """Carries the corners of a short side, u = 0 or 1, to their places: lifts them, so that the
+        rest hangs down, and lays them down outwards."""
         ends = dict(zip(self.clamps, (0, 1)))
         for speed in (0.4, 0.1):  # the towel may have moved meanwhile
             yield from script.move({name: (script.view.corner(u, v), None)
                                     for name, v in ends.items()}, speed)
         yield from script.grip(True)
-        yield from script.move_by(np.array([0.0, 0.0, CLEARANCE]), 0.2)
-        places = {name: np.append((np.array([u, v]) - 0.5) * self.size, 0.003)
-                  for name, v in ends.items()}
-        yield from script.move({name: (place + (0, 0, CLEARANCE), None)
+        places = {name: corners[u, v] for name, v in ends.items()}
+        inwards = np.array([-corners[u, 0][0], 0.0, LIFT])
+        yield from script.move_by(np.array([0.0, 0.0, LIFT]), 0.2)
+        yield from script.move({name: (place + inwards, None)
                                 for name, place in places.items()}, 0.2)
         yield from script.move({name: (place, None) for name, place in places.items()}, 0.2)
         yield from script.grip(False)
-        yield from script.move_by(np.array([0.0, 0.0, CLEARANCE]))
+        yield from script.move_by(np.array([0.0, 0.0, 0.1]))
