@@ -4,8 +4,9 @@ import numpy as np
 from cloth_sim import measures
 from cloth_sim.tasks.task import Task, is_let_go, random_pose
 
-ROUNDS = 3       # in which the scripted policy pulls at both short sides
-LIFT = 0.3       # of the clamps above the table, before they lay the towel down [m]
+ROUNDS = 3        # in which the scripted policy pulls at both short sides
+LIFT = 0.03, 0.3  # of the clamps above the table: the least, and where a corner is far [m]
+FAR = 0.2         # from its place [m]
 
 
 class Flatten(Task):
@@ -72,16 +73,20 @@ class Flatten(Task):
         return min((rectangle(a, b) for a in (1, -1) for b in (1, -1)), key=distance)
 
     def pull(self, script, u, corners):
-        """Carries the corners of a short side, u = 0 or 1, to their places: lifts them, so that the
-        rest hangs down, and lays them down outwards."""
+        """Carries the corners of a short side, u = 0 or 1, to their places: where they are far, lifts
+        them, so that the rest hangs down, and lays them down outwards."""
         ends = dict(zip(self.clamps, (0, 1)))
         for speed in (0.4, 0.1):  # the towel may have moved meanwhile
             yield from script.move({name: (script.view.corner(u, v), None)
                                     for name, v in ends.items()}, speed)
         yield from script.grip(True)
         places = {name: corners[u, v] for name, v in ends.items()}
-        inwards = np.array([-corners[u, 0][0], 0.0, LIFT])
-        yield from script.move_by(np.array([0.0, 0.0, LIFT]), 0.2)
+        away = max(np.linalg.norm((script.target(name) - place)[:2])
+                   for name, place in places.items())
+        share = min(1.0, away / FAR)
+        lift = np.array([0.0, 0.0, LIFT[0] + share * (LIFT[1] - LIFT[0])])
+        inwards = lift - (share * corners[u, 0][0], 0.0, 0.0)
+        yield from script.move_by(lift, 0.2)
         yield from script.move({name: (place + inwards, None)
                                 for name, place in places.items()}, 0.2)
         yield from script.move({name: (place, None) for name, place in places.items()}, 0.2)
