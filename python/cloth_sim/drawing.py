@@ -1,7 +1,7 @@
 """Draws the cloth, obstacles and clamps in perspective, by matplotlib; needs no display.
 
-Colours of the cloth show its strain; its back is of another colour, edges that tearing made are dark
-red.
+Colours of the cloth show its strain; its back is of another colour, edges that tearing made are
+dark red.
 """
 import math
 import os
@@ -23,7 +23,7 @@ BACKGROUND = np.array([0.965, 0.97, 0.975])
 TO_LIGHT = np.array([0.25, -0.45, 0.86])
 
 
-# ---- strain: the definition of include/cloth_sim/cloth/strain.h ------------------------------------
+# ---- strain: the definition of include/cloth_sim/cloth/strain.h ----------------------------------
 
 class Topology:
     """What of a cloth does not move: vertices of its triangles (m, 3) and of its torn edges (k, 2),
@@ -55,7 +55,7 @@ def is_bias(uv, pairs):
 
 
 def vertex_strains(topology, points):
-    """Largest strain of the springs at each vertex: length over rest length less 1, or 0 if slack."""
+    """Largest strain of the springs at each vertex: length over rest length less 1; slack: 0."""
     a, b = topology.lines.T
     rest = np.maximum(np.linalg.norm(topology.uv[b] - topology.uv[a], axis=1), 1e-6)
     strain = np.linalg.norm(points[b] - points[a], axis=1) / rest - 1.0
@@ -70,7 +70,7 @@ def face_strains(topology, points):
     return vertex_strains(topology, points)[topology.faces].max(axis=1)
 
 
-# ---- obstacles and clamps --------------------------------------------------------------------------
+# ---- obstacles and clamps ------------------------------------------------------------------------
 
 def quaternion_matrix(q):
     x, y, z, w = q

@@ -41,12 +41,13 @@ class ClothEnv(Env):
         \\param node path of cloth_node; None: of this workspace
         \\param threads of the simulation, on which results do not depend"""
         if render_mode not in (None, *self.metadata['render_modes']):
-            raise ValueError("render_mode: expected None or 'rgb_array' (got %.40r)" % (render_mode,))
+            raise ValueError("render_mode: expected None or 'rgb_array' (got %.40r)" %
+                             (render_mode,))
         self.task, self.render_mode = find_task(task), render_mode
         self._overrides, self._node, self._threads = list(overrides), node, threads
         self._kinds = [Clamp] * len(self.task.clamps) + [Blade] * (self.task.blade is not None)
-        low, high = (np.concatenate([getattr(kind, side) for kind in self._kinds]).astype(np.float32)
-                     for side in ('low', 'high'))
+        low = np.concatenate([kind.low for kind in self._kinds]).astype(np.float32)
+        high = np.concatenate([kind.high for kind in self._kinds]).astype(np.float32)
         self.action_space = Box(low, high, dtype=np.float32)
         count = 3 * len(self.task.places) + 12 * len(self.task.clamps) + 1
         count += 3 * (self.task.blade is not None)
@@ -99,8 +100,8 @@ class ClothEnv(Env):
         return (self._observation(), self._score - before, terminated, truncated, self._info())
 
     def render(self):
-        """An image of the cloth, obstacles and clamps, shape (height, width, 3), uint8; None without
-        a render mode."""
+        """An image of the cloth, obstacles and clamps, shape (height, width, 3), uint8; None
+        without a render mode."""
         if self.render_mode is None:
             return None
         if self._session is None:

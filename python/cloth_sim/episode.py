@@ -1,7 +1,7 @@
 """Runs one episode of a task, and prints its figures as a line of JSON.
 
-`python3 -m cloth_sim.episode TASK SEED [--policy FILE:FUNCTION] [--set KEY=VALUE]... [--picture PNG]`;
-an error is one line on standard error, and status 1.
+`python3 -m cloth_sim.episode TASK SEED [--policy FILE:FUNCTION] [--set KEY=VALUE]...
+[--picture PNG]`; an error is one line on standard error, and status 1.
 """
 import argparse
 import importlib.util

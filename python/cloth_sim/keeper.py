@@ -1,7 +1,7 @@
 """Runs a program until its standard input ends, and then ends the program.
 
-`python3 keeper.py PROGRAM ARGUMENT...`: whoever starts this holds the other end of the pipe, so that
-the program ends with it, however that ends. The exit status is the program's.
+`python3 keeper.py PROGRAM ARGUMENT...`: whoever starts this holds the other end of the pipe, so
+that the program ends with it, however that ends. The exit status is the program's.
 """
 import os
 import subprocess

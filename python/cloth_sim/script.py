@@ -33,7 +33,7 @@ class View:
         return self.points[-u, -v]
 
     def axes(self):
-        """Horizontal directions of u and of v, on average, and the rotation of the cloth about z."""
+        """Horizontal directions of u and v, on average, and the rotation of the cloth about z."""
         along = (self.points[-1] - self.points[0]).mean(axis=0)
         yaw = math.atan2(along[1], along[0])
         return (np.array([math.cos(yaw), math.sin(yaw), 0.0]),
@@ -80,8 +80,8 @@ class Script:
         yield from self.wait(duration)
 
     def move(self, targets, speed=0.3):
-        """Moves clamps evenly to targets, {name: (position [m], orientation or None: as it is)}; the
-        farthest at a speed [m/s]."""
+        """Moves clamps evenly to targets, {name: (position [m], orientation or None: as it is)};
+        the farthest at a speed [m/s]."""
         ways = {}
         for name, (position, turn) in targets.items():
             here, now = self._targets[name]

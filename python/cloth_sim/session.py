@@ -26,7 +26,7 @@ SERVICES = {'step': srv.Step, 'get_state': srv.GetState, 'set_clamp_pose': srv.S
 
 
 class ClothError(RuntimeError):
-    """A request that the node refuses, or a node that cannot be started; the message is one line."""
+    """A request that the node refuses, or a node that cannot be started; its text is one line."""
 
 
 # ---- programs ------------------------------------------------------------------------------------

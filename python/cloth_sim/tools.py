@@ -8,8 +8,8 @@ TURN = 4.0   # largest angular speed about each axis [rad/s]
 
 
 class Clamp:
-    """A clamp of the node. Its action: velocity [m/s] along x y z and angular velocity [rad/s] about
-    x y z of the world, and the grip: above 0 closed, else open."""
+    """A clamp of the node. Its action: velocity [m/s] along x y z and angular velocity [rad/s]
+    about x y z of the world, and the grip: above 0 closed, else open."""
 
     low = np.array([-SPEED] * 3 + [-TURN] * 3 + [-1.0])
     high = -low

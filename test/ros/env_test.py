@@ -24,8 +24,8 @@ def coarse(task, **options):
 
 
 def roll_out(env, seed, count=8):
-    """All observations, rewards and hashes of an episode of random actions, which depend on the seed
-    alone."""
+    """All observations, rewards and hashes of an episode of random actions, which depend on the
+    seed alone."""
     env.action_space.seed(seed)
     observation, info = env.reset(seed=seed)
     seen = [(observation.tobytes(), 0.0, info['state_hash'])]

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""cloth_tasks and what it stands on that needs no node: spaces, measures, rotations, tables, and the
-table in docs/tasks.md. Episodes start a master of their own."""
+"""cloth_tasks and what it stands on that needs no node: spaces, measures, rotations, tables, and
+the table in docs/tasks.md. Episodes start a master of their own."""
 import json
 import math
 import os

@@ -59,8 +59,9 @@ class Flatten(Task):
                 yield from self.pull(script, side, corners)
 
     def nearest_rectangle(self, view):
-        """Where the corners of a flat towel are [m], {(u, v): place}: of the four ways in which it may
-        lie in the middle of the table, either side up, the one nearest to the corners now."""
+        """Where the corners of a flat towel are [m], {(u, v): place}: of the four ways in which it
+        may lie in the middle of the table, either side up, the one nearest to the corners now."""
+
         def rectangle(sign_u, sign_v):
             return {(u, v): np.array([sign_u * (u - 0.5) * self.size[0],
                                       sign_v * (v - 0.5) * self.size[1], 0.003])
@@ -73,8 +74,8 @@ class Flatten(Task):
         return min((rectangle(a, b) for a in (1, -1) for b in (1, -1)), key=distance)
 
     def pull(self, script, u, corners):
-        """Carries the corners of a short side, u = 0 or 1, to their places: where they are far, lifts
-        them, so that the rest hangs down, and lays them down outwards."""
+        """Carries the corners of a short side, u = 0 or 1, to their places: where they are far,
+        lifts them, so that the rest hangs down, and lays them down outwards."""
         ends = dict(zip(self.clamps, (0, 1)))
         for speed in (0.4, 0.1):  # the towel may have moved meanwhile
             yield from script.move({name: (script.view.corner(u, v), None)

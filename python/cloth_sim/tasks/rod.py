@@ -40,8 +40,8 @@ class HangOverRod(Task):
                 is_let_go(state))
 
     def plan(self, script):
-        """Grasps the edge near the rod, lifts it over the rod, and pulls until half of the cloth has
-        passed."""
+        """Grasps the edge near the rod, lifts it over the rod, and pulls until half of the cloth
+        has passed."""
         along, across, level = script.view.axes()
         corners = {'left': script.view.corner(0, 0) + INSET * (along + across),
                    'right': script.view.corner(0, 1) + INSET * (along - across)}

@@ -97,8 +97,8 @@ def is_let_go(state):
 
 
 def random_pose(random, shift, turn, at=(0.0, 0.0, 0.001)):
-    """An override that moves the cloth by up to `shift` [m] along x and y and turns it about z by up
-    to `turn` [rad]."""
+    """An override that moves the cloth by up to `shift` [m] along x and y and turns it about z by
+    up to `turn` [rad]."""
     x, y = random.uniform(-shift, shift, 2)
     return 'cloth.pose={position: [%.6f, %.6f, %.6f], rpy: [0.0, 0.0, %.6f]}' % (
         at[0] + x, at[1] + y, at[2], random.uniform(-turn, turn))
