@@ -80,7 +80,7 @@ if(TARGET cloth_run)
     set(xml_path ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME}/${xml})
     catkin_run_tests_target(tool ${name} ${xml}
       COMMAND "${PYTHON_EXECUTABLE} ${file} --gtest_output=xml:${xml_path}"
-      DEPENDENCIES cloth_run cloth_study)
+      DEPENDENCIES cloth_run cloth_study cloth_node)
   endforeach()
 endif()
 

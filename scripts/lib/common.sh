@@ -77,7 +77,8 @@ packages_for() {
           python3-std-msgs python3-geometry-msgs python3-visualization-msgs \
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs \
           python3-actionlib python3-actionlib-msgs \
-          python3-nav-msgs python3-sensor-msgs python3-shape-msgs python3-trajectory-msgs
+          python3-nav-msgs python3-sensor-msgs python3-shape-msgs python3-trajectory-msgs \
+          python3-numpy  # of the tasks
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
@@ -106,7 +107,7 @@ packages_for() {
         ;;
       noetic/run)
         echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \
-          ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy
+          ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy python3-numpy
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
         echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \
@@ -240,7 +241,7 @@ link_package() {
         fi
         ;;
       *)
-        if [[ -d $entry || $name == CMakeLists.txt ]]; then
+        if [[ -d $entry || $name == CMakeLists.txt || $name == setup.py ]]; then
           ln -sfn "../../../$name" "$package/$name"
         fi
         ;;

@@ -55,7 +55,8 @@ class ExamplesTest(unittest.TestCase):
 
     def test_they_are_short(self):
         examples = sorted(os.listdir(EXAMPLES))
-        self.assertEqual(examples, ['lift_client.py', 'tear_client.cpp', 'tear_client.py'])
+        self.assertEqual(examples, ['lift_client.py', 'random_policy.py', 'tear_client.cpp',
+                                    'tear_client.py'])
         for name in examples:
             with open(os.path.join(EXAMPLES, name)) as file:
                 lines = file.read().splitlines()

@@ -127,7 +127,7 @@ class PictureTest(unittest.TestCase):
         largest = 0.0
         for index, (_, state) in enumerate(run.states):
             points, topology = run.shape(index)
-            strain = picture.vertex_strains(topology, points).max()
+            strain = picture.drawing.vertex_strains(topology, points).max()
             self.assertAlmostEqual(strain, state.max_strain, delta=1e-4, msg=f't = {state.time}')
             largest = max(largest, strain)
         self.assertGreater(largest, 0.01)
