@@ -25,7 +25,7 @@ import yaml  # noqa: E402
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 sys.path.append(os.path.join(HERE, '..', 'python'))
-from cloth_sim import drawing  # noqa: E402
+from cloth_sim import drawing, frames  # noqa: E402
 
 SCENES = os.path.join(HERE, '..', 'config', 'scenes')
 
@@ -44,7 +44,10 @@ class Run:
             sys.exit(f'error: {path}: {" ".join(str(error).split())}')
         self.topic_of = {info.msg_type: name
                          for name, info in self.bag.get_type_and_topic_info().topics.items()}
-        for needed in ('cloth_sim/ClothFrame', 'cloth_sim/ClothTopology', 'cloth_sim/ClothState'):
+        self.frame_kind = ('CompactFrame' if 'cloth_sim/ClothFrame' not in self.topic_of and
+                           'cloth_sim/CompactFrame' in self.topic_of else 'ClothFrame')
+        for kind in (self.frame_kind, 'ClothTopology', 'ClothState'):
+            needed = 'cloth_sim/' + kind
             if needed not in self.topic_of:
                 sys.exit(f'error: {path} has no messages of type {needed}')
         self.states = [(stamp, message) for _, message, stamp in self._read('ClothState')]
@@ -88,15 +91,14 @@ class Run:
         best = None
         for margin in (0.1, 1.0, 1e6):
             around = dict(start_time=_shift(stamp, -margin), end_time=_shift(stamp, margin))
-            frames = [message for _, message, _ in self._read('ClothFrame', **around)
-                      if message.revision in self.topologies]
-            if frames:
-                best = min(frames, key=lambda frame: abs(frame.time - state.time))
+            near = [message for _, message, _ in self._read(self.frame_kind, **around)
+                    if message.revision in self.topologies]
+            if near:
+                best = min(near, key=lambda frame: abs(frame.time - state.time))
                 break
         if best is None:
             sys.exit('error: the bag has no frame that belongs to one of its topologies')
-        points = np.array(best.positions, dtype=float).reshape(-1, 3)
-        return points, self.topologies[best.revision]
+        return frames.positions(best).astype(float), self.topologies[best.revision]
 
 
 def _shift(stamp, seconds):

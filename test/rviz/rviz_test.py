@@ -57,8 +57,8 @@ Window Geometry:
 """
 
 
-def config(tool, display='Torn Width: 0.02', behind=False):
-    return CONFIG % {'tool': tool, 'display': display, 'distance': DISTANCE, 'field': FIELD,
+def config(tool, display='Torn Width: 0.02', behind=False, distance=DISTANCE):
+    return CONFIG % {'tool': tool, 'display': display, 'distance': distance, 'field': FIELD,
                      'middle': MIDDLE, 'yaw': math.pi / 2 * (1 if behind else 3)}
 
 
@@ -158,6 +158,26 @@ class RvizTest(unittest.TestCase):
         wait_until(lambda: is_near(view.part(self.screen.picture(), (-0.4, 0.62), (0.4, 0.72)),
                                    BACKGROUND, 2).mean() > 0.9, 'the fall')
         self.assertGreater((self.screen.picture() != before).sum(), 1000)
+
+    def test_camera_frames_the_scene(self):
+        self.screen.open_rviz(config('Cut', 'Frame Scene: true, Strain: false', distance=30.0))
+        left, top, right, bottom = view_of(self.screen, BACKGROUND)
+
+        def drawn():
+            """Rows and columns of the view in which something is drawn."""
+            picture = self.screen.picture()[top:bottom, left:right]
+            cloth = ~is_near(picture, BACKGROUND, 2)
+            return numpy.flatnonzero(cloth.any(axis=1)), numpy.flatnonzero(cloth.any(axis=0))
+
+        def is_framed():
+            rows, columns = drawn()
+            return len(rows) > 0.7 * (bottom - top) and len(columns) > 0
+        wait_until(is_framed, 'the camera to come near')  # from 30 m it fills a twelfth
+        rows, columns = drawn()
+        self.assertGreater(rows[0], 2)
+        self.assertLess(rows[-1], bottom - top - 3)
+        self.assertAlmostEqual(rows.mean(), 0.5 * (bottom - top), delta=0.05 * (bottom - top))
+        self.assertAlmostEqual(columns.mean(), 0.5 * (right - left), delta=0.05 * (right - left))
 
     # ---- the launcher of cloth.launch ------------------------------------------------------------
 
