@@ -19,10 +19,10 @@ LINES = 40  # that an example has less than
 
 
 class ExamplesTest(unittest.TestCase):
-    def said_by(self, program):
+    def said_by(self, program, *arguments):
         path = subprocess.check_output(['catkin_find', '--first-only', '--libexec', 'cloth_sim',
                                         program], text=True).strip()
-        client = subprocess.run([path], capture_output=True, text=True, timeout=60)
+        client = subprocess.run([path, *arguments], capture_output=True, text=True, timeout=60)
         self.assertEqual(client.returncode, 0, client.stdout + client.stderr)
         return client.stdout + client.stderr
 
@@ -52,6 +52,10 @@ class ExamplesTest(unittest.TestCase):
         self.assertEqual(end.pieces, 1)
         self.assertGreater(end.clamps[0].held, 0)
         self.assertGreater(end.clamps[0].pose.position.z, 0.19)
+
+    def test_random_policy(self):
+        self.assertRegex(self.said_by('random_policy.py', 'cut_strip'),
+                         r'^reward \d\.\d{3}, score \d\.\d{3} after 8\.0 s\n$')
 
     def test_they_are_short(self):
         examples = sorted(os.listdir(EXAMPLES))
