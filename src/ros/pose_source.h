@@ -7,12 +7,17 @@
 
 namespace cloth_sim {
 
+/// A source without a new pose for longer than this is lost [s].
+constexpr double kSourceTimeout = 0.5;
+
 /// A tf frame or a topic of poses, and for a clamp the topic of a hand's width.
 struct PoseSource {
   enum class Kind { kNothing, kFrame, kPose, kOdometry };
   Kind kind = Kind::kNothing;
   std::string name;        ///< of the tf frame or of the topic
   std::string graspWidth;  ///< topic of std_msgs/Float64 [m]; "": none
+  double patience =
+      kSourceTimeout;  ///< how long the first pose may take until it counts as lost [s]
 };
 
 /// Describes a source: "tf frame gripper_link", "topic /hand/pose", "nothing".

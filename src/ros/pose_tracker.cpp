@@ -108,7 +108,7 @@ void PoseTracker::reject(const std::string& reason) {
   problem_ = reason;
 }
 
-/// Looks up the frame, and declares the source lost after kSourceTimeout without a new pose.
+/// Looks up the frame, and declares the source lost after too long without a new pose.
 void PoseTracker::onTimer() {
   if (source_.kind == PoseSource::Kind::kFrame) lookUpFrame();
   std::string reason;
@@ -116,7 +116,9 @@ void PoseTracker::onTimer() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     const double silence = std::chrono::duration<double>(Clock::now() - lastNews_).count();
-    if (isStatic_ || silence < kSourceTimeout || state_ == TrackingStatus::State::kLost) return;
+    const bool waits = state_ == TrackingStatus::State::kWaiting;
+    if (silence < (waits ? source_.patience : kSourceTimeout)) return;
+    if (isStatic_ || state_ == TrackingStatus::State::kLost) return;
     state_ = TrackingStatus::State::kLost;
     if (problem_.empty()) problem_ = "it says nothing new";
     reason = problem_;

@@ -17,9 +17,6 @@
 
 namespace cloth_sim {
 
-/// A source without a new pose for longer than this is lost [s].
-constexpr double kSourceTimeout = 0.5;
-
 /// Turns the poses of a source into moving targets in the world frame. While the source is silent,
 /// unknown to tf, or sends invalid poses, the target stays at the last valid pose. The tracker
 /// warns once when the source is lost, and reports once when it is back.

@@ -17,6 +17,7 @@
 #include "cloth_sim/ros/markers.h"
 #include "obstacle_trackers.h"
 #include "parameters.h"
+#include "robot_trackers.h"
 #include "simulation_thread.h"
 #include "warning_log.h"
 
@@ -26,6 +27,7 @@ namespace cloth_sim {
 struct Trackers {
   ClampPorts& clamps;
   const ObstacleTrackers& obstacles;
+  const RobotTrackers& robot;
 };
 
 /// Publishes all topics of the node, tf and diagnostics, each at its rate. Topics without
