@@ -2,14 +2,15 @@
 """Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
 
 usage: picture.py BAG [--out=PNG] [--video=MP4|GIF] [--fps=N] [--scene=SCENE.yaml]
-                  [--times=T,T,...] [--size=W[xH]] [--view=AZIMUTH,ELEVATION]
+                  [--times=T,T,...] [--size=W[xH]] [--view=AZIMUTH,ELEVATION] [--zoom=F]
 
 One panel per phase, at the phase's end (or one per time given with --times), and a last one with
 the springs that failed and the strain over time. The cloth is coloured by strain, its back is of
 another colour, edges that tearing made are dark red. --video plays the run in real time, in one
 panel. Topics are found by their type, so the bag may be cloth_run's or one recorded from the node.
 Obstacles and clamps are those of the scene in the bag; --scene replaces it, or supplies the one
-that an older bag lacks.
+that an older bag lacks. Obstacles that followed something, such as the links of a robot, are where
+~scene_markers says. --zoom=0.5 shows twice the surroundings.
 """
 import argparse
 import math
@@ -103,6 +104,20 @@ class Run:
             sys.exit('error: the bag has no frame that belongs to one of its topologies')
         points = np.array(best.positions, dtype=float).reshape(-1, 3)
         return points, self.topologies[best.revision]
+
+
+    def obstacle_poses(self, index):
+        """The poses of the markers of obstacles at a state, in their order; none without markers."""
+        stamp, _ = self.states[index]
+        topic = os.path.dirname(self.topic_of['cloth_sim/ClothState']) + '/scene_markers'
+        messages = self.bag.read_messages(topics=[topic], start_time=_shift(stamp, -0.2),
+                                          end_time=_shift(stamp, 0.2))
+        nearest = min(((abs((at - stamp).to_sec()), number, message)
+                       for number, (_, message, at) in enumerate(messages)), default=None)
+        if nearest is None:
+            return []
+        return [pose_of(marker.pose) for marker in nearest[2].markers
+                if marker.ns == 'obstacles' and marker.action == 0]  # ADD
 
 
 def _shift(stamp, seconds):
@@ -275,6 +290,8 @@ def rotation_of(entry):
 class SceneFile:
     """The obstacles and clamps of a scene; the cloth comes from the bag."""
 
+    MARKERS = {'bounds': 0, 'capsule': 3}  # of an obstacle; of all other types it is one
+
     def __init__(self, path, recorded, begins=None):
         """From a file, or without one from the text of the bag.
 
@@ -306,11 +323,17 @@ class SceneFile:
         return os.path.join(here, '..', 'config', 'scenes',
                             path if path.endswith('.yaml') else path + '.yaml')
 
-    def solids(self, state):
-        """[(triangles, colour)] at the time of a state."""
+    def solids(self, state, poses=()):
+        """[(triangles, colour)] at the time of a state.
+
+        `poses`: of the markers of the obstacles (Run.obstacle_poses), if there are any."""
+        counts = [self.MARKERS.get(entry['type'], 1) for entry in self.obstacles.values()]
         found = []
-        for name, entry in self.obstacles.items():
-            found += self._obstacle(entry, *self._pose(name, entry, state.time))
+        for number, (name, entry) in enumerate(self.obstacles.items()):
+            pose = self._pose(name, entry, state.time)
+            if len(poses) == sum(counts) and entry['type'] not in ('bounds', 'plane'):
+                pose = poses[sum(counts[:number])]
+            found += self._obstacle(entry, *pose)
         for clamp in state.clamps:
             found += self._clamp(clamp)
         return found
@@ -370,11 +393,12 @@ class SceneFile:
 # ---- drawing -------------------------------------------------------------------------------------
 
 class Camera:
-    """A perspective camera, z up, at the distance from which all `points` fit into the picture."""
+    """A perspective camera, z up, at the distance from which all `points` fit into the picture, or
+    `zoom` times as large, below the middle."""
 
     MARGIN = 0.06  # of the picture, on each side
 
-    def __init__(self, points, azimuth, elevation, width, height):
+    def __init__(self, points, azimuth, elevation, width, height, zoom):
         a, e = math.radians(azimuth), math.radians(elevation)
         back = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
         right = np.cross([0, 0, 1.0], back)
@@ -391,7 +415,9 @@ class Camera:
             depth = np.median(seen[:, 2])
             off = ((low + high) - (width, height)) / 2 * depth / self.focal
             self.eye = self.eye + off[0] * self.axes[0] - off[1] * self.axes[1]
-            self.eye = self.eye + (((high - low) / room).max() - 1) * depth * back
+            self.eye = self.eye + (((high - low) / room).max() / zoom - 1) * depth * back
+        if zoom < 1:  # what is around the cloth is above it: the cloth goes down in the picture
+            self.eye = self.eye + (1 - zoom) * height / 3 * depth / self.focal * self.axes[1]
 
     def project(self, points):
         """Projects points to (x [px], y [px], depth [m])."""
@@ -513,7 +539,7 @@ def angles(text):
 def draw_moment(axes, camera, scene, run, index):
     """Draws the cloth and its surroundings at a state of the run."""
     picture = Picture(camera)
-    for triangles, colour in scene.solids(run.states[index][1]):
+    for triangles, colour in scene.solids(run.states[index][1], run.obstacle_poses(index)):
         picture.add_solid(triangles, colour)
     picture.add_cloth(*run.shape(index))
     picture.draw(axes)
@@ -521,7 +547,7 @@ def draw_moment(axes, camera, scene, run, index):
 
 def camera_for(run, indices, args):
     everywhere = np.concatenate([run.shape(index)[0][::7] for index in indices])
-    return Camera(everywhere, *args.view, *args.size)
+    return Camera(everywhere, *args.view, *args.size, args.zoom)
 
 
 def draw_panels(run, scene, args):
@@ -602,6 +628,12 @@ def rate(text):
     return float(text)
 
 
+def zoom_factor(text):
+    if not 0.01 <= float(text) <= 100:
+        raise ValueError
+    return float(text)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('bag')
@@ -612,6 +644,8 @@ def main():
                         'obstacles and clamps other than those in the bag')
     parser.add_argument('--times', type=numbers, help='simulated times [s] instead of the ends of the phases')
     parser.add_argument('--view', type=angles, default='-62,24', help='azimuth,elevation of the eye [deg]')
+    parser.add_argument('--zoom', type=zoom_factor, default=1.0,
+                        help='less than 1 shows more of what is around the cloth')
     parser.add_argument('--size', type=panel_size, default='560x460',
                         help='WxH, or the width, of one panel [pixels]')
     args = parser.parse_args()

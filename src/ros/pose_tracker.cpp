@@ -4,6 +4,7 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/console.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
@@ -92,7 +93,10 @@ void PoseTracker::accept(double stamp, const Pose& pose) {
     isStatic_ = stamp == 0.0;
     problem_.clear();
     target = motion_.add(stamp, pose);
-    if (target) lastNews_ = Clock::now();
+    if (target) {
+      lastNews_ = Clock::now();
+      lastNewsTime_ = ros::Time::now();
+    }
     if (target || isStatic_) {
       isBack =
           std::exchange(state_, TrackingStatus::State::kTracking) == TrackingStatus::State::kLost;
@@ -108,6 +112,15 @@ void PoseTracker::reject(const std::string& reason) {
   problem_ = reason;
 }
 
+/// Returns how long there has been no new pose [s]: by the wall, but not while ROS time stands
+/// still, as it does in a paused simulation that all live by. Before the first pose: by the wall.
+double PoseTracker::silence() const {
+  const double wall = std::chrono::duration<double>(Clock::now() - lastNews_).count();
+  const double time = (ros::Time::now() - lastNewsTime_).toSec();
+  const bool jumped = time < 0.0;
+  return state_ == TrackingStatus::State::kWaiting || jumped ? wall : std::min(wall, time);
+}
+
 /// Looks up the frame, and declares the source lost after too long without a new pose.
 void PoseTracker::onTimer() {
   if (source_.kind == PoseSource::Kind::kFrame) lookUpFrame();
@@ -115,9 +128,8 @@ void PoseTracker::onTimer() {
   std::optional<MovingPose> rest;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const double silence = std::chrono::duration<double>(Clock::now() - lastNews_).count();
     const bool waits = state_ == TrackingStatus::State::kWaiting;
-    if (silence < (waits ? source_.patience : kSourceTimeout)) return;
+    if (silence() < (waits ? source_.patience : kSourceTimeout)) return;
     if (isStatic_ || state_ == TrackingStatus::State::kLost) return;
     state_ = TrackingStatus::State::kLost;
     if (problem_.empty()) problem_ = "it says nothing new";

@@ -50,6 +50,7 @@ class PoseTracker : public std::enable_shared_from_this<PoseTracker> {
   void onPose(const std_msgs::Header& header, const geometry_msgs::Pose& pose);
   void accept(double stamp, const Pose& pose);
   void reject(const std::string& reason);
+  double silence() const;
   void onTimer();
 
   std::string name_;
@@ -60,8 +61,9 @@ class PoseTracker : public std::enable_shared_from_this<PoseTracker> {
   mutable std::mutex mutex_;
   MotionEstimator motion_;
   Clock::time_point lastNews_ = Clock::now();
-  bool isStatic_ = false;  ///< the source is a static transform: its silence is no loss
-  std::string problem_;    ///< with the source at the last look; "" if there was none
+  ros::Time lastNewsTime_;  ///< the same by ROS time
+  bool isStatic_ = false;   ///< the source is a static transform: its silence is no loss
+  std::string problem_;     ///< with the source at the last look; "" if there was none
   TrackingStatus::State state_ = TrackingStatus::State::kWaiting;
 
   ros::Subscriber subscriber_;
