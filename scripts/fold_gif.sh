@@ -57,6 +57,6 @@ wait "$launch" || true
 launch=
 
 say "drawing: $out"
-python3 "$repo_root/scripts/picture.py" "$folder/fold.bag" --video "$out" --fps 12 --size 560x400 \
-  --view=-60,12 --zoom=0.5
+python3 "$repo_root/scripts/picture.py" "$folder/fold.bag" --video "$out" --fps 12 --size 560x420 \
+  --view=-60,15 --zoom=0.45
 say "$out: $(stat -c %s "$out") bytes"

@@ -583,9 +583,17 @@ def draw_panels(run, scene, args):
     figure.savefig(args.out, dpi=100)
 
 
+class GifWriter(matplotlib.animation.PillowWriter):
+    """Pillow chooses the 256 colours of a frame better where it has no transparency."""
+
+    def finish(self):
+        self._frames = [frame.convert('RGB') for frame in self._frames]
+        super().finish()
+
+
 def video_writer(path, fps):
     if path.endswith('.gif'):
-        return matplotlib.animation.PillowWriter(fps=fps)
+        return GifWriter(fps=fps)
     if not matplotlib.animation.FFMpegWriter.isAvailable():
         sys.exit(f'error: --video: {path}: mp4 needs ffmpeg (Debian: ffmpeg), gif does not')
     # Players want even sizes, and pixels of this kind.
