@@ -62,14 +62,17 @@ int main(int argc, char** argv) {
   ros::Publisher publisher = node.advertise<sensor_msgs::JointState>("joint_states", 1);
   ros::topic::waitForMessage<cloth_sim::ClothState>("/cloth/state");
   const ros::Time begun = ros::Time::now();
-  bool told = false;
+  const ros::Time end = begun + ros::Duration(kPath.back().time);
+  ros::Time last = begun;
   for (ros::Rate rate(60.0); ros::ok(); rate.sleep()) {
+    const ros::Time now = ros::Time::now();
+    if (now == last) continue;  // simulated time goes in steps
     sensor_msgs::JointState state;
-    state.header.stamp = ros::Time::now();
+    state.header.stamp = now;
     state.name = {"shoulder", "elbow", "wrist", "finger"};
-    state.position = joints(sample((state.header.stamp - begun).toSec()));
+    state.position = joints(sample((now - begun).toSec()));
     publisher.publish(state);
-    if (state.header.stamp - begun > ros::Duration(kPath.back().time) && !told) ROS_INFO("folded");
-    told = state.header.stamp - begun > ros::Duration(kPath.back().time);
+    if (last < end && now >= end) ROS_INFO("folded");
+    last = now;
   }
 }

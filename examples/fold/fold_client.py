@@ -56,17 +56,20 @@ def joints(angle, back, gap):
 def drive():
     publisher = rospy.Publisher('joint_states', JointState, queue_size=1)
     rospy.wait_for_message('/cloth/state', ClothState)
-    begun, rate, told = rospy.Time.now(), rospy.Rate(60), False
+    begun = last = rospy.Time.now()
+    rate = rospy.Rate(60)
     while not rospy.is_shutdown():
-        state = JointState(name=['shoulder', 'elbow', 'wrist', 'finger'])
-        state.header.stamp = rospy.Time.now()
-        time = (state.header.stamp - begun).to_sec()
-        state.position = joints(*sample(time))
-        publisher.publish(state)
-        if time > PATH[-1][0] and not told:
-            rospy.loginfo('folded')
-            told = True
         rate.sleep()
+        now = rospy.Time.now()
+        if now == last:
+            continue  # simulated time goes in steps
+        state = JointState(name=['shoulder', 'elbow', 'wrist', 'finger'])
+        state.header.stamp = now
+        state.position = joints(*sample((now - begun).to_sec()))
+        publisher.publish(state)
+        if (last - begun).to_sec() < PATH[-1][0] <= (now - begun).to_sec():
+            rospy.loginfo('folded')
+        last = now
 
 
 rospy.init_node('fold_client')
