@@ -29,6 +29,11 @@ std::string sourceError(const Follow::Request& request);
 /// \param request  valid according to `sourceError`.
 PoseSource toPoseSource(const Follow::Request& request);
 
+/// Returns how long a source has been silent [s]: by the wall, but not while ROS time stands still,
+/// as in a paused simulation by which all live. \param wall, time  since the last pose, by the wall
+/// and by ROS time [s]; ROS time may jump back.
+double silence(double wall, double time);
+
 /// State of one tracker, for the diagnostics.
 struct TrackingStatus {
   enum class State { kWaiting, kTracking, kLost };

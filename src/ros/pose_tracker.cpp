@@ -4,7 +4,6 @@
 #include <nav_msgs/Odometry.h>
 #include <ros/console.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
@@ -112,15 +111,6 @@ void PoseTracker::reject(const std::string& reason) {
   problem_ = reason;
 }
 
-/// Returns how long there has been no new pose [s]: by the wall, but not while ROS time stands
-/// still, as it does in a paused simulation that all live by. Before the first pose: by the wall.
-double PoseTracker::silence() const {
-  const double wall = std::chrono::duration<double>(Clock::now() - lastNews_).count();
-  const double time = (ros::Time::now() - lastNewsTime_).toSec();
-  const bool jumped = time < 0.0;
-  return state_ == TrackingStatus::State::kWaiting || jumped ? wall : std::min(wall, time);
-}
-
 /// Looks up the frame, and declares the source lost after too long without a new pose.
 void PoseTracker::onTimer() {
   if (source_.kind == PoseSource::Kind::kFrame) lookUpFrame();
@@ -129,7 +119,9 @@ void PoseTracker::onTimer() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     const bool waits = state_ == TrackingStatus::State::kWaiting;
-    if (silence() < (waits ? source_.patience : kSourceTimeout)) return;
+    const double wall = std::chrono::duration<double>(Clock::now() - lastNews_).count();
+    const double time = (ros::Time::now() - lastNewsTime_).toSec();
+    if (waits ? wall < source_.patience : silence(wall, time) < kSourceTimeout) return;
     if (isStatic_ || state_ == TrackingStatus::State::kLost) return;
     state_ = TrackingStatus::State::kLost;
     if (problem_.empty()) problem_ = "it says nothing new";

@@ -50,7 +50,6 @@ class PoseTracker : public std::enable_shared_from_this<PoseTracker> {
   void onPose(const std_msgs::Header& header, const geometry_msgs::Pose& pose);
   void accept(double stamp, const Pose& pose);
   void reject(const std::string& reason);
-  double silence() const;
   void onTimer();
 
   std::string name_;

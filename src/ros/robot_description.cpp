@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "cloth_sim/scene/load.h"
+#include "cloth_sim/validation.h"
 #include "scene/names.h"
 #include "scene/surface_reader.h"
 
@@ -158,8 +159,8 @@ std::vector<CollisionPart> RobotDescription::collision(const std::string& link,
     } catch (const std::runtime_error& error) {
       throw RobotError("link '" + link + "': " + error.what());
     }
-    if (const std::string error = validationError(part.shape); !error.empty()) {
-      throw RobotError("link '" + link + "': " + error);
+    for (const std::string& error : {validationError(part.shape), validationError(part.place)}) {
+      if (!error.empty()) throw RobotError("link '" + link + "': " + error);
     }
     parts.push_back(std::move(part));
   }

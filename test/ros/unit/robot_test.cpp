@@ -84,6 +84,14 @@ TEST(Robot, ItsObstaclesArePartOfTheScene) {
   EXPECT_EQ(again.obstacles.size(), 5U) << "a bag holds this text";
 }
 
+TEST(Robot, OverridesOfUsersChangeItsObstacles) {
+  std::vector<std::string> overrides = overridesOf(robotOf(kArm, {}).obstacles);
+  overrides.emplace_back("obstacles.palm.friction=0.2");
+  const Scene scene = parseScene(kScene, "scene.yaml", overrides);
+  ASSERT_EQ(scene.obstacles[1].name, "palm");
+  EXPECT_EQ(scene.obstacles[1].friction, 0.2);
+}
+
 TEST(Robot, TheOriginOfAnElementIsItsPlace) {
   const Pose place = robotOf(kArm, {}).obstacles[3].part.place;
   expectNear(place.position, Vec3(0.0, 0.0, 0.1));
@@ -120,6 +128,9 @@ TEST(Robot, RefusesABadDescriptionInOneLine) {
             "the URDF has no collision geometry");
   EXPECT_EQ(errorOf(linkWith("<sphere radius='-1'/>")),
             "link 'palm': radius: expected a length > 0");
+  EXPECT_EQ(errorOf("<robot name='r'><link name='palm'><collision><origin xyz='nan 0 0'/>"
+                    "<geometry><sphere radius='1'/></geometry></collision></link></robot>"),
+            "link 'palm': position: expected three finite numbers");
   EXPECT_EQ(errorOf(linkWith("<mesh filename='/no/palm.stl'/>")),
             "link 'palm': /no/palm.stl: cannot be read (No such file or directory)");
   EXPECT_THAT(errorOf(linkWith("<mesh filename='/no/palm.dae'/>")), HasSubstr(".stl or .obj"));
@@ -200,7 +211,7 @@ TEST(GripperPlates, TheClampTurnsWithThem) {
 TEST(GripperPlates, OverlappingPlatesHaveNoGap) {
   const std::array<GripperPlate, 2> plates{
       {{"a", {Vec3::Zero(), Vec3::Constant(0.01)}}, {"b", {Vec3::Zero(), Vec3::Constant(0.01)}}}};
-  const auto placed = placeBetween(plates, {Pose{}, Pose{Vec3(0.0, 0.0, 0.015), {}}});
+  const auto placed = placeBetween(plates, {Pose{}, Pose{Vec3(0.0, 0.0, 0.015), Quat::Identity()}});
   ASSERT_TRUE(placed);
   EXPECT_EQ(placed->gap, 0.0);
 }
