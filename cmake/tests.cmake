@@ -99,7 +99,7 @@ add_dependencies(tests flooder)
 # test/ros/<name>.test: each starts a node and the script <name>_test.py beside it.
 file(GLOB rostest_files CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} test/ros/*.test)
 foreach(file ${rostest_files})
-  add_rostest(${file} DEPENDENCIES cloth_node tear_client flooder)
+  add_rostest(${file} DEPENDENCIES cloth_node tear_client fold_client flooder)
 endforeach()
 
 # test/rviz: the plugin, in rviz and by itself.

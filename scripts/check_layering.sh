@@ -12,7 +12,7 @@ core_folders=(support threads mesh cloth linalg constraints solver contact clamp
 # Forbidden are ros/..., *_msgs/..., the ROS libraries, this package's generated messages
 # (cloth_sim/Frame.h), and its folders that use ROS.
 libraries='rosbag|rviz|roslib|tf2?|tf2_[a-z_]+|diagnostic_updater|dynamic_reconfigure'
-libraries+='|interactive_markers|actionlib|message_filters|pluginlib'
+libraries+='|interactive_markers|actionlib|message_filters|pluginlib|urdf|urdf_[a-z]+'
 forbidden='^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]'
 forbidden+="((ros|[a-z0-9_]+_msgs|std_srvs|$libraries)/"
 forbidden+='|(cloth_sim/)?(ros|rviz|tools|node)/|cloth_sim/[A-Z])'

@@ -2,14 +2,15 @@
 """Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
 
 usage: picture.py BAG [--out=PNG] [--video=MP4|GIF] [--fps=N] [--scene=SCENE.yaml]
-                  [--times=T,T,...] [--size=W[xH]] [--view=AZIMUTH,ELEVATION]
+                  [--times=T,T,...] [--size=W[xH]] [--view=AZIMUTH,ELEVATION] [--zoom=F]
 
 One panel per phase, at the phase's end (or one per time given with --times), and a last one with
 the springs that failed and the strain over time. The cloth is coloured by strain, its back is of
 another colour, edges that tearing made are dark red. --video plays the run in real time, in one
 panel. Topics are found by their type, so the bag may be cloth_run's or one recorded from the node.
 Obstacles and clamps are those of the scene in the bag; --scene replaces it, or supplies the one
-that an older bag lacks.
+that an older bag lacks. Obstacles that followed something, such as the links of a robot, are where
+~scene_markers says. --zoom=0.5 shows twice the surroundings.
 """
 import argparse
 import os
@@ -100,6 +101,19 @@ class Run:
             sys.exit('error: the bag has no frame that belongs to one of its topologies')
         return frames.positions(best).astype(float), self.topologies[best.revision]
 
+    def obstacle_poses(self, index):
+        """The poses of the markers of obstacles at a state, in their order; none without markers."""
+        stamp, _ = self.states[index]
+        topic = os.path.dirname(self.topic_of['cloth_sim/ClothState']) + '/scene_markers'
+        messages = self.bag.read_messages(topics=[topic], start_time=_shift(stamp, -0.2),
+                                          end_time=_shift(stamp, 0.2))
+        nearest = min(((abs((at - stamp).to_sec()), number, message)
+                       for number, (_, message, at) in enumerate(messages)), default=None)
+        if nearest is None:
+            return []
+        return [drawing.pose_of(marker.pose) for marker in nearest[2].markers
+                if marker.ns == 'obstacles' and marker.action == 0]  # ADD
+
 
 def _shift(stamp, seconds):
     moved = stamp.to_sec() + seconds
@@ -180,7 +194,7 @@ def angles(text):
 def draw_moment(axes, camera, scene, run, index):
     """Draws the cloth and its surroundings at a state of the run."""
     picture = drawing.Picture(camera)
-    for triangles, colour in scene.solids(run.states[index][1]):
+    for triangles, colour in scene.solids(run.states[index][1], run.obstacle_poses(index)):
         picture.add_solid(triangles, colour)
     picture.add_cloth(*run.shape(index))
     picture.draw(axes)
@@ -188,7 +202,7 @@ def draw_moment(axes, camera, scene, run, index):
 
 def camera_for(run, indices, args):
     everywhere = np.concatenate([run.shape(index)[0][::7] for index in indices])
-    return drawing.Camera(everywhere, *args.view, *args.size)
+    return drawing.Camera(everywhere, *args.view, *args.size, args.zoom)
 
 
 def draw_panels(run, scene, args):
@@ -224,9 +238,17 @@ def draw_panels(run, scene, args):
     figure.savefig(args.out, dpi=100)
 
 
+class GifWriter(matplotlib.animation.PillowWriter):
+    """Pillow chooses the 256 colours of a frame better where it has no transparency."""
+
+    def finish(self):
+        self._frames = [frame.convert('RGB') for frame in self._frames]
+        super().finish()
+
+
 def video_writer(path, fps):
     if path.endswith('.gif'):
-        return matplotlib.animation.PillowWriter(fps=fps)
+        return GifWriter(fps=fps)
     if not matplotlib.animation.FFMpegWriter.isAvailable():
         sys.exit(f'error: --video: {path}: mp4 needs ffmpeg (Debian: ffmpeg), gif does not')
     # Players want even sizes, and pixels of this kind.
@@ -269,6 +291,12 @@ def rate(text):
     return float(text)
 
 
+def zoom_factor(text):
+    if not 0.01 <= float(text) <= 100:
+        raise ValueError
+    return float(text)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('bag')
@@ -279,6 +307,8 @@ def main():
                         'obstacles and clamps other than those in the bag')
     parser.add_argument('--times', type=numbers, help='simulated times [s] instead of the ends of the phases')
     parser.add_argument('--view', type=angles, default='-62,24', help='azimuth,elevation of the eye [deg]')
+    parser.add_argument('--zoom', type=zoom_factor, default=1.0,
+                        help='less than 1 shows more of what is around the cloth')
     parser.add_argument('--size', type=panel_size, default='560x460',
                         help='WxH, or the width, of one panel [pixels]')
     args = parser.parse_args()

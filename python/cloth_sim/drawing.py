@@ -192,6 +192,8 @@ class DrawingError(Exception):
 class Scene:
     """The obstacles and clamps of a scene."""
 
+    MARKERS = {'bounds': 0, 'capsule': 3}  # of an obstacle; of all other types it is one
+
     def __init__(self, scene, folders=(), begins=None):
         """From the maps of a scene file.
 
@@ -207,11 +209,17 @@ class Scene:
         self.plates = {name: clamp.get('plate_size')
                        for name, clamp in (scene.get('clamps') or {}).items()}
 
-    def solids(self, state):
-        """[(triangles, colour)] at the time of a state."""
+    def solids(self, state, poses=()):
+        """[(triangles, colour)] at the time of a state.
+
+        `poses`: of the markers of the obstacles, in their order, if there are any"""
+        counts = [self.MARKERS.get(entry['type'], 1) for entry in self.obstacles.values()]
         found = []
-        for name, entry in self.obstacles.items():
-            found += self._obstacle(entry, *self._pose(name, entry, state.time))
+        for number, (name, entry) in enumerate(self.obstacles.items()):
+            pose = self._pose(name, entry, state.time)
+            if len(poses) == sum(counts) and entry['type'] not in ('bounds', 'plane'):
+                pose = poses[sum(counts[:number])]
+            found += self._obstacle(entry, *pose)
         for clamp in state.clamps:
             found += self._clamp(clamp)
         return found
@@ -269,11 +277,12 @@ class Scene:
 # ---- drawing -------------------------------------------------------------------------------------
 
 class Camera:
-    """A perspective camera, z up, at the distance from which all `points` fit into the picture."""
+    """A perspective camera, z up, at the distance from which all `points` fit into the picture, or
+    `zoom` times as large, below the middle."""
 
     MARGIN = 0.06  # of the picture, on each side
 
-    def __init__(self, points, azimuth, elevation, width, height):
+    def __init__(self, points, azimuth, elevation, width, height, zoom=1.0):
         a, e = math.radians(azimuth), math.radians(elevation)
         back = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
         right = np.cross([0, 0, 1.0], back)
@@ -290,7 +299,9 @@ class Camera:
             depth = np.median(seen[:, 2])
             off = ((low + high) - (width, height)) / 2 * depth / self.focal
             self.eye = self.eye + off[0] * self.axes[0] - off[1] * self.axes[1]
-            self.eye = self.eye + (((high - low) / room).max() - 1) * depth * back
+            self.eye = self.eye + (((high - low) / room).max() / zoom - 1) * depth * back
+        if zoom < 1:  # what is around the cloth is above it: the cloth goes down in the picture
+            self.eye = self.eye + (1 - zoom) * height / 3 * depth / self.focal * self.axes[1]
 
     def project(self, points):
         """Projects points to (x [px], y [px], depth [m])."""

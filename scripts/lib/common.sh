@@ -68,7 +68,7 @@ packages_for() {
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
           libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
           python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev \
-          libtf2-geometry-msgs-dev \
+          libtf2-geometry-msgs-dev liburdf-dev \
           libactionlib-dev libactionlib-msgs-dev libros-rosgraph-msgs-dev ros-actionlib-msgs
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
@@ -78,7 +78,7 @@ packages_for() {
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs \
           python3-actionlib python3-actionlib-msgs \
           python3-nav-msgs python3-sensor-msgs python3-shape-msgs python3-trajectory-msgs \
-          python3-numpy  # of the tasks
+          python3-numpy ros-robot-state-publisher
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
@@ -103,11 +103,12 @@ packages_for() {
           ros-noetic-interactive-markers ros-noetic-tf2 ros-noetic-tf2-ros \
           ros-noetic-tf2-geometry-msgs \
           ros-noetic-actionlib ros-noetic-actionlib-msgs ros-noetic-rosgraph-msgs \
-          ros-noetic-trajectory-msgs ros-noetic-control-msgs
+          ros-noetic-trajectory-msgs ros-noetic-control-msgs ros-noetic-urdf
         ;;
       noetic/run)
         echo ros-noetic-rosbash ros-noetic-roslaunch ros-noetic-rostopic ros-noetic-rosservice \
-          ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy python3-numpy
+          ros-noetic-rosnode ros-noetic-rosparam ros-noetic-rosmsg ros-noetic-rospy python3-numpy \
+          ros-noetic-robot-state-publisher
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
         echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \

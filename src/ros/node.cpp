@@ -27,6 +27,8 @@
 #include "master_watch.h"
 #include "obstacle_trackers.h"
 #include "publishers.h"
+#include "robot_loader.h"
+#include "robot_trackers.h"
 #include "scene/names.h"
 #include "scene_path.h"
 #include "services.h"
@@ -74,12 +76,20 @@ class ShutdownDeadline {
   std::thread thread_;  // last: starts when everything above is there
 };
 
-Scene loadNodeScene(const NodeParameters& parameters) {
+/// Returns the overrides of the scene: the obstacles of the robot, which those of users may change.
+std::vector<std::string> overridesFor(const NodeParameters& parameters, const Robot& robot) {
+  std::vector<std::string> all = overridesOf(robot.obstacles);
+  all.insert(all.end(), parameters.set.begin(), parameters.set.end());
+  return all;
+}
+
+Scene loadNodeScene(const NodeParameters& parameters, const Robot& robot) {
   CalibrationSettings settings;
   settings.threads = parameters.threads;
   settings.tell = [](const std::string& line) { ROS_INFO_STREAM(line); };
-  Scene scene =
-      loadForThisMachine(loaderOf(resolveScene(parameters.scene), parameters.set), settings);
+  const std::string file = resolveScene(parameters.scene);
+  if (parameters.robot) checkRobot(robot, loadScene(file));
+  Scene scene = loadForThisMachine(loaderOf(file, overridesFor(parameters, robot)), settings);
   for (const ClampSpec& clamp : scene.clamps) {
     std::string error;
     if (clamp.name.find('/') != std::string::npos || !ros::names::validate(clamp.name, error)) {
@@ -129,7 +139,7 @@ class TransformReceiver {
 class Node {
  public:
   Node(ros::NodeHandle& node, ros::NodeHandle& privateNode, const NodeParameters& parameters,
-       const Scene& scene)
+       const Scene& scene, const Robot& robot)
       : parameters_(parameters),
         world_(transforms_.buffer(), parameters.worldFrame),
         checker_(scene,
@@ -140,7 +150,9 @@ class Node {
         simulation_(scene, runSettings(parameters)),
         clamps_(privateNode, parameters_, checker_, world_, simulation_),
         obstacles_(privateNode, parameters_, world_, simulation_),
-        publishers_(node, privateNode, parameters, scene.text, simulation_, {clamps_, obstacles_}),
+        robot_(privateNode, robot, parameters.rateTracking, world_, simulation_),
+        publishers_(node, privateNode, parameters, scene.text, simulation_,
+                    {clamps_, obstacles_, robot_}),
         services_(privateNode,
                   {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame,
                    parameters.stateDirectory},
@@ -174,6 +186,7 @@ class Node {
   SimulationThread simulation_;
   ClampPorts clamps_;
   ObstacleTrackers obstacles_;
+  RobotTrackers robot_;
   Publishers publishers_;
   Services services_;
   Actions actions_;
@@ -193,9 +206,10 @@ int runNode(int argc, char** argv) {
     ros::NodeHandle handle;
     ros::NodeHandle privateHandle("~");
     const NodeParameters parameters = readParameters(privateHandle);
-    const Scene scene = loadNodeScene(parameters);
+    const Robot robot = loadRobot(handle, parameters);
+    const Scene scene = loadNodeScene(parameters, robot);
     checkTrackedObstacles(parameters, scene);
-    Node node(handle, privateHandle, parameters, scene);
+    Node node(handle, privateHandle, parameters, scene, robot);
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
     ros::waitForShutdown();

@@ -71,14 +71,17 @@ class Reader {
   }
 
   void read(const std::string& name, std::vector<std::string>& value) {
-    static const char* const expected = "a list of strings \"dotted.key=value\"";
+    XmlRpcValue raw;
+    if (find(name, raw)) value = strings(name, "a list of strings \"dotted.key=value\"", raw);
+  }
+
+  /// {description: PARAMETER, links: [...], self_filter: [...], clamps: {name: [link, link]}}; an
+  /// empty map is no robot.
+  void read(const std::string& name, std::optional<RobotSettings>& value) {
     XmlRpcValue raw;
     if (!find(name, raw)) return;
-    if (raw.getType() != XmlRpcValue::TypeArray) fail(name, expected, raw);
-    for (int i = 0; i < raw.size(); ++i) {
-      if (raw[i].getType() != XmlRpcValue::TypeString) fail(name, expected, raw);
-      value.push_back(static_cast<std::string>(raw[i]));
-    }
+    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, "a map", raw);
+    if (raw.size() > 0) value = readRobot(name, raw);
   }
 
   /// {name: {tf: FRAME} | {pose: TOPIC} | {odometry: TOPIC}, ...}; a string is a tf frame.
@@ -121,6 +124,53 @@ class Reader {
     if (raw.getType() == XmlRpcValue::TypeInt) return static_cast<int>(raw);
     if (raw.getType() == XmlRpcValue::TypeDouble) return static_cast<double>(raw);
     fail(name, expected, raw);
+  }
+
+  std::vector<std::string> strings(const std::string& name, const std::string& expected,
+                                   XmlRpcValue& raw) const {
+    std::vector<std::string> value;
+    if (raw.getType() != XmlRpcValue::TypeArray) fail(name, expected, raw);
+    for (int i = 0; i < raw.size(); ++i) {
+      if (raw[i].getType() != XmlRpcValue::TypeString) fail(name, expected, raw);
+      value.push_back(static_cast<std::string>(raw[i]));
+    }
+    return value;
+  }
+
+  RobotSettings readRobot(const std::string& name, XmlRpcValue& raw) const {
+    RobotSettings robot;
+    for (auto& [key, value] : raw) {
+      const std::string path = name + "/" + key;
+      if (key == "description") {
+        if (value.getType() != XmlRpcValue::TypeString)
+          fail(path, "the name of a parameter", value);
+        robot.description = static_cast<std::string>(value);
+      } else if (key == "links") {
+        robot.links = strings(path, "a list of links", value);
+      } else if (key == "self_filter") {
+        robot.selfFilter = strings(path, "a list of links", value);
+      } else if (key == "clamps") {
+        robot.clamps = readPlates(path, value);
+      } else {
+        throw ParameterError(
+            node_.resolveName(name) + ": " +
+            unknownName("key", key, {"clamps", "description", "links", "self_filter"}));
+      }
+    }
+    return robot;
+  }
+
+  std::map<std::string, std::array<std::string, 2>> readPlates(const std::string& name,
+                                                               XmlRpcValue& raw) const {
+    static const char* const expected = "a map {clamp: [link, link]}";
+    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, expected, raw);
+    std::map<std::string, std::array<std::string, 2>> result;
+    for (auto& [clamp, value] : raw) {
+      const std::vector<std::string> links = strings(name + "/" + clamp, "two links", value);
+      if (links.size() != 2) fail(name + "/" + clamp, "two links", value);
+      result[clamp] = {links[0], links[1]};
+    }
+    return result;
   }
 
   static constexpr const char* kSources =
@@ -200,6 +250,7 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("two_sided", result.twoSided);
   reader.read("follow", result.clampSources);
   reader.read("follow_obstacle", result.obstacleSources);
+  reader.read("robot", result.robot);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
   for (const LiveParameter& parameter : listLiveParameters()) reader.check(parameter);
   reader.warnAboutOthers();

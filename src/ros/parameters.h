@@ -4,11 +4,13 @@
 #include <ros/node_handle.h>
 
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "pose_source.h"
+#include "robot.h"
 
 namespace cloth_sim {
 
@@ -40,6 +42,7 @@ struct NodeParameters {
   bool twoSided = false;     ///< markers draw the back of the cloth in its own colour
   std::map<std::string, PoseSource> clampSources;     ///< tracked poses, by clamp
   std::map<std::string, PoseSource> obstacleSources;  ///< tracked poses, by obstacle
+  std::optional<RobotSettings> robot;                 ///< whose links are obstacles
 };
 
 /// Reads and validates the private parameters; warns about unknown ones.

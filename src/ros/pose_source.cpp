@@ -2,6 +2,8 @@
 
 #include <ros/names.h>
 
+#include <algorithm>
+
 namespace cloth_sim {
 namespace {
 
@@ -38,6 +40,8 @@ const char* toString(TrackingStatus::State state) {
   }
   return "waiting";
 }
+
+double silence(double wall, double time) { return time < 0.0 ? wall : std::min(wall, time); }
 
 std::string sourceError(const Follow::Request& request) {
   int sources = 0;

@@ -7,12 +7,17 @@
 
 namespace cloth_sim {
 
+/// A source without a new pose for longer than this is lost [s].
+constexpr double kSourceTimeout = 0.5;
+
 /// A tf frame or a topic of poses, and for a clamp the topic of a hand's width.
 struct PoseSource {
   enum class Kind { kNothing, kFrame, kPose, kOdometry };
   Kind kind = Kind::kNothing;
   std::string name;        ///< of the tf frame or of the topic
   std::string graspWidth;  ///< topic of std_msgs/Float64 [m]; "": none
+  double patience =
+      kSourceTimeout;  ///< how long the first pose may take until it counts as lost [s]
 };
 
 /// Describes a source: "tf frame gripper_link", "topic /hand/pose", "nothing".
@@ -23,6 +28,11 @@ std::string toString(const PoseSource& source);
 std::string sourceError(const Follow::Request& request);
 /// \param request  valid according to `sourceError`.
 PoseSource toPoseSource(const Follow::Request& request);
+
+/// Returns how long a source has been silent [s]: by the wall, but not while ROS time stands still,
+/// as in a paused simulation by which all live. \param wall, time  since the last pose, by the wall
+/// and by ROS time [s]; ROS time may jump back.
+double silence(double wall, double time);
 
 /// State of one tracker, for the diagnostics.
 struct TrackingStatus {

@@ -92,7 +92,10 @@ void PoseTracker::accept(double stamp, const Pose& pose) {
     isStatic_ = stamp == 0.0;
     problem_.clear();
     target = motion_.add(stamp, pose);
-    if (target) lastNews_ = Clock::now();
+    if (target) {
+      lastNews_ = Clock::now();
+      lastNewsTime_ = ros::Time::now();
+    }
     if (target || isStatic_) {
       isBack =
           std::exchange(state_, TrackingStatus::State::kTracking) == TrackingStatus::State::kLost;
@@ -108,15 +111,18 @@ void PoseTracker::reject(const std::string& reason) {
   problem_ = reason;
 }
 
-/// Looks up the frame, and declares the source lost after kSourceTimeout without a new pose.
+/// Looks up the frame, and declares the source lost after too long without a new pose.
 void PoseTracker::onTimer() {
   if (source_.kind == PoseSource::Kind::kFrame) lookUpFrame();
   std::string reason;
   std::optional<MovingPose> rest;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const double silence = std::chrono::duration<double>(Clock::now() - lastNews_).count();
-    if (isStatic_ || silence < kSourceTimeout || state_ == TrackingStatus::State::kLost) return;
+    const bool waits = state_ == TrackingStatus::State::kWaiting;
+    const double wall = std::chrono::duration<double>(Clock::now() - lastNews_).count();
+    const double time = (ros::Time::now() - lastNewsTime_).toSec();
+    if (waits ? wall < source_.patience : silence(wall, time) < kSourceTimeout) return;
+    if (isStatic_ || state_ == TrackingStatus::State::kLost) return;
     state_ = TrackingStatus::State::kLost;
     if (problem_.empty()) problem_ = "it says nothing new";
     reason = problem_;

@@ -17,9 +17,6 @@
 
 namespace cloth_sim {
 
-/// A source without a new pose for longer than this is lost [s].
-constexpr double kSourceTimeout = 0.5;
-
 /// Turns the poses of a source into moving targets in the world frame. While the source is silent,
 /// unknown to tf, or sends invalid poses, the target stays at the last valid pose. The tracker
 /// warns once when the source is lost, and reports once when it is back.
@@ -63,8 +60,9 @@ class PoseTracker : public std::enable_shared_from_this<PoseTracker> {
   mutable std::mutex mutex_;
   MotionEstimator motion_;
   Clock::time_point lastNews_ = Clock::now();
-  bool isStatic_ = false;  ///< the source is a static transform: its silence is no loss
-  std::string problem_;    ///< with the source at the last look; "" if there was none
+  ros::Time lastNewsTime_;  ///< the same by ROS time
+  bool isStatic_ = false;   ///< the source is a static transform: its silence is no loss
+  std::string problem_;     ///< with the source at the last look; "" if there was none
   TrackingStatus::State state_ = TrackingStatus::State::kWaiting;
 
   ros::Subscriber subscriber_;

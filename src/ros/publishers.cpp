@@ -330,6 +330,7 @@ void Publishers::diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& s
   using diagnostic_msgs::DiagnosticStatus;
   std::vector<TrackingStatus> all = trackers_.clamps.statuses();
   for (const TrackingStatus& obstacle : trackers_.obstacles.statuses()) all.push_back(obstacle);
+  for (const TrackingStatus& link : trackers_.robot.statuses()) all.push_back(link);
   std::string lost;
   for (const TrackingStatus& it : all) {
     status.add(it.name, std::string(toString(it.state)) + " " + it.source +

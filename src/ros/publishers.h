@@ -19,6 +19,7 @@
 #include "cloth_sim/ros/markers.h"
 #include "obstacle_trackers.h"
 #include "parameters.h"
+#include "robot_trackers.h"
 #include "simulation_thread.h"
 #include "warning_log.h"
 
@@ -28,6 +29,7 @@ namespace cloth_sim {
 struct Trackers {
   ClampPorts& clamps;
   const ObstacleTrackers& obstacles;
+  const RobotTrackers& robot;
 };
 
 /// Publishes all topics of the node, tf and diagnostics, each at its rate. Topics without

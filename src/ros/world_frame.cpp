@@ -20,7 +20,7 @@ Pose WorldFrame::toWorld(const Pose& pose, const std_msgs::Header& header) const
   if (header.frame_id.empty()) throw std::runtime_error("header.frame_id is empty");
   if (header.frame_id == frame_ || header.frame_id == "/" + frame_) return pose;
   waitFor(header);
-  const Pose frame = toPose(lookUp(header.frame_id, header.stamp).transform);
+  const Pose frame = toPose(lookUp(frame_, header.frame_id, header.stamp).transform);
   return {frame.toWorld(pose.position), (frame.orientation * pose.orientation).normalized()};
 }
 
@@ -34,17 +34,22 @@ void WorldFrame::waitFor(const std_msgs::Header& header) const {
 }
 
 WorldFrame::Sighting WorldFrame::latest(const std::string& frame) const {
-  const geometry_msgs::TransformStamped found = lookUp(frame, ros::Time(0));
+  const geometry_msgs::TransformStamped found = lookUp(frame_, frame, ros::Time(0));
   return {toPose(found.transform), found.header.stamp.toSec()};
 }
 
+Pose WorldFrame::latestIn(const std::string& base, const std::string& frame) const {
+  return toPose(lookUp(base, frame, ros::Time(0)).transform);
+}
+
 /// Looks up a transform. The error names both frames, because that of tf may name only one.
-geometry_msgs::TransformStamped WorldFrame::lookUp(const std::string& frame,
+geometry_msgs::TransformStamped WorldFrame::lookUp(const std::string& base,
+                                                   const std::string& frame,
                                                    const ros::Time& time) const {
   try {
-    return buffer_.lookupTransform(frame_, frame, time);
+    return buffer_.lookupTransform(base, frame, time);
   } catch (const tf2::TransformException& error) {
-    throw std::runtime_error("no transform from '" + frame + "' to '" + frame_ +
+    throw std::runtime_error("no transform from '" + frame + "' to '" + base +
                              "': " + error.what());
   }
 }

@@ -30,10 +30,13 @@ class WorldFrame {
   };
   /// Looks up the latest pose of a frame. \throws std::runtime_error if it is unknown.
   Sighting latest(const std::string& frame) const;
+  /// Looks up the latest pose of one frame in another. \throws std::runtime_error if it is unknown.
+  Pose latestIn(const std::string& base, const std::string& frame) const;
 
  private:
   void waitFor(const std_msgs::Header& header) const;
-  geometry_msgs::TransformStamped lookUp(const std::string& frame, const ros::Time& time) const;
+  geometry_msgs::TransformStamped lookUp(const std::string& base, const std::string& frame,
+                                         const ros::Time& time) const;
 
   const tf2_ros::Buffer& buffer_;
   std::string frame_;

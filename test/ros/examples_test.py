@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""The clients of examples/ do on a live node what they say, in less than 40 lines each."""
+"""The clients of examples/ do on a live node what they say, in less than 40 lines each; those of
+examples/fold, which fold_test.py runs, in less than 80."""
 import os
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from services import call, state  # noqa: E402
 
 EXAMPLES = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir,
                         'examples')
-LINES = 40  # that an example has less than
+LINES = {'': 40, 'fold': 80}  # that an example has less than, by folder
 
 
 class ExamplesTest(unittest.TestCase):
@@ -58,13 +59,14 @@ class ExamplesTest(unittest.TestCase):
                          r'^reward \d\.\d{3}, score \d\.\d{3} after 8\.0 s\n$')
 
     def test_they_are_short(self):
-        examples = sorted(os.listdir(EXAMPLES))
-        self.assertEqual(examples, ['lift_client.py', 'random_policy.py', 'tear_client.cpp',
-                                    'tear_client.py'])
-        for name in examples:
+        found = [os.path.relpath(os.path.join(folder, name), EXAMPLES)
+                 for folder, _, names in os.walk(EXAMPLES) for name in names]
+        self.assertEqual(sorted(found), ['fold/fold_client.cpp', 'fold/fold_client.py',
+                                         'lift_client.py', 'tear_client.cpp', 'tear_client.py'])
+        for name in found:
             with open(os.path.join(EXAMPLES, name)) as file:
                 lines = file.read().splitlines()
-            self.assertLess(len(lines), LINES, name)
+            self.assertLess(len(lines), LINES[os.path.dirname(name)], name)
             self.assertLessEqual(max(len(line) for line in lines), 100, name)
 
 

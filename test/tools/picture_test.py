@@ -94,7 +94,8 @@ class PictureTest(unittest.TestCase):
 
     def test_phases_and_single_times_are_drawn(self):
         self.draw('--size', '120x100')
-        self.draw('--size', '120x100', '--times', '0.45')
+        one = self.draw('--size', '120x100', '--times', '0.45')
+        self.assertNotEqual(self.draw('--size', '120x100', '--times', '0.45', '--zoom', '0.5'), one)
 
     def test_a_panel_may_be_given_by_its_width(self):
         picture = load_picture()
@@ -105,7 +106,7 @@ class PictureTest(unittest.TestCase):
         for arguments in (['--size', '900,700'], ['--size', '0'], ['--view', '1'],
                           ['--times', 'end'], ['--scene', 'no_such_scene'],
                           ['--video', 'run.avi'], ['--video', '/no/such/run.gif'],
-                          ['--fps', '0']):
+                          ['--fps', '0'], ['--zoom', '0']):
             result = subprocess.run([sys.executable, PICTURE, self.bag, '--out', self.image,
                                      *arguments], capture_output=True, text=True, timeout=300)
             self.assertNotEqual(result.returncode, 0, arguments)

@@ -74,6 +74,7 @@ const std::vector<Start>& matrixStarts() {
       {"knot", 2.0},                // the loop closes
       {"napkin_ring", 1.6},         // the ring gathers it
       {"pile", 0.3},                // the lower cloths have met
+      {"robot_fold", 0.0},          // its side begins to hang over the table
       {"robot_tear", 0.1},          // the hand has closed
       {"rod", 0.3},                 // falls over the rod
       {"round_tablecloth", 0.3},    // its border falls

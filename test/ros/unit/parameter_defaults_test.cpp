@@ -56,6 +56,7 @@ TEST(ParameterDefaults, AreTheDocumentedOnes) {
       {"two_sided", text(defaults.twoSided)},
       {"follow", defaults.clampSources.empty() ? "{}" : "not empty"},
       {"follow_obstacle", defaults.obstacleSources.empty() ? "{}" : "not empty"},
+      {"robot", defaults.robot ? "not empty" : "{}"},
       {"diagnostic_period", "1.0"},  // of diagnostic_updater
   };
   EXPECT_EQ(documentedDefaults(), expected);

@@ -49,6 +49,13 @@ TEST(MotionEstimator, SaysNothingOfWhatIsOld) {
   EXPECT_TRUE(fixed.add(0.0, at(1.0))) << "a fixed frame that was put elsewhere";
 }
 
+TEST(PoseSource, IsNotSilentWhileTimeStandsStill) {
+  EXPECT_EQ(silence(0.4, 0.4), 0.4);
+  EXPECT_EQ(silence(5.0, 0.1), 0.1) << "the simulation is slow, or paused";
+  EXPECT_EQ(silence(0.3, 2.0), 0.3) << "the simulation is fast";
+  EXPECT_EQ(silence(0.3, -7.0), 0.3) << "time has jumped back";
+}
+
 /// The step response of a first-order low-pass after one time constant is 1 - 1/e.
 TEST(WrenchFilter, IsAFirstOrderLowPass) {
   const double cutoff = 2.0;

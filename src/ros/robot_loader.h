@@ -1,0 +1,19 @@
+#pragma once
+/// \file Reads the robot of the parameter ~robot.
+
+#include <ros/node_handle.h>
+
+#include "cloth_sim/scene/scene.h"
+#include "parameters.h"
+
+namespace cloth_sim {
+
+/// Reads the robot whose URDF is on the parameter server; an empty robot if there is to be none.
+/// \throws ParameterError, which names the parameter ~robot.
+Robot loadRobot(const ros::NodeHandle& node, const NodeParameters& parameters);
+
+/// \param scene  without the obstacles of the robot.
+/// \throws ParameterError if the scene has an obstacle of the robot, or lacks a clamp of it.
+void checkRobot(const Robot& robot, const Scene& scene);
+
+}  // namespace cloth_sim
