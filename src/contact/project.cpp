@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <type_traits>
 
@@ -53,12 +52,29 @@ struct ColliderSubstep {
   return anchor + rise * hit.normal + slip;
 }
 
+/// Moments of displacements of particles: over h, impulses.
+struct Moments {
+  Vec3 first = Vec3::Zero();    ///< mass times displacement [kg m]
+  Vec3 turning = Vec3::Zero();  ///< position times that, as a cross product [kg m^2]
+
+  /// \param at  position of the particle before its displacement `by` [m].
+  void add(double mass, const Vec3& at, const Vec3& by) {
+    const Vec3 moment = mass * by;
+    first += moment;
+    turning += at.cross(moment);
+  }
+  void operator+=(const Moments& other) {
+    first += other.first;
+    turning += other.turning;
+  }
+};
+
 /// Fast path for the most common contact, with a level top: does the work of `sweep` and `stopAt`
 /// in a quarter of the time, with the same result.
 /// \param moment  sum of mass times displacement [kg m], to which the particle adds its own.
 /// \return false, and nothing done, unless the path stays over the top.
 bool stopAtTop(const LevelTop& top, const ColliderSubstep& substep, const ParticleView& p,
-               std::int32_t i, Vec3& moment) {
+               std::int32_t i, Moments& moments) {
   const double ax = p.startX[i] + substep.carry.x();
   const double ay = p.startY[i] + substep.carry.y();
   const double az = p.startZ[i] + substep.carry.z();
@@ -87,7 +103,7 @@ bool stopAtTop(const LevelTop& top, const ColliderSubstep& substep, const Partic
   p.x[i] = ax + slipX;
   p.y[i] = ay + slipY;
   p.z[i] = sticks && std::abs(rise) <= kRestTolerance ? az : az + rise;
-  moment += p.mass[i] * Vec3(p.x[i] - ex, p.y[i] - ey, p.z[i] - ez);
+  moments.add(p.mass[i], {ex, ey, ez}, {p.x[i] - ex, p.y[i] - ey, p.z[i] - ez});
   return true;
 }
 
@@ -111,18 +127,18 @@ inline bool sweepPath(const geometry::Mesh& solid, const ParticlePath& path, Swe
   return solid.sweep(path.start, path.end, path.rise, hit, *path.near);
 }
 
-/// Projects the vertices of a range. \return the sum of mass times displacement [kg m].
+/// Projects the vertices of a range. \return the moments of their displacements.
 /// \param near  by vertex, of a mesh.
 template <class Geometry>
-Vec3 projectRange(const Geometry& solid, const ColliderSubstep& substep, const VertexId* vertex,
-                  const VertexId* end, const ParticleView& p, NearTriangles* near) {
+Moments projectRange(const Geometry& solid, const ColliderSubstep& substep, const VertexId* vertex,
+                     const VertexId* end, const ParticleView& p, NearTriangles* near) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-  Vec3 moment = Vec3::Zero();
+  Moments moments;
   SweepHit hit;
   const std::optional<LevelTop> top = solid.levelTop();
   for (; vertex != end; ++vertex) {
     const std::int32_t i = p.slot(*vertex);
-    if (top && !substep.turns && p.mass[i] != 0.0 && stopAtTop(*top, substep, p, i, moment))
+    if (top && !substep.turns && p.mass[i] != 0.0 && stopAtTop(*top, substep, p, i, moments))
       continue;
     const Vec3 anchor = substep.carried(p.startAt(i));
     const bool prescribed = p.mass[i] == 0.0;
@@ -139,23 +155,24 @@ Vec3 projectRange(const Geometry& solid, const ColliderSubstep& substep, const V
       p.x[i] = stop.x();
       p.y[i] = stop.y();
       p.z[i] = stop.z();
-      moment += p.mass[i] * (stop - at);
+      moments.add(p.mass[i], at, stop - at);
     }
   }
-  return moment;
+  return moments;
 }
 
 /// Projects all vertices, on several threads where that pays. The ranges do not depend on the
 /// number of threads and their sums are added in order, so neither does the result.
-/// \return the sum of mass times displacement [kg m].
+/// \return the moments of all displacements.
 template <class Geometry>
-Vec3 projectAll(const Geometry& solid, const ColliderSubstep& substep,
-                const std::vector<VertexId>& vertices, const ParticleView& p, NearTriangles* near) {
+Moments projectAll(const Geometry& solid, const ColliderSubstep& substep,
+                   const std::vector<VertexId>& vertices, const ParticleView& p,
+                   NearTriangles* near) {
   constexpr std::size_t kRange = 512;  // vertices
   constexpr std::size_t kMaxRanges = 256;
   constexpr std::int32_t kGrain = 8;  // ranges that pay for a second thread
   const std::size_t ranges = std::min((vertices.size() + kRange - 1) / kRange, kMaxRanges);
-  std::array<Vec3, kMaxRanges> moments;
+  std::array<Moments, kMaxRanges> moments;
   const auto boundary = [&](std::size_t range) {
     return vertices.data() + vertices.size() * range / ranges;
   };
@@ -165,13 +182,15 @@ Vec3 projectAll(const Geometry& solid, const ColliderSubstep& substep,
     }
   };
   parallelFor(static_cast<std::int32_t>(ranges), kGrain, projectRanges);
-  return std::accumulate(moments.data(), moments.data() + ranges, Vec3(Vec3::Zero()));
+  Moments sum;
+  for (std::size_t k = 0; k < ranges; ++k) sum += moments[k];
+  return sum;
 }
 
 }  // namespace
 
 void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,
-                       double time, double h, Vec3& impulse, std::size_t cloth) const {
+                       double time, double h, ContactImpulse& impulse, std::size_t cloth) const {
   const ContactProperties& properties = properties_[cloth];
   ColliderSubstep substep;
   const Pose pose = poseAt(time);
@@ -188,10 +207,11 @@ void Collider::project(const std::vector<VertexId>& vertices, const ParticleView
   substep.rise = kDepenetrationSpeed * h;
   const std::size_t known = vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
   NearTriangles* near = nearTriangles(known);
-  const Vec3 moment = visitGeometry(
+  const Moments moments = visitGeometry(
       obstacle_.shape, pose.orientation, properties.margin,
       [&](const auto& solid) { return projectAll(solid, substep, vertices, particles, near); });
-  impulse -= moment / h;
+  impulse.linear -= moments.first / h;
+  impulse.angular -= moments.turning / h;
 }
 
 }  // namespace cloth_sim

@@ -109,7 +109,7 @@ struct BagWriter::Impl {
   void writeShape(const Snapshot& snapshot);
   void writePhase(const Snapshot& snapshot);
   void writeFailures(const Snapshot& snapshot, const std::vector<FailureEvent>& events);
-  void writeClamps(const Snapshot& snapshot);
+  void writeWrenches(const Snapshot& snapshot);
 
   OutputFile place;
   std::string active;  ///< where it grows
@@ -145,7 +145,7 @@ void BagWriter::write(const Observation& observation, const std::vector<FailureE
     for (const GripEvent& grip : grips) {
       impl_->write("grasp_events", toGraspEventMessage(grip, impl_->header));
     }
-    impl_->writeClamps(snapshot);
+    impl_->writeWrenches(snapshot);
     impl_->write("state", toStateMessage(observation, impl_->header));
     impl_->write("scene_markers", impl_->markers.buildSurroundings(snapshot, *snapshot.figures,
                                                                    impl_->header.stamp));
@@ -217,16 +217,23 @@ void BagWriter::Impl::writeFailures(const Snapshot& snapshot,
   writeLatched("broken_springs", failures.toMessage(snapshot.broken, header));
 }
 
-void BagWriter::Impl::writeClamps(const Snapshot& snapshot) {
+void BagWriter::Impl::writeWrenches(const Snapshot& snapshot) {
   tf2_msgs::TFMessage transforms;
   for (const ClampSnapshot& clamp : snapshot.clamps) {
     const std::string clampFrame = clampFrameId(kNodeName, clamp.name);
-    transforms.transforms.push_back(toTransform(clamp, header.stamp, kWorldFrame, clampFrame));
+    transforms.transforms.push_back(toTransform(clamp.pose, header.stamp, kWorldFrame, clampFrame));
     geometry_msgs::WrenchStamped message;
     message.header.stamp = header.stamp;
     message.header.frame_id = clampFrame;
     message.wrench = clampFrameWrench(clamp);
     write("clamps/" + clamp.name + "/wrench", message);
+  }
+  for (std::size_t k = 0; k < snapshot.obstacles.size(); ++k) {
+    const Obstacle& obstacle = snapshot.obstacles[k];
+    transforms.transforms.push_back(toTransform(obstacle.pose, header.stamp, kWorldFrame,
+                                                obstacleFrameId(kNodeName, obstacle.name)));
+    write("obstacles/" + obstacle.name + "/wrench",
+          toWrenchMessage(obstacle, snapshot.obstacleWrenches[k], header.stamp, kNodeName));
   }
   if (!transforms.transforms.empty()) bag->write("/tf", header.stamp, transforms);
 }

@@ -22,8 +22,9 @@ enum class FrameFormat {
 /// Writes what the node "/cloth" would publish: /cloth/scene, /cloth/topology (latched, whenever a
 /// frame has a new revision, and again every kRepeatPeriod), /cloth/frame or /cloth/compact_frame,
 /// /cloth/state, /cloth/commands, /cloth/tear_events, /cloth/grasp_events, /cloth/broken_springs,
-/// /cloth/phase, /cloth/scene_markers, /cloth/clamps/<name>/wrench and /tf. Stamps are simulated
-/// time; time 0 is stamped 1 ns, since a stamp of 0 means "none" in ROS.
+/// /cloth/phase, /cloth/scene_markers, /cloth/clamps/<name>/wrench, /cloth/obstacles/<name>/wrench
+/// and /tf. Stamps are simulated time; time 0 is stamped 1 ns, since a stamp of 0 means "none" in
+/// ROS.
 ///
 /// The bag grows as "<file>.active" and takes its name when it is complete. rosbag seeks in its
 /// file, so only a regular file, or nothing, may stand at the name; a link stays, and its target is

@@ -127,6 +127,19 @@ static_assert(static_cast<int>(GripEvent::Kind::kClosed) == int{GraspEvent::CLOS
                   static_cast<int>(GripEvent::Kind::kFreed) == int{GraspEvent::FREED},
               "GraspEvent numbers the kinds as the core does");
 
+std::string frameBelow(const std::string& scene, const std::string& name) {
+  return scene.empty() ? name : scene + "/" + name;
+}
+
+/// Converts a wrench in the axes of the world to those of a body.
+geometry_msgs::Wrench turnedBack(const Wrench& wrench, const Quat& orientation) {
+  const Quat toBody = orientation.conjugate();
+  geometry_msgs::Wrench message;
+  message.force = toVector(toBody * wrench.force);
+  message.torque = toVector(toBody * wrench.torque);
+  return message;
+}
+
 }  // namespace
 
 geometry_msgs::Vector3 toVector(const Vec3& value) {
@@ -166,16 +179,29 @@ geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp) {
 }
 
 geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp, const Wrench& worldAxes) {
-  const Quat toClamp = clamp.pose.orientation.conjugate();
-  geometry_msgs::Wrench wrench;
-  wrench.force = toVector(toClamp * worldAxes.force);
-  wrench.torque = toVector(toClamp * worldAxes.torque);
-  return wrench;
+  return turnedBack(worldAxes, clamp.pose.orientation);
+}
+
+std::string sceneFrameId(const std::string& nodeName) {
+  const std::size_t start = nodeName.find_first_not_of('/');
+  return start == std::string::npos ? "" : nodeName.substr(start);
 }
 
 std::string clampFrameId(const std::string& nodeName, const std::string& clamp) {
-  const std::size_t start = nodeName.find_first_not_of('/');
-  return (start == std::string::npos ? "" : nodeName.substr(start) + "/") + "clamp_" + clamp;
+  return frameBelow(sceneFrameId(nodeName), "clamp_" + clamp);
+}
+
+std::string obstacleFrameId(const std::string& nodeName, const std::string& obstacle) {
+  return frameBelow(sceneFrameId(nodeName), "obstacle_" + obstacle);
+}
+
+geometry_msgs::WrenchStamped toWrenchMessage(const Obstacle& obstacle, const Wrench& worldAxes,
+                                             const ros::Time& stamp, const std::string& nodeName) {
+  geometry_msgs::WrenchStamped message;
+  message.header.stamp = stamp;
+  message.header.frame_id = obstacleFrameId(nodeName, obstacle.name);
+  message.wrench = turnedBack(worldAxes, obstacle.pose.orientation);
+  return message;
 }
 
 ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header& header) {
@@ -316,14 +342,14 @@ TearEvents toEventsMessage(const std::vector<FailureEvent>& events,
   return message;
 }
 
-geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,
+geometry_msgs::TransformStamped toTransform(const Pose& pose, const ros::Time& stamp,
                                             const std::string& world, const std::string& frame) {
   geometry_msgs::TransformStamped transform;
   transform.header.stamp = stamp;
   transform.header.frame_id = world;
   transform.child_frame_id = frame;
-  transform.transform.translation = toVector(clamp.pose.position);
-  transform.transform.rotation = toQuaternion(clamp.pose.orientation);
+  transform.transform.translation = toVector(pose.position);
+  transform.transform.rotation = toQuaternion(pose.orientation);
   return transform;
 }
 

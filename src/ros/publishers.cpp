@@ -50,6 +50,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       simulation_(simulation),
       trackers_(trackers),
       nodeName_(ros::this_node::getName()),
+      obstacleWrenches_(privateNode),
       updater_(node, privateNode, ros::this_node::getName()),
       markersSchedule_(parameters.rateMarkers),
       sceneMarkersSchedule_(parameters.rateMarkers),
@@ -59,6 +60,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       transformsSchedule_(parameters.rateState),
       stateSchedule_(parameters.rateState),
       wrenchSchedule_(parameters.rateWrench),
+      obstacleWrenchSchedule_(parameters.rateWrench),
       pointsSchedule_(parameters.rateSurface),
       meshSchedule_(parameters.rateSurface),
       builder_(markerStyle(parameters)),
@@ -121,7 +123,8 @@ double Publishers::wantedRate() const {
   if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
     rate = std::max(rate, parameters_.rateSurface);
   }
-  if (trackers_.clamps.wrenchSubscribers() > 0) rate = std::max(rate, parameters_.rateWrench);
+  if (trackers_.clamps.wrenchSubscribers() + obstacleWrenches_.subscribers() > 0)
+    rate = std::max(rate, parameters_.rateWrench);
   return rate;
 }
 
@@ -161,12 +164,16 @@ void Publishers::tick() {
   sendPhase(observation);
   const Clock::time_point now = Clock::now();
   const std::uint64_t number = observation.number;
-  if (transformsSchedule_.due(now, number, 1)) sendClamps(observation);
+  if (transformsSchedule_.due(now, number, 1)) sendTransforms(*observation.snapshot);
   if (stateSchedule_.due(now, observation.wholeNumber, state_.getNumSubscribers())) {
     sendState(observation);
   }
   if (wrenchSchedule_.due(now, number, trackers_.clamps.wrenchSubscribers())) {
     trackers_.clamps.sendWrenches(*observation.snapshot, header_.stamp, nodeName_);
+  }
+  obstacleWrenches_.open(*observation.snapshot);
+  if (obstacleWrenchSchedule_.due(now, number, obstacleWrenches_.subscribers())) {
+    obstacleWrenches_.send(*observation.snapshot, header_.stamp, nodeName_);
   }
   if (frameSchedule_.due(now, number, frame_.getNumSubscribers())) sendFrame(observation);
   if (compactFrameSchedule_.due(now, number, compactFrame_.getNumSubscribers())) {
@@ -265,21 +272,23 @@ void Publishers::sendState(const Observation& observation) {
 
 /// Sends the frame of the scene, at the world frame, so that tf knows the world without clamps too.
 void Publishers::sendSceneFrame() {
-  if (nodeName_ == parameters_.worldFrame) return;
-  geometry_msgs::TransformStamped transform;
-  transform.header.stamp = ros::Time::now();
-  transform.header.frame_id = parameters_.worldFrame;
-  transform.child_frame_id = nodeName_;
-  transform.transform.rotation.w = 1.0;
-  staticBroadcaster_.sendTransform(transform);
+  const std::string frame = sceneFrameId(nodeName_);
+  if (frame == parameters_.worldFrame) return;
+  staticBroadcaster_.sendTransform(
+      toTransform(Pose(), ros::Time::now(), parameters_.worldFrame, frame));
 }
 
-void Publishers::sendClamps(const Observation& observation) {
-  const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
+/// Sends the frames of clamps and obstacles.
+void Publishers::sendTransforms(const Snapshot& snapshot) {
   std::vector<geometry_msgs::TransformStamped> transforms;
-  for (const ClampSnapshot& clamp : clamps) {
-    transforms.push_back(toTransform(clamp, header_.stamp, parameters_.worldFrame,
-                                     clampFrameId(nodeName_, clamp.name)));
+  const auto add = [&](const Pose& pose, const std::string& frame) {
+    transforms.push_back(toTransform(pose, header_.stamp, parameters_.worldFrame, frame));
+  };
+  for (const ClampSnapshot& clamp : snapshot.clamps) {
+    add(clamp.pose, clampFrameId(nodeName_, clamp.name));
+  }
+  for (const Obstacle& obstacle : snapshot.obstacles) {
+    add(obstacle.pose, obstacleFrameId(nodeName_, obstacle.name));
   }
   // While simulated time stands still, the same stamp again would make every listener warn.
   if (transforms.empty() || header_.stamp == sentTransforms_) return;

@@ -18,6 +18,7 @@
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/markers.h"
 #include "obstacle_trackers.h"
+#include "obstacle_wrenches.h"
 #include "parameters.h"
 #include "robot_trackers.h"
 #include "simulation_thread.h"
@@ -70,7 +71,7 @@ class Publishers {
   void sendPhase(const Observation& observation);
   void sendState(const Observation& observation);
   void sendSceneFrame();
-  void sendClamps(const Observation& observation);
+  void sendTransforms(const Snapshot& snapshot);
   void sendFrame(const Observation& observation);
   void sendCompactFrame(const Observation& observation);
   void sendSurfaces(const Observation& observation, Clock::time_point now);
@@ -103,6 +104,7 @@ class Publishers {
   ros::Publisher contacts_;
   ros::Publisher points_;
   ros::Publisher mesh_;
+  ObstacleWrenches obstacleWrenches_;
   tf2_ros::TransformBroadcaster broadcaster_;
   tf2_ros::StaticTransformBroadcaster staticBroadcaster_;
   diagnostic_updater::Updater updater_;
@@ -115,6 +117,7 @@ class Publishers {
   Schedule transformsSchedule_;
   Schedule stateSchedule_;
   Schedule wrenchSchedule_;
+  Schedule obstacleWrenchSchedule_;
   Schedule pointsSchedule_;
   Schedule meshSchedule_;
   MarkerBuilder builder_;

@@ -41,6 +41,7 @@ void Obstacles::guide(const std::string& obstacle, const MovingPose& target) {
 
 void Obstacles::detect(const Model& model, const State& state, double dt) {
   if (colliders_.all().empty()) return;
+  span_ = dt;
   const MotionBounds bounds = motionBounds(state);
   // A particle that rests may be pulled along by the fastest one.
   colliders_.detect(state, bounds, dt, std::max(kContactReach, bounds.speed * dt), contacts_);
@@ -48,9 +49,23 @@ void Obstacles::detect(const Model& model, const State& state, double dt) {
   contacts_.splitByCloth(model.cloths.size(), [&model](VertexId v) { return model.clothOf(v); });
 }
 
+std::vector<Wrench> Obstacles::wrenches(double time) const {
+  const std::vector<Collider>& all = colliders_.all();
+  std::vector<Wrench> wrenches(all.size());
+  if (span_ <= 0.0) return wrenches;
+  for (const ContactCandidates& near : contacts_.candidates) {
+    const auto index = static_cast<std::size_t>(near.collider - all.data());
+    const Vec3 origin = all[index].poseAt(time).position;
+    wrenches[index].force += near.impulse.linear / span_;
+    wrenches[index].torque += (near.impulse.angular - origin.cross(near.impulse.linear)) / span_;
+  }
+  return wrenches;
+}
+
 bool Obstacles::areTouched() const {
-  return std::any_of(contacts_.candidates.begin(), contacts_.candidates.end(),
-                     [](const ContactCandidates& c) { return c.impulse.squaredNorm() > 0.0; });
+  return std::any_of(
+      contacts_.candidates.begin(), contacts_.candidates.end(),
+      [](const ContactCandidates& c) { return c.impulse.linear.squaredNorm() > 0.0; });
 }
 
 bool Obstacles::areStill(double time, double dt) const {

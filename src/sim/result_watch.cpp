@@ -65,7 +65,7 @@ double outerForce(const Model& model, const Controls& controls, const Contacts& 
   for (const Vec3& reaction : report.reactions) sum += reaction.norm();
   for (const PointForce& point : controls.forces) sum += point.force.norm();
   const double step = report.substep * report.substeps;
-  for (const ContactCandidates& near : contacts.candidates) sum += near.impulse.norm() / step;
+  for (const ContactCandidates& near : contacts.candidates) sum += near.impulse.linear.norm() / step;
   if (controls.wind) {
     const Wind& wind = *controls.wind;
     sum += 0.5 * wind.density * wind.dragCoefficient * wind.velocity.squaredNorm() *

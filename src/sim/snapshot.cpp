@@ -57,6 +57,7 @@ void showSurroundings(const SimulationParts& parts, Snapshot& shot) {
     shot.obstacles.push_back(collider.obstacle());
     shot.obstacles.back().pose = collider.poseAt(parts.time());
   }
+  shot.obstacleWrenches = parts.obstacles.wrenches(parts.time());
   shot.phase = phaseName(parts.script);
   shot.phaseProgress = parts.script.progressText();
   shot.script = parts.script.status();

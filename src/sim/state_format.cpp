@@ -159,7 +159,7 @@ class StateFormat {
     for (const ContactCandidates& near : obstacles.contacts_.candidates) {
       const auto index = near.collider - obstacles.colliders_.all().data();
       touches.push_back(
-          {static_cast<std::uint64_t>(index), near.cloth, near.vertices, near.impulse});
+          {static_cast<std::uint64_t>(index), near.cloth, near.vertices, near.impulse.linear});
     }
     archive(touches);
     if constexpr (Archive::is_loading::value) setTouches(touches, obstacles);
@@ -176,7 +176,7 @@ class StateFormat {
       }
       ContactCandidates& near = obstacles.contacts_.add(&colliders[touch.collider], touch.cloth);
       near.vertices = std::move(touch.vertices);
-      near.impulse = touch.impulse;
+      near.impulse.linear = touch.impulse;
     }
   }
 };

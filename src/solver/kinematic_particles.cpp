@@ -44,7 +44,7 @@ void KinematicParticles::keepOutOf(const Contacts& contacts, const Controls& con
         near_.push_back(static_cast<VertexId>(k));
       }
     }
-    Vec3 impulse = Vec3::Zero();
+    ContactImpulse impulse;
     candidates.collider->project(near_, view, end, dt, impulse, candidates.cloth);
   }
 }

@@ -321,13 +321,13 @@ TEST(ColliderDetection, KeepsItsMemoryFromStepToStep) {
   set.detect(state, 0.01, 0.0, contacts);
   ASSERT_EQ(contacts.candidates.size(), 1u);
   const VertexId* memory = contacts.candidates[0].vertices.data();
-  contacts.candidates[0].impulse = Vec3::Ones();
+  contacts.candidates[0].impulse.linear = Vec3::Ones();
   set.detect(away, 0.01, 0.0, contacts);
   EXPECT_TRUE(contacts.empty());
   set.detect(state, 0.01, 0.0, contacts);
   ASSERT_EQ(contacts.candidates.size(), 1u);
   EXPECT_EQ(contacts.candidates[0].vertices.data(), memory);
-  EXPECT_EQ(contacts.candidates[0].impulse, Vec3::Zero());
+  EXPECT_EQ(contacts.candidates[0].impulse.linear, Vec3::Zero());
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ TEST_F(WarmContactsTest, RemembersMostOfWhatStoppedAParticle) {
   warm_.enforce(kH, kH, contacts_, particles_);
   EXPECT_NEAR(particles_.x.z[0], 0.0, 1e-15);
   EXPECT_NEAR(accelerations()[0], 0.95 * 1e-3 / (kH * kH), 1e-9);
-  EXPECT_NEAR(contacts_.candidates[0].impulse.z(), -totalMass(model_) * 1e-3 / kH, 1e-12);
+  EXPECT_NEAR(contacts_.candidates[0].impulse.linear.z(), -totalMass(model_) * 1e-3 / kH, 1e-12);
 }
 
 TEST_F(WarmContactsTest, AForceThatTookPartIsNotCountedTwice) {
@@ -71,12 +71,12 @@ TEST_F(WarmContactsTest, AForceThatTookPartIsNotCountedTwice) {
   fall(1e-3);
   warm_.enforce(kH, kH, contacts_, particles_);
   const double carried = accelerations()[0];
-  contacts_.candidates[0].impulse.setZero();
+  contacts_.candidates[0].impulse.linear.setZero();
   fall(1e-3 - kH * kH * carried);  // as much of the fall as it leaves
   warm_.enforce(2.0 * kH, kH, contacts_, particles_);
   EXPECT_NEAR(particles_.x.z[0], 0.0, 1e-15);
   EXPECT_NEAR(accelerations()[0], carried, 1e-9);
-  EXPECT_NEAR(contacts_.candidates[0].impulse.z(), -totalMass(model_) * 1e-3 / kH, 1e-12);
+  EXPECT_NEAR(contacts_.candidates[0].impulse.linear.z(), -totalMass(model_) * 1e-3 / kH, 1e-12);
 }
 
 TEST_F(WarmContactsTest, LetsGoOfAParticleThatLeaves) {

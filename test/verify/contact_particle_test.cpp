@@ -342,7 +342,7 @@ TEST(ContactOverlap, OneThatLeavesBySelfIsLeftAlone) {
   Contacts contacts = contactsWith(collider);
   const Vec3 end(0.0, 0.0, 0.12);
   EXPECT_EQ(projected(contacts, Vec3(0.0, 0.0, 0.05), end, 0.01, 0.01, 0.01), end);
-  EXPECT_EQ(contacts.candidates[0].impulse, Vec3::Zero());
+  EXPECT_EQ(contacts.candidates[0].impulse.linear, Vec3::Zero());
 }
 
 TEST(ContactImpulse, OfAParticleAtRestIsItsWeight) {
@@ -353,10 +353,10 @@ TEST(ContactImpulse, OfAParticleAtRestIsItsWeight) {
     particle.x = 0.001 * plane.normal(Vec3::Zero(), 0.0);
     const double h = 1.0 / 600.0;
     substep(particle, contacts, h);
-    contacts.candidates[0].impulse.setZero();
+    contacts.candidates[0].impulse.linear.setZero();
     for (int k = 0; k < 600; ++k) substep(particle, contacts, h);
     const Vec3 weight(0.0, 0.0, -particle.mass * kGravity);
-    EXPECT_LT((contacts.candidates[0].impulse - weight * 1.0).norm(), 1e-12);
+    EXPECT_LT((contacts.candidates[0].impulse.linear - weight * 1.0).norm(), 1e-12);
   }
 }
 
@@ -368,8 +368,9 @@ TEST(ContactImpulse, OfAnImpactIsTheMomentumLost) {
   particle.v = Vec3(1.0, 2.0, -5.0);
   const Vec3 before = particle.mass * particle.v;
   for (int k = 0; k < 600; ++k) substep(particle, contacts, 1.0 / 600.0, Vec3::Zero());
-  EXPECT_LT((contacts.candidates[0].impulse + particle.mass * particle.v - before).norm(), 1e-12);
-  EXPECT_GT(contacts.candidates[0].impulse.norm(), 0.01);
+  EXPECT_LT((contacts.candidates[0].impulse.linear + particle.mass * particle.v - before).norm(),
+            1e-12);
+  EXPECT_GT(contacts.candidates[0].impulse.linear.norm(), 0.01);
 }
 
 TEST(ContactPrescribed, IsPushedOutFullyWithoutFrictionOrImpulse) {
@@ -385,7 +386,7 @@ TEST(ContactPrescribed, IsPushedOutFullyWithoutFrictionOrImpulse) {
   // From outside, at the surface.
   end = projected(contacts, Vec3(0.0, 0.0, 0.2), Vec3(0.0, 0.0, -0.5), 0.0, h, h);
   EXPECT_LT((end - Vec3(0.0, 0.0, 0.1)).norm(), 1e-12);
-  EXPECT_EQ(contacts.candidates[0].impulse, Vec3::Zero());
+  EXPECT_EQ(contacts.candidates[0].impulse.linear, Vec3::Zero());
 }
 
 TEST(ContactView, FindsParticlesThroughTheirSlots) {
@@ -429,7 +430,7 @@ std::pair<std::vector<double>, Vec3> projectedOn(int threads) {
   ThreadPool pool;
   const ThreadPool::ParallelRegion region(pool);
   for (int again = 0; again < 5; ++again) contacts.project(view, 0.01, 0.01);
-  return {x, contacts.candidates[0].impulse};
+  return {x, contacts.candidates[0].impulse.linear};
 }
 
 TEST(ContactView, IsTheSameOnAnyNumberOfThreads) {

@@ -39,7 +39,8 @@ void run(Simulation& simulation, double seconds) {
 
 double borne(const Simulation& simulation) {
   double force = 0.0;
-  for (const ContactCandidates& near : simulation.contacts().candidates) force += near.impulse.z();
+  for (const ContactCandidates& near : simulation.contacts().candidates)
+    force += near.impulse.linear.z();
   return -force * 60.0;
 }
 

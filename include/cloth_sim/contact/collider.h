@@ -78,10 +78,10 @@ class Collider {
   void collect(const State& state, double dt, double reach, std::vector<VertexId>& out) const;
 
   /// Moves particles out of the collider; see Contacts::project. Adds the impulse that the
-  /// particles give the collider to `impulse` [N s].
+  /// particles give the collider to `impulse`.
   /// \param cloth  the cloth that all of the vertices belong to.
   void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
-               double h, Vec3& impulse, std::size_t cloth = 0) const;
+               double h, ContactImpulse& impulse, std::size_t cloth = 0) const;
 
  private:
   friend class ColliderSet;

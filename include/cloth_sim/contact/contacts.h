@@ -30,13 +30,18 @@ struct ParticleView {
   Vec3 startAt(std::int32_t slot) const { return {startX[slot], startY[slot], startZ[slot]}; }
 };
 
+/// Linear and angular impulse of particles on a collider.
+struct ContactImpulse {
+  Vec3 linear = Vec3::Zero();   ///< [N s]
+  Vec3 angular = Vec3::Zero();  ///< about the origin of the world [N m s]
+};
+
 /// The particles of one cloth that can touch one collider during one step.
 struct ContactCandidates {
   const Collider* collider = nullptr;
   std::size_t cloth = 0;
   std::vector<VertexId> vertices;  ///< ascending
-  /// Impulse that the cloth has given the collider since detection [N s].
-  Vec3 impulse = Vec3::Zero();
+  ContactImpulse impulse;          ///< that the cloth has given the collider since detection
 };
 
 /// Speed limit for pushing out a particle that starts a substep inside a collider [m/s]. It bounds

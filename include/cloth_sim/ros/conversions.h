@@ -43,6 +43,15 @@ geometry_msgs::Wrench clampFrameWrench(const ClampSnapshot& clamp, const Wrench&
 
 /// Returns the tf frame of a clamp: "cloth/clamp_left" for the clamp "left" of the node "/cloth".
 std::string clampFrameId(const std::string& nodeName, const std::string& clamp);
+/// Returns the tf frame of an obstacle: "cloth/obstacle_ball" for the obstacle "ball".
+std::string obstacleFrameId(const std::string& nodeName, const std::string& obstacle);
+/// Returns the tf frame of the scene of a node: "cloth" for the node "/cloth".
+std::string sceneFrameId(const std::string& nodeName);
+
+/// Returns the wrench of the cloth on an obstacle, in the frame of the obstacle [N, N m].
+/// \param worldAxes  the wrench about the origin of the obstacle, in the axes of the world.
+geometry_msgs::WrenchStamped toWrenchMessage(const Obstacle& obstacle, const Wrench& worldAxes,
+                                             const ros::Time& stamp, const std::string& nodeName);
 
 ClothTopology toTopologyMessage(const Topology& topology, const std_msgs::Header& header);
 /// Fills `message`; its buffer is reused.
@@ -55,7 +64,7 @@ ClothCommand toCommandMessage(const CommandRecord& record, const std_msgs::Heade
 PhaseInfo toPhaseInfo(const PhaseRecord& record);
 GraspEvent toGraspEventMessage(const GripEvent& event, const std_msgs::Header& header);
 TearEvents toEventsMessage(const std::vector<FailureEvent>& events, const std_msgs::Header& header);
-geometry_msgs::TransformStamped toTransform(const ClampSnapshot& clamp, const ros::Time& stamp,
+geometry_msgs::TransformStamped toTransform(const Pose& pose, const ros::Time& stamp,
                                             const std::string& world, const std::string& frame);
 
 /// The positions of failed springs since the start or the last reset.

@@ -1,6 +1,7 @@
 #pragma once
 /// \file The obstacles of a simulation: where they are, what guides them, and the cloth's contacts.
 
+#include "cloth_sim/clamp/clamp.h"
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/sim/obstacle_guides.h"
 
@@ -35,6 +36,11 @@ class Obstacles {
   /// Finds the particles that may touch an obstacle before `state.t + dt`.
   void detect(const Model& model, const State& state, double dt);
 
+  /// Returns the wrench of the cloth on each obstacle: the mean over the last step, or over its
+  /// last part if the step was divided; about the origin of the obstacle at `time` [s], in the axes
+  /// of the world. Zero before the first step, and after a state was loaded.
+  std::vector<Wrench> wrenches(double time) const;
+
   /// Whether some particle pushed at an obstacle in the last step.
   bool areTouched() const;
   /// Whether no obstacle moves by more than round-off in a step of `dt` [s].
@@ -49,6 +55,7 @@ class Obstacles {
   ColliderSet colliders_;
   ObstacleGuides guides_;
   Contacts contacts_;
+  double span_ = 0.0;  ///< time for which contacts were detected last [s]
 };
 
 }  // namespace cloth_sim

@@ -95,9 +95,10 @@ struct Snapshot {
   std::shared_ptr<const Topology> topology;
   std::vector<Vec3> positions;  ///< by vertex [m]
   std::vector<ClampSnapshot> clamps;
-  std::vector<Obstacle> obstacles;  ///< with their pose now
-  std::string phase;                ///< current or last phase; "" without a script
-  std::string phaseProgress;        ///< its number and what ends it, for people
+  std::vector<Obstacle> obstacles;       ///< with their pose now
+  std::vector<Wrench> obstacleWrenches;  ///< of the cloth, by obstacle; see Obstacles::wrenches
+  std::string phase;                     ///< current or last phase; "" without a script
+  std::string phaseProgress;             ///< its number and what ends it, for people
   ScriptStatus script = ScriptStatus::kIdle;
   int particles = 0;
   int faces = 0;
