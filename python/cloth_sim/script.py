@@ -12,7 +12,6 @@ class View:
 
     points: positions [m] of the task's grid of material places, shape (columns, rows, 3)
     positions, turns: of each clamp by its name, [m] and [x, y, z, w]
-    forces: of the cloth on each clamp, norms [N]
     blade: position [m], or None
     time: since the start of the episode [s]
     """
@@ -24,7 +23,6 @@ class View:
         clamps = observation[count:count + 12 * len(task.clamps)].reshape(-1, 12)
         self.positions = {name: row[:3] for name, row in zip(task.clamps, clamps)}
         self.turns = {name: row[3:7] for name, row in zip(task.clamps, clamps)}
-        self.forces = {name: np.linalg.norm(row[9:]) for name, row in zip(task.clamps, clamps)}
         self.blade = observation[-4:-1] if task.blade is not None else None
         self.time = observation[-1]
 

@@ -81,7 +81,7 @@ def join_ros():
     if not rosgraph.is_master_online():
         start_master()
     if not rospy.core.is_initialized():
-        rospy.init_node('cloth_env', anonymous=True, disable_signals=True)
+        rospy.init_node('cloth_client', anonymous=True, disable_signals=True)
 
 
 def start_master():
@@ -146,7 +146,7 @@ class Session:
         node = node or find_program('cloth_node')
         join_ros()
         self._name = '/cloth_env_%d_%d' % (os.getpid(), next(self._numbers))
-        self._folder = tempfile.mkdtemp(prefix='cloth_sim_env')
+        self._folder = tempfile.TemporaryDirectory(prefix='cloth_sim_env')
         self._changed = threading.Condition()
         self._frame, self._topologies = None, {}
         self._proxies, self._subscribers, self._program = {}, [], None
@@ -159,14 +159,14 @@ class Session:
     def _start(self, node, scene, overrides, threads):
         for key, value in (('scene', scene), ('set', overrides), ('paused', True),
                            ('real_time_factor', 0.0), ('threads', threads),
-                           ('rate_frame', 1000.0), ('state_directory', self._folder)):
+                           ('rate_frame', 1000.0), ('state_directory', self._folder.name)):
             rospy.set_param(self._name + '/' + key, value)
         for topic, kind, take in (('topology', msg.ClothTopology, self._take_topology),
                                   ('frame', msg.ClothFrame, self._take_frame)):
             self._subscribers.append(rospy.Subscriber(self._name + '/' + topic, kind, take,
                                                       tcp_nodelay=True))
         self._program = Program([node, '__name:=' + self._name[1:]],
-                                os.path.join(self._folder, 'node.log'))
+                                os.path.join(self._folder.name, 'node.log'))
         last = self._name + '/get_state'
         wait_until(lambda: has_service(last), self._program, 'the node')
         for name, kind in SERVICES.items():
@@ -242,8 +242,8 @@ class Session:
         if self._program is not None:
             self._program.end()
             self._program = None
-        if os.path.isdir(self._folder):
-            shutil.rmtree(self._folder)
+        if os.path.isdir(self._folder.name):
+            self._folder.cleanup()
             if rospy.has_param(self._name):
                 rospy.delete_param(self._name)
 

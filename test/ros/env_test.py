@@ -99,6 +99,25 @@ class EnvTest(unittest.TestCase):
         with coarse('fold_in_half', threads=2) as env:
             self.assertEqual(roll_out(env, 5), first)
 
+    def test_a_cut_of_one_episode_is_not_seen_in_the_next(self):
+        def cut(env, along):
+            """The surface after a cut across the middle of the cloth."""
+            env.reset(seed=0)
+            middle = env.surface.points.mean(axis=0) - env.task.blade
+            for velocity, pressure in ((middle - 0.1 * along, -1), (0.2 * along, 1)):
+                for _ in range(8):
+                    env.step(np.append(velocity / (8 * env.period), pressure))
+            return env.surface
+        x, y = np.eye(3)[:2]
+        with coarse('cut_strip') as env:
+            cut(env, x)
+            after_another = cut(env, y)
+        with coarse('cut_strip') as env:
+            first = cut(env, y)
+        self.assertGreater(len(first.torn), 0)
+        for name in ('points', 'faces', 'uv', 'torn'):
+            np.testing.assert_array_equal(getattr(after_another, name), getattr(first, name))
+
     def test_seeds_that_are_not_given_follow_from_the_last_one(self):
         starts = []
         with coarse('cut_strip') as env:

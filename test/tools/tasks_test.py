@@ -241,10 +241,10 @@ class ClothTasksTest(ScratchTest):
             self.assertEqual(json.load(file)['policy'], POLICY + ':make')
 
     def test_nothing_is_left_of_an_interrupted_run(self):
-        """Neither a table nor a node: the nodes end with the programs that started them."""
+        """Neither a table, nor a node, nor a folder."""
         before = processes('cloth_env_')
         with subprocess.Popen([CLOTH_TASKS, '--task=fold_in_half', '--out', self.path('out')],
-                              stderr=subprocess.PIPE, text=True, env=ENVIRONMENT) as run:
+                              stderr=subprocess.PIPE, text=True, env=self.own_folder()) as run:
             self.wait_for(lambda: processes('cloth_env_') - before)
             started = processes('cloth_env_') - before
             run.send_signal(signal.SIGTERM)
@@ -252,16 +252,21 @@ class ClothTasksTest(ScratchTest):
         self.assertEqual(run.returncode, 1)
         self.assertIn('cloth_tasks: interrupted', said)
         self.assertEqual(os.listdir(self.path('out')), [])
+        self.assertEqual(os.listdir(self.folder.name), ['out'])
         self.wait_for(lambda: not processes('cloth_env_') & started)
 
     def test_a_node_ends_with_a_program_that_is_killed(self):
         before = processes('cloth_env_')
         program = [sys.executable, '-m', 'cloth_sim.episode', 'fold_in_half', '0']
-        with subprocess.Popen(program, env=ENVIRONMENT) as run:
+        with subprocess.Popen(program, env=self.own_folder()) as run:
             self.wait_for(lambda: processes('cloth_env_') - before)
             started = processes('cloth_env_') - before
             run.kill()
         self.wait_for(lambda: not processes('cloth_env_') & started)
+
+    def own_folder(self):
+        """An environment in which temporary files go into the folder of the test."""
+        return {**ENVIRONMENT, 'TMPDIR': self.folder.name}
 
     def wait_for(self, holds, deadline=60.0):
         end = time.monotonic() + deadline

@@ -9,7 +9,7 @@ LEVEL = 0.002  # of the middle of a clamp that holds cloth on the table [m]
 
 
 class Fold(Task):
-    """Some border points of the towel shall lie above others."""
+    """A fold: points of the border shall come to lie above others."""
 
     scene = 'towel.yaml'
     size = 0.48, 0.32
@@ -88,7 +88,6 @@ def fold_over_u(script, width):
 
 def fold_over_v(script, height):
     """Carries both layers of the towel, folded over u, over v."""
-    along, across, level = script.view.axes()
     low = (script.view.corner(0, 1) + script.view.corner(1, 1)) / 2
     high = script.view.points[len(script.view.points) // 2, -1]  # on the fold
     along = high - low
