@@ -7,7 +7,7 @@ if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
 endif()
 
 add_custom_target(fuzzers)
-foreach(name state scene obj stroke command)
+foreach(name state scene obj surface stroke command)
   add_executable(fuzz_${name} EXCLUDE_FROM_ALL
     test/fuzz/libfuzzer/libfuzzer_main.cpp test/fuzz/fuzz_targets.cpp)
   cloth_sim_compile_options(fuzz_${name})

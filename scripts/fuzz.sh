@@ -6,10 +6,11 @@ usage() {
 usage: scripts/fuzz.sh [--seconds N] [TARGET]...
 
 Feeds the program with bytes that libFuzzer changes until they reach new branches, with the address
-and undefined-behaviour sanitizers: saved states (state), scenes (scene), meshes (obj), strokes of a
-blade (stroke) and commands of bags (command); all of them if none is named. It builds with clang in a
-workspace of its own, .ws-fuzz. What reached new branches is kept there from run to run; what did harm
-is in .ws-fuzz/found/TARGET, to be mended and then kept in test/fuzz/corpus/TARGET.
+and undefined-behaviour sanitizers: saved states (state), scenes (scene), meshes of cloth (obj) and
+of obstacles (surface), strokes of a blade (stroke) and commands of bags (command); all of them if
+none is named. It builds with clang in a workspace of its own, .ws-fuzz. What reached new branches is
+kept there from run to run; what did harm is in .ws-fuzz/found/TARGET, to be mended and then kept in
+test/fuzz/corpus/TARGET.
 
   --seconds N   for each target (default: 60; for a night: 3600)
   -h, --help    this text
@@ -18,7 +19,7 @@ Prints a line for each target; the exit status is 0 only if nothing did harm.
 USAGE
 }
 
-readonly all_targets=(state scene obj stroke command)
+readonly all_targets=(state scene obj surface stroke command)
 seconds=60
 targets=()
 while [[ $# -gt 0 ]]; do

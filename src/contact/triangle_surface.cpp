@@ -18,6 +18,7 @@ namespace {
 constexpr std::int32_t kLeaf = 4;       ///< most triangles of a leaf
 constexpr std::size_t kDeepest = 64;    ///< of the hierarchy, which halves the triangles
 constexpr double kNoDistance = 1e-12;   ///< below which round-off decides a direction [m]
+constexpr double kCancelled = 1e-9;     ///< size of a sum of unit vectors that cancel
 constexpr double kPushRoundOff = 1e-13; /**< pushes below it are round-off [m] */
 
 Vec3 areaNormalOf(const std::vector<Vec3>& x, const TriangleSurface::Triangle& t) {
@@ -361,9 +362,12 @@ double TriangleSurface::distance(const Vec3& p, Vec3& normal) const {
   const Vec3 away = p - at.point;
   const bool isInside = isClosed_ && away.dot(pseudonormal(at)) < 0.0;
   const double sign = isInside ? -1.0 : 1.0;
-  normal = at.distance > kNoDistance ? Vec3(sign / at.distance * away)
-           : isClosed_               ? pseudonormal(at).normalized()
-                                     : flats_[at.triangle].normal;
+  if (at.distance > kNoDistance) {
+    normal = sign / at.distance * away;
+  } else {  // where two triangles of a closed surface lie on each other, their normals cancel
+    const Vec3 sum = isClosed_ ? pseudonormal(at) : Vec3(Vec3::Zero());
+    normal = sum.norm() > kCancelled ? Vec3(sum.normalized()) : flats_[at.triangle].normal;
+  }
   return sign * at.distance;
 }
 

@@ -8,12 +8,14 @@
 #include <tf2_ros/transform_listener.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "actions.h"
@@ -38,14 +40,40 @@ namespace cloth_sim {
 namespace {
 
 constexpr int kBadInput = 2;
-constexpr int kStepCutShort = 1;
-constexpr std::chrono::milliseconds kStopWithin{500};  ///< from a signal to the end of the step
+constexpr int kEditCutShort = 1;
+constexpr std::chrono::milliseconds kStopWithin{500};  ///< from a signal to the end of an edit
+constexpr std::chrono::milliseconds kLoadingPoll{20};
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not block other services
 
 /// Ends the node on SIGTERM as ROS does on SIGINT, so that `kill` is as clean as Ctrl-C.
 void onTerminate(int /*signal*/) { ros::requestShutdown(); }
 
-/// Ends the process if the step that is under way does not let it end in time.
+/// Ends the process if ROS shuts down while the scene is being loaded and built, which nothing can
+/// stop. There is nothing to lose yet.
+class LoadingWatch {
+ public:
+  LoadingWatch() : thread_([this] { watch(); }) {}
+  ~LoadingWatch() {
+    isLoaded_ = true;
+    thread_.join();
+  }
+  LoadingWatch(const LoadingWatch&) = delete;
+  LoadingWatch& operator=(const LoadingWatch&) = delete;
+
+ private:
+  void watch() const {
+    while (!isLoaded_) {
+      if (!ros::ok() && !ros::isStarted()) std::_Exit(0);  // it has told the master
+      std::this_thread::sleep_for(kLoadingPoll);
+    }
+  }
+
+  std::atomic<bool> isLoaded_{false};
+  std::thread thread_;  // last: starts when everything above is there
+};
+
+/// Ends the process if a cut or another edit that is under way does not let it end in time. (Steps
+/// are stopped.)
 class ShutdownDeadline {
  public:
   explicit ShutdownDeadline(std::chrono::milliseconds allowed)
@@ -65,9 +93,9 @@ class ShutdownDeadline {
   void await(std::chrono::milliseconds allowed) {
     std::unique_lock<std::mutex> lock(mutex_);
     if (changed_.wait_for(lock, allowed, [this] { return met_; })) return;
-    std::cerr << "cloth_node: the step under way took too long; ended in the middle of it"
+    std::cerr << "cloth_node: the edit under way took too long; ended in the middle of it"
               << std::endl;
-    std::_Exit(kStepCutShort);
+    std::_Exit(kEditCutShort);
   }
 
   std::mutex mutex_;
@@ -205,6 +233,7 @@ int runNode(int argc, char** argv) {
     reportOutputErrors();
     ros::NodeHandle handle;
     ros::NodeHandle privateHandle("~");
+    std::optional<LoadingWatch> loading(std::in_place);
     const NodeParameters parameters = readParameters(privateHandle);
     const Robot robot = loadRobot(handle, parameters);
     const Scene scene = loadNodeScene(parameters, robot);
@@ -212,6 +241,7 @@ int runNode(int argc, char** argv) {
     Node node(handle, privateHandle, parameters, scene, robot);
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
+    loading.reset();
     ros::waitForShutdown();
     const ShutdownDeadline deadline(kStopWithin);
     node.stop();

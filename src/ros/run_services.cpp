@@ -51,16 +51,16 @@ void advertiseRunServices(Services& services) {
   services.advertise<StartPhase>("set_phase", [&services](const auto& request, auto& reply) {
     services.execute(SetPhase{request.phase}, "phase " + request.phase + " has begun", reply);
   });
-  services.advertise<Pause>("pause", [&services](const auto& request, auto& reply) {
+  services.advertisePrompt<Pause>("pause", [&services](const auto& request, auto& reply) {
     pause(request, reply, services.simulation());
   });
   services.advertise<Step>("step", [&services](const auto& request, auto& reply) {
     step(request, reply, services.simulation());
   });
-  services.advertise<SetRealTimeFactor>("set_real_time_factor",
-                                        [&services](const auto& request, auto& reply) {
-                                          setRealTimeFactor(request, reply, services.simulation());
-                                        });
+  services.advertisePrompt<SetRealTimeFactor>(
+      "set_real_time_factor", [&services](const auto& request, auto& reply) {
+        setRealTimeFactor(request, reply, services.simulation());
+      });
   services.advertise<ResetScene>("reset", [&services](const auto& request, auto& reply) {
     services.execute(services.checker().reset(request.scope), "reset", reply);
   });

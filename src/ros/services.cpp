@@ -6,6 +6,7 @@ namespace cloth_sim {
 namespace {
 
 constexpr std::chrono::milliseconds kTimeout{5000};  ///< for a command between two steps
+constexpr int kPromptThreads = 2;  ///< each may wait some 50 ms for the figures of ~get_state
 
 }  // namespace
 
@@ -16,11 +17,15 @@ Services::Services(ros::NodeHandle& privateNode, SceneFacts facts, const Request
       states_(facts_.stateDirectory),
       checker_(checker),
       simulation_(simulation),
-      clamps_(clamps) {
+      clamps_(clamps),
+      promptNode_(privateNode),
+      promptSpinner_(kPromptThreads, &promptQueue_) {
+  promptNode_.setCallbackQueue(&promptQueue_);
   advertiseClampServices(*this);
   advertiseMeshServices(*this);
   advertiseRunServices(*this);
   advertiseStateServices(*this);
+  promptSpinner_.start();
 }
 
 CommandResult Services::execute(const Request& request) {

@@ -4,8 +4,10 @@
 /// Each family of services is a file of its own with a function `advertise...Services`. A new
 /// service is a .srv file and a handler in one of them; a new family is a row in services.cpp.
 
+#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/service_server.h>
+#include <ros/spinner.h>
 
 #include <vector>
 
@@ -45,12 +47,19 @@ class Services {
   template <typename Service, typename Handler>
   void advertise(const std::string& name, Handler handler);
 
+  /// Advertises a service whose handler does not wait for the simulation, or hardly: threads of its
+  /// own answer it, also while requests that wait hold all others.
+  template <typename Service, typename Handler>
+  void advertisePrompt(const std::string& name, Handler handler);
+
   /// Has the command carried out and waits for it, or passes on why there is none.
   /// \param done  message of success, where the command itself has none.
   template <typename Reply>
   void execute(const Request& request, const std::string& done, Reply& reply);
 
  private:
+  template <typename Service, typename Handler>
+  void advertiseAt(ros::NodeHandle& node, const std::string& name, Handler handler);
   CommandResult execute(const Request& request);
 
   ros::NodeHandle& node_;
@@ -59,7 +68,10 @@ class Services {
   const RequestChecker& checker_;
   SimulationThread& simulation_;
   ClampPorts& clamps_;
+  ros::CallbackQueue promptQueue_;
+  ros::NodeHandle promptNode_;
   std::vector<ros::ServiceServer> servers_;
+  ros::AsyncSpinner promptSpinner_;  // last: its threads use everything above
 };
 
 void advertiseClampServices(Services& services);  ///< set_clamp_pose, grasp, add_clamp, ...
@@ -69,6 +81,16 @@ void advertiseStateServices(Services& services);  ///< save_state, load_state, g
 
 template <typename Service, typename Handler>
 void Services::advertise(const std::string& name, Handler handler) {
+  advertiseAt<Service>(node_, name, handler);
+}
+
+template <typename Service, typename Handler>
+void Services::advertisePrompt(const std::string& name, Handler handler) {
+  advertiseAt<Service>(promptNode_, name, handler);
+}
+
+template <typename Service, typename Handler>
+void Services::advertiseAt(ros::NodeHandle& node, const std::string& name, Handler handler) {
   using Arguments = typename Service::Request;
   using Reply = typename Service::Response;
   const boost::function<bool(Arguments&, Reply&)> callback = [handler](Arguments& request,
@@ -76,7 +98,7 @@ void Services::advertise(const std::string& name, Handler handler) {
     handler(request, reply);
     return true;
   };
-  servers_.push_back(node_.advertiseService<Arguments, Reply>(name, callback));
+  servers_.push_back(node.advertiseService<Arguments, Reply>(name, callback));
 }
 
 template <typename Reply>

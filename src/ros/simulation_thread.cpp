@@ -26,6 +26,7 @@ SimulationThread::SimulationThread(Scene scene, const RunSettings& settings)
       settings_(settings),
       realTimeFactorAsked_(settings.realTimeFactor),
       paused_(settings.paused) {
+  simulation_.stopWhen(stopsStep_);
   publish();
   tellTime();
   meter_.restart(simulation_.time());
@@ -39,6 +40,7 @@ void SimulationThread::stop() {
     const std::lock_guard<std::mutex> lock(requestMutex_);
     stopping_ = true;
   }
+  stopsStep_ = true;
   requestsArrived_.notify_all();
   if (thread_.joinable()) thread_.join();
 }
@@ -351,6 +353,7 @@ void SimulationThread::stepOnce() {
   if (jobs_.empty()) keepPace(start);
   const double cpuStart = threadCpuTime();
   simulation_.step();
+  if (stopsStep_) return;
   meter_.addStep(simulation_.time(), Clock::now() - start, threadCpuTime() - cpuStart);
   unseen_ = true;
   tellTime();

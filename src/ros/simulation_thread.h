@@ -58,7 +58,7 @@ class SimulationThread {
   SimulationThread(const SimulationThread&) = delete;
   SimulationThread& operator=(const SimulationThread&) = delete;
 
-  /// Stops the thread after the current step, and answers everybody who waits. Called by the
+  /// Stops the thread, even within a step, and answers everybody who waits. Called by the
   /// destructor; may be called before.
   void stop();
 
@@ -195,6 +195,7 @@ class SimulationThread {
   bool failureShown_ = false;
   bool unseen_ = false;  ///< whether a step has been made since the last observation
 
+  StopFlag stopsStep_{false};  ///< ends the step under way
   std::atomic<double> observationRate_{30.0};
   std::atomic<double> figureRate_{30.0};
   std::atomic<bool> contactsWanted_{false};

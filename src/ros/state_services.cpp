@@ -79,9 +79,9 @@ void advertiseStateServices(Services& services) {
   services.advertise<LoadState>("load_state", [&services](const auto& request, auto& reply) {
     loadState(request, reply, services);
   });
-  services.advertise<GetState>("get_state", [&services](const auto& /*request*/, auto& reply) {
-    getState(reply, services);
-  });
+  services.advertisePrompt<GetState>(
+      "get_state",
+      [&services](const auto& /*request*/, auto& reply) { getState(reply, services); });
 }
 
 }  // namespace cloth_sim

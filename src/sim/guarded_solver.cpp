@@ -27,33 +27,34 @@ void gatherControls(const SteppedCloth& cloth) {
 GuardedSolver::GuardedSolver(const SolverSpec& spec, const Model& model, const State& state)
     : solver_(makeSolver(spec, model, state)), watch_(spec, solver_->substeps()) {}
 
-bool GuardedSolver::advance(const StepLength& length, const SteppedCloth& cloth) {
+StepStatus GuardedSolver::advance(const StepLength& length, const SteppedCloth& cloth) {
   gatherControls(cloth);
   if (mayTakeBack(cloth)) copyState(cloth.state, start_);
   watch_.begin(cloth.model, cloth.state, cloth.controls, cloth.obstacles.colliders(),
                length.left());
   for (int factor = 1; factor <= watch_.maxSubstepFactor(); factor *= 2) {
     if (factor > 1) watch_.noteRedone(cloth.state.t, factor);
-    if (attempt({length.dt, factor * length.substepFactor, length.done}, cloth)) {
-      watch_.accept();
-      return true;
-    }
+    const StepStatus status =
+        attempt({length.dt, factor * length.substepFactor, length.done, length.stop}, cloth);
+    if (status == StepStatus::kOk) watch_.accept();
+    if (status != StepStatus::kDiverged) return status;
     takeBack(cloth);
   }
-  return false;
+  return StepStatus::kDiverged;
 }
 
 /// Solves once, and again for as long as clamps begin to slip: at least one more each time, so it
-/// ends.
-bool GuardedSolver::attempt(const StepLength& length, const SteppedCloth& cloth) {
+/// ends. A jump of the energy counts as divergence.
+StepStatus GuardedSolver::attempt(const StepLength& length, const SteppedCloth& cloth) {
   while (true) {
     cloth.obstacles.detect(cloth.model, cloth.state, length.left());
     cloth.obstacles.contacts().layers = cloth.layers;
     if (cloth.layers != nullptr) cloth.layers->beginStep();
     report_ =
         solver_->step(cloth.model, cloth.state, cloth.controls, cloth.obstacles.contacts(), length);
-    if (!watch_.endedWell(cloth.model, cloth.state, report_.status)) return false;
-    if (!cloth.holders.yield(cloth.controls, report_)) return true;
+    if (report_.status == StepStatus::kStopped) return report_.status;
+    if (!watch_.endedWell(cloth.model, cloth.state, report_.status)) return StepStatus::kDiverged;
+    if (!cloth.holders.yield(cloth.controls, report_)) return StepStatus::kOk;
     takeBack(cloth);
     gatherControls(cloth);
   }

@@ -70,6 +70,16 @@ bool Holders::remove(const std::string& clamp) {
   return true;
 }
 
+void Holders::remember() {
+  clampsBefore_ = clamps_;
+  dragBefore_ = drag_;
+}
+
+void Holders::takeBack() {
+  clamps_ = clampsBefore_;
+  drag_ = dragBefore_;
+}
+
 void Holders::advance(const Model& model, const State& state, double dt) {
   for (Clamp& clamp : clamps_) {
     clamp.clearWrench();

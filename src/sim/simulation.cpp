@@ -49,10 +49,12 @@ void Simulation::step() {
   if (isAsleep()) return sleepThrough();
   const ThreadPool::ParallelRegion region(pool_);
   const int brokenBefore = broken().total;
+  parts_.holders.remember();
   parts_.holders.advance(model(), state(), parts_.dt());
   parts_.obstacles.steer(time(), parts_.dt());
-  for (double done = 0.0; done < 1.0 && !failed();) done = solveFrom(done);
-  if (failed()) return;
+  std::optional<double> done = 0.0;
+  while (done && *done < 1.0) done = solveFrom(*done);
+  if (!done) return;
   parts_.holders.holdBack(state(), parts_.dt(), parts_.layers.get());
   parts_.holders.recordGripEvents(model(), state(), colliders(), parts_.layers.get());
   ++parts_.stepCount;
@@ -70,17 +72,18 @@ void Simulation::sleepThrough() {
 
 /// Solves the rest of a step, or the part of it until springs fail, and tears the cloth there.
 /// \param done  fraction of the step that has passed.
-/// \return the fraction that has passed now.
-double Simulation::solveFrom(double done) {
+/// \return the fraction that has passed now; nothing if the simulation has failed or was stopped.
+std::optional<double> Simulation::solveFrom(double done) {
   const double dt = parts_.dt();
-  if (!parts_.solver.advance({dt, 1.0, done}, parts_.steppedCloth())) {
-    parts_.failure = describeDivergence(parts_);
-    return done;
-  }
+  const StepStatus status = parts_.solver.advance({dt, 1.0, done, stop_}, parts_.steppedCloth());
+  if (status == StepStatus::kDiverged) parts_.failure = describeDivergence(parts_);
+  if (status == StepStatus::kStopped && done == 0.0) parts_.holders.takeBack();
+  if (status != StepStatus::kOk) return std::nullopt;
   const StepReport& report = lastReport();
   const double fraction = report.fraction - done;
   parts_.holders.addReactions(parts_.controls, report, model(), state(), fraction);
   tear(report.passedLimit ? report.substep : fraction * dt);
+  if (failed()) return std::nullopt;
   return report.fraction;
 }
 

@@ -66,7 +66,7 @@ void NewtonStage::solve(Substep& now, const ImplicitStage& stage) {
     now.residual = findResidual(now, stage);
     if (k > 0) ++now.iterations;
     if (now.residual <= tolerance_) return balance(now, stage);
-    if (k == iterations_ || !std::isfinite(now.residual)) return;
+    if (k == iterations_ || !std::isfinite(now.residual) || now.isStopped()) return;
     linearise(now, stage.tau);
     solveLinear(now);
     search(now, stage);
@@ -148,7 +148,8 @@ void NewtonStage::multiply(const SpringConstraints& springs, const VectorArray& 
 void NewtonStage::solveLinear(const Substep& now) {
   solver_.solve([&](const VectorArray& p, VectorArray& q) { multiply(now.springs, p, q); },
                 [&](const VectorArray& r, VectorArray& z) { preconditioner_.apply(r, z); },
-                residual_, kLinearTolerance, kLinearIterations, change_);
+                [&] { return now.isStopped(); }, residual_, {kLinearTolerance, kLinearIterations},
+                change_);
 }
 
 /// Takes the whole change of velocities, or the first half, quarter ... that lowers the potential.

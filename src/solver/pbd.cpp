@@ -25,7 +25,7 @@ class Pbd final : public SubstepMethod {
     now.markStart();
     predict(now);
     now.placeKinematic();
-    for (int pass = 0; pass < passes_; ++pass) {
+    for (int pass = 0; pass < passes_ && !now.isStopped(); ++pass) {
       now.springs.sweep([&](const Element& spring) { relax(spring, now); });
     }
     now.contacts.project(p.view(), now.time, now.h);

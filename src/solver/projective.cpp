@@ -216,7 +216,7 @@ void Projective::advance(Substep& now) {
   now.residual = 0.0;
   for (; k < iterations_; ++k) {
     now.residual = findResidual(now);
-    if (now.residual <= tolerance_) break;
+    if (now.residual <= tolerance_ || now.isStopped()) break;
     moveBySolution(now);
     now.placeKinematic();
   }

@@ -27,6 +27,10 @@ struct Substep {
   int iterations = 0;        ///< of the method, over all substeps
   double residual = 0.0;     ///< of the last substep, as a mean acceleration [m/s^2]
   double addedMass = 0.0;    ///< by which the method makes the cloth heavier, over its mass [-]
+  const StopFlag* stop = nullptr;  ///< of the step; null: it is never stopped
+
+  /// Whether the step is to end now. Its result is thrown away then: iterations need not go on.
+  bool isStopped() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 
   /// Copies positions to `particles.start`.
   void markStart();

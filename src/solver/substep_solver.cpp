@@ -61,11 +61,16 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
   const Division division = divide(length);
   Substep now{model,      controls, contacts, particles_,  springs_,
               kinematic_, force_,   scratch_, windSpeeds_, division.h};
+  now.stop = length.stop;
   particles_.load(state);
   begin(now, state.t + division.dt, division.dt);
   const int done = advance(now, division, state.t);
-  method_->finish(now);
   isNewModel_ = false;
+  if (now.isStopped()) {
+    report_.status = StepStatus::kStopped;
+    return report_;
+  }
+  method_->finish(now);
   report_.iterations = now.iterations;
   report_.residual = now.residual;
   report_.addedMass = now.addedMass;
@@ -107,7 +112,7 @@ void SubstepSolver::begin(Substep& now, double end, double dt) {
 /// \return substeps done: all, or those up to the first in which a length limit is passed.
 int SubstepSolver::advance(Substep& now, const Division& division, double startTime) {
   int done = 0;
-  while (done < division.substeps && !report_.passedLimit) {
+  while (done < division.substeps && !report_.passedLimit && !now.isStopped()) {
     now.before = static_cast<double>(done) / division.substeps;
     now.fraction = static_cast<double>(++done) / division.substeps;
     now.time = startTime + now.fraction * division.dt;

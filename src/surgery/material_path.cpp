@@ -17,7 +17,8 @@ constexpr std::size_t kSegmentsPerBox = 16;
 /// Returns the squared distance of p from the segment a-b [m^2].
 double squaredDistance(const Vec2& a, const Vec2& b, const Vec2& p) {
   const Vec2 d = b - a;
-  const double t = std::clamp(d.dot(p - a) / d.squaredNorm(), 0.0, 1.0);
+  const double square = d.squaredNorm();
+  const double t = square > 0.0 ? std::clamp(d.dot(p - a) / square, 0.0, 1.0) : 0.0;
   return (a + t * d - p).squaredNorm();
 }
 

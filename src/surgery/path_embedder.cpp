@@ -4,7 +4,11 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
 
 #include "cloth_sim/surgery/material_path.h"
 #include "mesh/quality.h"
@@ -82,6 +86,75 @@ struct Exit {
   std::size_t segment = 0;                     ///< segment of the path that crosses the edge
 };
 
+/// The way along edges from one vertex to another that stays nearest to a line: its detour, the
+/// largest distance from the line of its vertices and of the middles of its edges, is the smallest;
+/// of equal ways it has the fewest edges (Dijkstra 1959, with the larger of two detours for their
+/// sum).
+class NearestWay {
+ public:
+  NearestWay(const TriangleMesh& mesh, const MaterialPath& line, VertexId from, VertexId to)
+      : mesh_(mesh), line_(line) {
+    reach({0.0, 0, from}, kNone);
+    for (std::size_t k = 0; k < kMaxSearched && !open_.empty(); ++k) {
+      const Reached next = *open_.begin();
+      open_.erase(open_.begin());
+      done_.insert(next.vertex);
+      if (next.vertex == to) {
+        collect(next, from);
+        return;
+      }
+      for (const VertexId w : mesh_.neighbours(next.vertex)) {
+        const double detour = std::max(next.detour, detourOf(next.vertex, w));
+        reach({detour, next.edges + 1, w}, next.vertex);
+      }
+    }
+  }
+
+  /// Vertices from the one after `from` up to `to`; none if the search was too long.
+  const std::vector<VertexId>& vertices() const { return vertices_; }
+  double detour() const { return detour_; }  ///< [m]
+
+ private:
+  struct Reached {
+    double detour = 0.0;  ///< [m]
+    int edges = 0;
+    VertexId vertex = kNone;
+    bool operator<(const Reached& other) const {
+      return std::tie(detour, edges, vertex) < std::tie(other.detour, other.edges, other.vertex);
+    }
+  };
+
+  double detourOf(VertexId v, VertexId w) const {
+    const Vec2 middle = 0.5 * (mesh_.material(v) + mesh_.material(w));
+    return std::max(distanceTo(line_, mesh_.material(w)), distanceTo(line_, middle));
+  }
+
+  void reach(const Reached& it, VertexId previous) {
+    if (done_.count(it.vertex) != 0) return;
+    const auto known = best_.find(it.vertex);
+    if (known != best_.end()) {
+      if (!(it < known->second.first)) return;
+      open_.erase(known->second.first);
+    }
+    best_[it.vertex] = {it, previous};
+    open_.insert(it);
+  }
+
+  void collect(const Reached& last, VertexId from) {
+    detour_ = last.detour;
+    for (VertexId v = last.vertex; v != from; v = best_.at(v).second) vertices_.push_back(v);
+    std::reverse(vertices_.begin(), vertices_.end());
+  }
+
+  const TriangleMesh& mesh_;
+  const MaterialPath& line_;
+  std::set<Reached> open_;
+  std::set<VertexId> done_;
+  std::map<VertexId, std::pair<Reached, VertexId>> best_;  ///< with the vertex before
+  std::vector<VertexId> vertices_;
+  double detour_ = 0.0;
+};
+
 /// The embedding of one path.
 class Embedding {
  public:
@@ -124,8 +197,7 @@ class Embedding {
                                double& nearest) const;
   VertexId makeVertex(const Exit& exit);
   void append(VertexId to);
-  void appendShortestWay(VertexId to);
-  double distanceFromPath(VertexId v) const;
+  void appendNearestWay(VertexId to, const MaterialPath& line);
   void noteDeviation(VertexId to, const Vec2& from) {
     result_.deviation = std::max(result_.deviation, (mesh_.material(to) - from).norm());
   }
@@ -234,7 +306,11 @@ void Embedding::trace(const Anchor& from, const Anchor& to) {
     segment = exit->segment;
     at = exit->at;
   }
-  if (to.vertex != kNone && result_.vertices.back() != to.vertex) appendShortestWay(to.vertex);
+  if (to.vertex == kNone || result_.vertices.back() == to.vertex) return;
+  MaterialPath rest{at};
+  for (std::size_t k = segment + 1; k < to.point; ++k) rest.push_back(point(k));
+  rest.push_back(point(to.point));
+  appendNearestWay(to.vertex, rest);
 }
 
 /// Finds the first exit of the path from the faces around `centre`.
@@ -312,40 +388,13 @@ void Embedding::append(VertexId to) {
   result_.length += (mesh_.material(to) - mesh_.material(from)).norm();
 }
 
-double Embedding::distanceFromPath(VertexId v) const {
-  MaterialPath line;
-  for (const SurfacePoint& p : path_.points) line.push_back(p.material);
-  return distanceTo(line, mesh_.material(v));
-}
-
-/// Appends the way with the fewest edges from the last vertex to `to`, found by a breadth-first
-/// search; nothing if that is too far. Only needed where a path bent so that its last vertex is not
-/// a neighbour of the one before.
-void Embedding::appendShortestWay(VertexId to) {
-  struct Visit {
-    VertexId vertex;
-    std::int32_t previous;  ///< index of the visit from which it was reached
-  };
-  const VertexId from = result_.vertices.back();
-  std::vector<Visit> visits{{from, kNone}};
-  std::set<VertexId> seen{from};
-  for (std::size_t k = 0; k < visits.size() && seen.count(to) == 0; ++k) {
-    for (VertexId w : mesh_.neighbours(visits[k].vertex)) {
-      if (seen.insert(w).second) visits.push_back({w, static_cast<std::int32_t>(k)});
-    }
-    if (k > kMaxSearched) break;
-  }
-  if (seen.count(to) == 0) return;
-  std::vector<VertexId> way;  // from `to` backwards
-  auto at = std::find_if(visits.begin(), visits.end(), [to](auto& v) { return v.vertex == to; });
-  while (at->previous != kNone) {
-    way.push_back(at->vertex);
-    at = visits.begin() + at->previous;
-  }
-  for (auto v = way.rbegin(); v != way.rend(); ++v) {
-    append(*v);
-    if (*v != to) result_.deviation = std::max(result_.deviation, distanceFromPath(*v));
-  }
+/// Appends the way along edges from the last vertex to `to` that stays nearest to `line`; nothing
+/// if that is too far. Only needed where a path bent so that its last vertex is not a neighbour of
+/// the one before.
+void Embedding::appendNearestWay(VertexId to, const MaterialPath& line) {
+  const NearestWay way(mesh_, line, result_.vertices.back(), to);
+  for (const VertexId v : way.vertices()) append(v);
+  result_.deviation = std::max(result_.deviation, way.detour());
 }
 
 }  // namespace

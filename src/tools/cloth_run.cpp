@@ -64,14 +64,15 @@ class BadInput : public std::runtime_error {
 };
 
 volatile std::sig_atomic_t caughtSignal = 0;
+StopFlag isStopped{false};  ///< set by a signal: the step under way ends early
 
-/// Time that a step under way has to end after a signal [us].
+/// Time after a signal for what asks for none: cuts, refinements, and factorisations [us].
 constexpr suseconds_t kStopWithin = 700000;
 
-/// Ends the process in the middle of a step. Calls only what a signal handler may.
+/// Ends the process in work that asks for no signal. Calls only what a signal handler may.
 void onDeadline(int /*signal*/) {
   constexpr char kLine[] =
-      "cloth_run: interrupted in the middle of a long step; no output was written\n";
+      "cloth_run: interrupted in work that does not stop; no output was written\n";
   const ssize_t written = write(STDERR_FILENO, kLine, sizeof kLine - 1);
   _exit(written < 0 ? kOutputLost : kSignalBase + caughtSignal);
 }
@@ -82,9 +83,10 @@ void setDeadline(suseconds_t microseconds) {
   setitimer(ITIMER_REAL, &timer, nullptr);
 }
 
-/// The run ends after the step under way, or in the middle of it if that takes too long.
+/// The step under way ends early, and the run with it.
 void onSignal(int signal) {
   caughtSignal = signal;
+  isStopped = true;
   setDeadline(kStopWithin);
 }
 
@@ -236,6 +238,7 @@ class Recorder {
   void update(Simulation& simulation, double wallTime) {
     append(simulation.takeEvents(), events_);
     append(simulation.takeGripEvents(), grips_);
+    if (written_ == simulation.stepCount()) return;  // the step was stopped
     const std::string phase = Progress::phaseOf(simulation);
     if (!isDue(simulation) && phase == phase_) return;
     phase_ = phase;
@@ -468,6 +471,7 @@ class Run {
   /// Runs to the end and writes the outputs. \return the exit code.
   int execute() {
     listenToSignals();
+    simulation_->stopWhen(isStopped);
     Progress progress(options_.duration);
     if (recorder_) recorder_->update(*simulation_, 0.0);
     const auto afterStep = [&] { return observeStep(progress); };

@@ -9,6 +9,7 @@
 #include "cloth_sim/sim/simulation.h"
 #include "determinism/busy_scene.h"
 #include "scene/obj_mesh.h"
+#include "scene/surface_reader.h"
 #include "sim/command_text.h"
 #include "sim/state_format.h"
 #include "support/input_file.h"
@@ -205,6 +206,70 @@ std::vector<std::string> objSeeds() {
       "v 0 0 0\nv 1e-3 0 0\nv 0 1e3 0\nvt 0 0\nvt 0 1\nvt 1 0\nf -3/-3 -2/-2 -1/-1\n"};
 }
 
+// ---- meshes of obstacles
+// --------------------------------------------------------------------------
+
+/// Asks for distances and sweeps near a surface: all finite, and no path ends too far away.
+void probe(const TriangleSurface& surface) {
+  const Vec3 size = surface.high() - surface.low();
+  const Vec3 middle = 0.5 * (surface.low() + surface.high());
+  const double reach = 1e-3 * size.norm();
+  for (const Vec3& from : {middle, surface.low(), surface.vertices().front(), Vec3(Vec3::Zero()),
+                           Vec3(middle + Vec3(1e3, -2e3, 3e3))}) {
+    Vec3 normal = Vec3::Zero();
+    const double distance = surface.distance(from, normal);
+    expect(std::isfinite(distance), "a distance is not finite");
+    expect(std::abs(normal.norm() - 1.0) < 1e-6, "a normal is no unit vector");
+    NearTriangles near;
+    SurfaceHit hit;
+    if (!surface.sweep(from, middle + 0.7 * size, reach, reach, near, hit)) continue;
+    expect(std::isfinite(hit.push) && hit.push > 0.0, "a push is not finite and > 0");
+    expect(std::abs(hit.normal.norm() - 1.0) < 1e-6, "a normal of a hit is no unit vector");
+  }
+}
+
+/// \param bytes  o for OBJ, anything else for STL; then the contents of the file.
+bool feedSurface(const std::string& bytes) {
+  if (bytes.empty()) return false;
+  try {
+    const std::string file = bytes.substr(1);
+    Triangles triangles =
+        bytes[0] == 'o' ? parseObjTriangles(file, "fuzz.obj") : parseStl(file, "fuzz.stl");
+    probe(TriangleSurface(std::move(triangles.vertices), triangles.corners));
+    return true;
+  } catch (const SceneError& error) {
+    expectOneLine(error.what());
+  } catch (const std::invalid_argument& error) {  // of the surface
+    expectOneLine(error.what());
+  }
+  return false;
+}
+
+/// A tetrahedron as a binary STL file.
+std::string binaryStl() {
+  const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  std::string file(80, ' ');
+  file += std::string("\4\0\0\0", 4);
+  for (const auto& face : faces) {
+    file += std::string(12, '\0');  // the normal
+    for (const int k : face) file.append(reinterpret_cast<const char*>(corners[k]), 12);
+    file += std::string(2, '\0');
+  }
+  return file;
+}
+
+std::vector<std::string> surfaceSeeds() {
+  return {"s" + binaryStl(),
+          "ssolid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n"
+          "   vertex 0 1 0\n  endloop\n endfacet\n facet normal 0 0 1\n  outer loop\n"
+          "   vertex 1 0 0\n   vertex 1 1 0.5\n   vertex 0 1 0\n  endloop\n endfacet\n"
+          "endsolid a\n",
+          "ov 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\n"
+          "f 3 4 5\nf 4 1 5\n",
+          "o# open\nv 0 0 0\nv 1e-3 0 0\nv 0 1e3 0\nv 2 2 2\nf 1/1/1 2//2 3\nf -1 -2 -3\n"};
+}
+
 // ---- strokes and commands
 // ------------------------------------------------------------------------
 
@@ -291,11 +356,10 @@ std::vector<std::string> commandSeeds() {
 }  // namespace
 
 const std::vector<Target>& targets() {
-  static const std::vector<Target> all{{"state", feedState, stateSeeds},
-                                       {"scene", feedScene, sceneSeeds},
-                                       {"obj", feedObj, objSeeds},
-                                       {"stroke", feedStroke, strokeSeeds},
-                                       {"command", feedCommand, commandSeeds}};
+  static const std::vector<Target> all{
+      {"state", feedState, stateSeeds},    {"scene", feedScene, sceneSeeds},
+      {"obj", feedObj, objSeeds},          {"surface", feedSurface, surfaceSeeds},
+      {"stroke", feedStroke, strokeSeeds}, {"command", feedCommand, commandSeeds}};
   return all;
 }
 

@@ -24,7 +24,7 @@ struct Target {
   std::vector<std::string> (*seeds)();
 };
 
-/// state, scene, obj, stroke, command.
+/// state, scene, obj, surface, stroke, command.
 const std::vector<Target>& targets();
 /// \throws std::invalid_argument if there is no such target.
 const Target& findTarget(const std::string& name);

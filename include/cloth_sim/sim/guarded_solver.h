@@ -30,8 +30,8 @@ class GuardedSolver {
   GuardedSolver(const SolverSpec& spec, const Model& model, const State& state);
 
   /// Advances `cloth.state` to the end of the step, or to where a length limit was passed.
-  /// \return whether it ended well; if not, the state is where it was.
-  bool advance(const StepLength& length, const SteppedCloth& cloth);
+  /// \return how it ended; unless that is `kOk`, the state is where it was.
+  StepStatus advance(const StepLength& length, const SteppedCloth& cloth);
 
   /// Report of the last step.
   const StepReport& report() const { return report_; }
@@ -48,7 +48,7 @@ class GuardedSolver {
  private:
   friend class StateFormat;
 
-  bool attempt(const StepLength& length, const SteppedCloth& cloth);
+  StepStatus attempt(const StepLength& length, const SteppedCloth& cloth);
   bool mayTakeBack(const SteppedCloth& cloth) const;
   void takeBack(const SteppedCloth& cloth);
 

@@ -33,6 +33,12 @@ class Holders {
   /// \return whether there was one.
   bool remove(const std::string& clamp);
 
+  /// Remembers clamps and pull as they are before a step, for `takeBack`.
+  void remember();
+  /// Puts clamps and pull back to where they were at the last `remember`. No edit of the mesh may
+  /// have been made since.
+  void takeBack();
+
   /// Clears the wrenches of the clamps, and moves clamps and the pull by one step.
   /// \param state  before the step.
   void advance(const Model& model, const State& state, double dt);
@@ -85,6 +91,8 @@ class Holders {
   std::vector<KinematicTarget> pins_;  ///< ascending by vertex
   std::vector<Clamp> clamps_;
   Drag drag_;
+  std::vector<Clamp> clampsBefore_;  ///< before the step
+  Drag dragBefore_;                  ///< before the step
   GripWatch gripWatch_;
   std::vector<GripEvent> gripEvents_;
   std::vector<KinematicTarget> targets_;  ///< scratch: of all holders, in order of precedence

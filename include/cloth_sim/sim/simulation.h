@@ -23,7 +23,14 @@ class Simulation {
   explicit Simulation(Scene scene) : parts_(std::move(scene)) {}
 
   /// Advances by `scene().solver.dt`. Does nothing once it has failed.
+  ///
+  /// A step that is stopped (`stopWhen`) is not counted: cloth, clamps and time are where they were
+  /// after the last whole step, or, if springs failed in the step, where the last of them did. The
+  /// script may have begun a phase. The next step does what the stopped one had begun, but not to
+  /// the bit: methods keep some memory of it.
   void step();
+  /// Has steps end early while `stop` is set, even within a substep. `stop` must outlive this.
+  void stopWhen(const StopFlag& stop) { stop_ = &stop; }
 
   /// Carries out a command now, between two steps; or refuses it, and nothing changes.
   CommandResult apply(const Command& command);
@@ -99,12 +106,13 @@ class Simulation {
 
  private:
   void sleepThrough();
-  double solveFrom(double done);
+  std::optional<double> solveFrom(double done);
   void tear(double dt);
   void watchRest(int brokenBefore);
 
   SimulationParts parts_;
-  ThreadPool pool_;  ///< for the loops of a step
+  const StopFlag* stop_ = nullptr;  ///< null: steps are never stopped
+  ThreadPool pool_;                 ///< for the loops of a step
 };
 
 }  // namespace cloth_sim

@@ -1,6 +1,7 @@
 #pragma once
 /// \file The interface of time-stepping methods.
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <string>
@@ -75,11 +76,15 @@ struct Controls {
   }
 };
 
+/// A request to end a step before its end: set by any thread, or by a signal handler.
+using StopFlag = std::atomic<bool>;
+
 /// Length and division of a step.
 struct StepLength {
-  double dt = 0.0;             ///< of the whole step [s], > 0
-  double substepFactor = 1.0;  ///< multiplies the configured number of substeps, > 0
-  double done = 0.0;           ///< fraction of the step that has passed already, in [0, 1)
+  double dt = 0.0;                 ///< of the whole step [s], > 0
+  double substepFactor = 1.0;      ///< multiplies the configured number of substeps, > 0
+  double done = 0.0;               ///< fraction of the step that has passed already, in [0, 1)
+  const StopFlag* stop = nullptr;  ///< asked between substeps and iterations; null: never stopped
 
   /// Time that is left of the step [s].
   double left() const { return (1.0 - done) * dt; }
@@ -88,6 +93,7 @@ struct StepLength {
 enum class StepStatus {
   kOk,
   kDiverged,  ///< a number is not finite, or a particle faster than 10 km/s
+  kStopped,   ///< the stop flag was set
 };
 
 /// Outcome of a step.
@@ -113,7 +119,8 @@ class Solver {
   virtual ~Solver() = default;
 
   /// Advances `state` to the end of the step, or to the end of the first substep in which a length
-  /// limit is passed. If the method diverges, the report says so and the state is as it was.
+  /// limit is passed. If the method diverges or is stopped, the report says so and the state is as
+  /// it was.
   /// Allocates no memory once arrays have their sizes.
   virtual const StepReport& step(const Model& model, State& state, const Controls& controls,
                                  Contacts& contacts, const StepLength& length) = 0;

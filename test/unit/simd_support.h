@@ -1,0 +1,51 @@
+#pragma once
+/// \file What the shuffles of support/simd.h do, by index. Included by two files of tests, one for
+/// each way in which simd.h has them.
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "support/simd.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Eight different numbers from `first` on.
+std::array<float, kFloatLanes> row(float first) {
+  std::array<float, kFloatLanes> numbers{};
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = first + static_cast<float>(k);
+  return numbers;
+}
+
+void expectHalvesAreJoined() {
+  const std::array<float, kFloatLanes> numbers = row(1.0f);
+  const FloatLanes all = floatLanesAt(numbers.data());
+  const FloatHalf low = lowHalf(all);
+  const FloatHalf high = highHalf(all);
+  const FloatLanes joined = join(low, high);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(low[k], numbers[static_cast<std::size_t>(k)]);
+    EXPECT_EQ(high[k], numbers[static_cast<std::size_t>(k + 4)]);
+  }
+  for (int k = 0; k < 8; ++k) EXPECT_EQ(joined[k], numbers[static_cast<std::size_t>(k)]);
+}
+
+void expectHalvesAreTransposed() {
+  std::array<std::array<float, kFloatLanes>, 4> before{};
+  std::array<FloatLanes, 4> rows{};
+  for (std::size_t r = 0; r < 4; ++r) {
+    before[r] = row(10.0f * static_cast<float>(r));
+    rows[r] = floatLanesAt(before[r].data());
+  }
+  transposeHalves(rows[0], rows[1], rows[2], rows[3]);
+  for (std::size_t r = 0; r < 4; ++r) {
+    for (std::size_t c = 0; c < 4; ++c) {
+      EXPECT_EQ(rows[r][static_cast<int>(c)], before[c][r]);
+      EXPECT_EQ(rows[r][static_cast<int>(c + 4)], before[c][r + 4]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim

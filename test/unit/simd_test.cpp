@@ -1,0 +1,12 @@
+/// \file The shuffles of SIMD registers, as this compiler makes them.
+
+#include "unit/simd_support.h"
+
+namespace cloth_sim {
+namespace {
+
+TEST(Simd, JoinsHalves) { expectHalvesAreJoined(); }
+TEST(Simd, TransposesHalves) { expectHalvesAreTransposed(); }
+
+}  // namespace
+}  // namespace cloth_sim
