@@ -26,8 +26,8 @@ TO_LIGHT = np.array([0.25, -0.45, 0.86])
 # ---- strain: the definition of include/cloth_sim/cloth/strain.h ----------------------------------
 
 class Topology:
-    """The fixed part of a drawn cloth: vertices of its triangles (m, 3) and of its torn edges (k, 2),
-    and material coordinates [m] (n, 2)."""
+    """The fixed part of a drawn cloth: vertices of its triangles (m, 3) and of its torn edges
+    (k, 2), and material coordinates [m] (n, 2)."""
 
     def __init__(self, faces, uv, torn):
         self.faces, self.uv, self.torn = faces, uv, torn
