@@ -15,7 +15,7 @@ import numpy as np
 import rosgraph
 import rospy
 
-from cloth_sim import keeper, msg, srv
+from cloth_sim import frames, keeper, msg, srv
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 
 PATIENCE = 30.0  # for a program to come up, and for a message of what is done [s]
@@ -127,7 +127,7 @@ class Surface:
 
     def __init__(self, frame, topology):
         self.step, self.revision = frame.step, frame.revision
-        self.points = np.array(frame.positions, dtype=np.float32).reshape(-1, 3)
+        self.points = frames.positions(frame)
         self.faces = np.array(topology.triangles, dtype=np.int64).reshape(-1, 3)
         self.uv = np.array(topology.uv, dtype=float).reshape(-1, 2)
         self.torn = np.array(topology.torn_edges, dtype=np.int64).reshape(-1, 2)
