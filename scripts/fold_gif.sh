@@ -34,7 +34,10 @@ enter_workspace "$repo_root/.ws"
 folder=$(mktemp -d)
 launch=
 cleanup() {
-  if [[ -n $launch ]]; then kill -INT "$launch" 2>/dev/null && wait "$launch" || true; fi
+  if [[ -n $launch ]]; then
+    kill -INT "$launch" 2>/dev/null || true
+    wait "$launch" || true
+  fi
   rm -rf "$folder"
 }
 trap cleanup EXIT

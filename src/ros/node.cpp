@@ -116,8 +116,8 @@ Scene loadNodeScene(const NodeParameters& parameters, const Robot& robot) {
   settings.threads = parameters.threads;
   settings.tell = [](const std::string& line) { ROS_INFO_STREAM(line); };
   const std::string file = resolveScene(parameters.scene);
-  if (parameters.robot) checkRobot(robot, loadScene(file));
   Scene scene = loadForThisMachine(loaderOf(file, overridesFor(parameters, robot)), settings);
+  if (parameters.robot) checkRobot(robot, loadScene(file), scene);
   for (const ClampSpec& clamp : scene.clamps) {
     std::string error;
     if (clamp.name.find('/') != std::string::npos || !ros::names::validate(clamp.name, error)) {

@@ -52,10 +52,10 @@ Robot loadRobot(const ros::NodeHandle& node, const NodeParameters& parameters) {
   }
 }
 
-void checkRobot(const Robot& robot, const Scene& scene) {
+void checkRobot(const Robot& robot, const Scene& withoutIt, const Scene& scene) {
   std::vector<std::string> obstacles;
   std::vector<std::string> clamps;
-  for (const Obstacle& obstacle : scene.obstacles) obstacles.push_back(obstacle.name);
+  for (const Obstacle& obstacle : withoutIt.obstacles) obstacles.push_back(obstacle.name);
   for (const ClampSpec& clamp : scene.clamps) clamps.push_back(clamp.name);
   try {
     checkNames(robot, obstacles, clamps);

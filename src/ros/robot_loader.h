@@ -12,8 +12,11 @@ namespace cloth_sim {
 /// \throws ParameterError, which names the parameter ~robot.
 Robot loadRobot(const ros::NodeHandle& node, const NodeParameters& parameters);
 
-/// \param scene  without the obstacles of the robot.
-/// \throws ParameterError if the scene has an obstacle of the robot, or lacks a clamp of it.
-void checkRobot(const Robot& robot, const Scene& scene);
+/// \param withoutIt  the scene as its file says.
+/// \param scene      with all overrides.
+/// \throws ParameterError if the scene without the robot has an obstacle of it, or if the scene
+/// lacks
+///         a clamp of it.
+void checkRobot(const Robot& robot, const Scene& withoutIt, const Scene& scene);
 
 }  // namespace cloth_sim

@@ -98,6 +98,25 @@ class RobotTest(unittest.TestCase):
         self.place_is(0.19, 0.1, 0.3)
         self.assertEqual(len(obstacles()), 4, 'the table, the stand, the palm and the camera')
 
+    def test_a_link_pushes_the_cloth(self):
+        """The palm, a cylinder on the table, sweeps the strip aside (it is 0.2 m wide, along y)."""
+        self.gripper.palm = (0.1, -0.2, -0.085)
+        self.place_is(0.1, -0.2, 0.015)
+        self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
+        self.assertAlmostEqual(self.side(), -0.1, delta=0.005)
+        for centimetres in range(-20, 1):
+            self.gripper.palm = (0.1, centimetres / 100, -0.085)
+            self.place_is(0.1, centimetres / 100, 0.015)
+        wait_until(lambda: self.side() > 0.015, 'that the side of the strip is before the palm')
+        self.assertFalse(self.get_state().state.failed)
+        self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
+
+    def side(self):
+        """The smallest y of the strip where the palm is [m]."""
+        with Listener('/cloth/frame', msg.ClothFrame) as frames:
+            flat = frames.wait().positions
+        return min(y for x, y in zip(flat[0::3], flat[1::3]) if abs(x - 0.1) < 0.01)
+
     def test_a_reset_puts_links_back(self):
         self.place_is(-0.5, 0.3, 0.1)
         self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
