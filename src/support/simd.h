@@ -60,8 +60,9 @@ using FloatHalf = float __attribute__((vector_size(16), aligned(4), may_alias));
   return floatLanesAt(each);
 }
 
-// GCC before 12 has no __builtin_shufflevector.
-#if defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)
+// GCC before 12 has no __builtin_shufflevector. A test takes the way of old compilers, too.
+#if !defined(CLOTH_SIM_PLAIN_SHUFFLES) && \
+    (defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12))
 
 [[gnu::always_inline]] inline FloatLanes join(const FloatHalf& low, const FloatHalf& high) {
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);

@@ -33,7 +33,7 @@ void expectHalvesAreJoined() {
 
 void expectHalvesAreTransposed() {
   std::array<std::array<float, kFloatLanes>, 4> before{};
-  std::array<FloatLanes, 4> rows{};
+  FloatLanes rows[4] = {};  // a template would forget their alignment
   for (std::size_t r = 0; r < 4; ++r) {
     before[r] = row(10.0f * static_cast<float>(r));
     rows[r] = floatLanesAt(before[r].data());
