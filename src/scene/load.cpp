@@ -94,6 +94,26 @@ void resolve(const SceneNode& root, Scene& scene) {
   }
 }
 
+bool haveOneDamping(const std::vector<ClothSpec>& cloths) {
+  return std::all_of(cloths.begin(), cloths.end(), [&](const ClothSpec& cloth) {
+    return cloth.fabric.damping == cloths.front().fabric.damping;
+  });
+}
+
+/// Gives the bending energy of a plate to the cloths that name a fabric and leave their bending
+/// open. They keep their bend springs where such an energy would be refused.
+void chooseBending(const SceneNode& root, Scene& scene) {
+  if (!findSolver(scene.solver.method).followsFabric || !haveOneDamping(scene.cloths)) return;
+  const std::vector<SceneNode> nodes = clothNodes(root.need("cloth", "a map"));
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    ClothSpec& cloth = scene.cloths[k];
+    const bool isOpen = nodes[k].has("fabric") && !nodes[k].has("bending");
+    if (!isOpen || cloth.raw || cloth.fabric.bending == 0.0) continue;
+    cloth.springs.bend = false;
+    cloth.plate = true;
+  }
+}
+
 /// Refuses a bending energy that the method cannot follow, at the key that asks for it.
 void checkFeatures(const SceneNode& root, const Scene& scene) {
   const std::vector<SceneNode> cloths = clothNodes(root.need("cloth", "a map"));
@@ -206,6 +226,7 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   Scene scene = readScene(root);
   scene.name = sceneName(name);
   scene.contentKey = contentKey(tree, scene.solver.dt);
+  chooseBending(root, scene);
   resolve(root, scene);
   checkFeatures(root, scene);
   checkLayers(root, scene);

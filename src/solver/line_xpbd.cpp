@@ -189,6 +189,7 @@ class LineXpbd final : public SubstepMethod {
 
   void layOut(Substep& now);
   void keepFall(Substep& now) const;
+  void bend(Substep& now);
   void projectLines(Substep& now);
   void updateInertia(const Substep& now);
   void passOnPull(Substep& now);
@@ -202,7 +203,8 @@ class LineXpbd final : public SubstepMethod {
   double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
   double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
   int substep_ = 0;                ///< of the step
-  std::int32_t sinceBending_ = 0;  ///< substeps since bend springs have acted
+  std::int32_t sinceBending_ = 0;  ///< substeps since bending has acted
+  bool bends_ = false;             ///< whether it acts in this one
   VectorArray pull_;
   ScalarArray cancelled_;
 };
@@ -222,7 +224,10 @@ void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
-    if (!bending_.empty()) bending_.setStep(now.h, retardation_, now.particles.inverseMass);
+    if (!bending_.empty()) {
+      bending_.setStep({now.h, retardation_, projection_.bendInterval()},
+                       now.particles.inverseMass);
+    }
     preparedFor_ = now.h;
   }
   decay_ = std::exp(-now.controls.drag * now.h);
@@ -258,7 +263,7 @@ void LineXpbd::advance(Substep& now) {
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
   now.placeKinematic();
-  if (!bending_.empty()) projectBending(bending_, now);
+  bend(now);
   projectLines(now);
   passOnPull(now);
   now.contacts.project(now.particles.view(), now.time, now.h);
@@ -275,16 +280,21 @@ void LineXpbd::keepFall(Substep& now) const {
   }
 }
 
+/// Decides whether bending acts in this substep, and projects the elements of a plate if it does.
+void LineXpbd::bend(Substep& now) {
+  bends_ = ++sinceBending_ >= projection_.bendInterval();
+  if (bends_) sinceBending_ = 0;
+  if (bends_ && !bending_.empty()) projectBending(bending_, inertia_.inverse(), now);
+}
+
 void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
-  const bool bends = ++sinceBending_ >= projection_.bendInterval();
-  if (bends) sinceBending_ = 0;
   const bool measures = now.controls.quasiStatic || substep_ % kMeasureEvery == 0;
   ++substep_;
   if (!measures) {
-    return projection_.project(lines_, inertia_.inverse(), bends, p, pull_);
+    return projection_.project(lines_, inertia_.inverse(), bends_, p, pull_);
   }
-  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends_, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
   updateInertia(now);
 }

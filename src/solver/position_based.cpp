@@ -69,8 +69,9 @@ void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass
   if (hasLoads) applyLoads(now, inverseMass);
 }
 
-void projectBending(const BendProjection& bending, Substep& now) {
-  bending.project(now.particles, [&](std::size_t slot, const Vec3& impulse) {
+void projectBending(const BendProjection& bending, const ScalarArray& inverseInertia,
+                    Substep& now) {
+  bending.project(now.particles, inverseInertia, [&](std::size_t slot, const Vec3& impulse) {
     now.kinematic.addImpulseAt(slot, impulse / now.h);
   });
 }

@@ -17,7 +17,8 @@ void beginPrediction(Substep& now);
 void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass);
 
 /// Projects the elements of a bending energy, and adds what held particles bear.
-void projectBending(const BendProjection& bending, Substep& now);
+/// \param inverseInertia  of each particle [1/kg]; 0: held.
+void projectBending(const BendProjection& bending, const ScalarArray& inverseInertia, Substep& now);
 
 /// Velocities are displacements in the substep over h.
 void findVelocities(Substep& now);

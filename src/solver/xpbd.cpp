@@ -64,7 +64,7 @@ void Xpbd::prepareSprings(Substep& now) {
   for (const std::int32_t held : now.kinematic.slots()) w[held] = 0.0;
   preparedFor_ = now.h;
   listAttachments(now);
-  if (!bending_.empty()) bending_.setStep(now.h, retardation_, w);
+  if (!bending_.empty()) bending_.setStep({now.h, retardation_}, w);
 }
 
 void Xpbd::listAttachments(const Substep& now) {
@@ -89,7 +89,7 @@ void Xpbd::advance(Substep& now) {
   now.springs.project(now.particles);
   now.placeKinematic();
   projectAttachments(now);
-  if (!bending_.empty()) projectBending(bending_, now);
+  if (!bending_.empty()) projectBending(bending_, now.particles.inverseMass, now);
   now.contacts.project(now.particles.view(), now.time, now.h);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
 }
