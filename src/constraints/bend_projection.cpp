@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "support/vector_clones.h"
+#include "taken_colours.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
@@ -83,36 +84,6 @@ std::vector<Placed> placed(const std::vector<PlateElement>& elements, const Part
   return result;
 }
 
-/// Sets of colours that particles have, 64 colours a word.
-class TakenColours {
- public:
-  explicit TakenColours(std::int32_t slots) : slots_(static_cast<std::size_t>(slots)) {}
-
-  /// Returns the smallest colour that none of the particles has yet, and gives it to them.
-  template <typename SlotList>
-  std::size_t take(const SlotList& slots, int count) {
-    for (std::size_t word = 0;; ++word) {
-      if (word == words_.size()) words_.emplace_back(slots_, 0);
-      std::uint64_t taken = 0;
-      for (int k = 0; k < count; ++k) taken |= at(word, slots[static_cast<std::size_t>(k)]);
-      if (~taken == 0) continue;
-      const int bit = __builtin_ctzll(~taken);
-      for (int k = 0; k < count; ++k) {
-        at(word, slots[static_cast<std::size_t>(k)]) |= std::uint64_t{1} << bit;
-      }
-      return 64 * word + static_cast<std::size_t>(bit);
-    }
-  }
-
- private:
-  std::uint64_t& at(std::size_t word, std::int32_t slot) {
-    return words_[word][static_cast<std::size_t>(slot)];
-  }
-
-  std::size_t slots_;
-  std::vector<std::vector<std::uint64_t>> words_;  ///< by word, by slot
-};
-
 /// Colours elements greedily: each gets the smallest colour that none of its particles has yet.
 /// \return indices of elements by colour.
 std::vector<std::vector<std::size_t>> coloured(const std::vector<PlateElement>& elements,
@@ -121,7 +92,8 @@ std::vector<std::vector<std::size_t>> coloured(const std::vector<PlateElement>& 
   std::vector<std::vector<std::size_t>> colours;
   for (const Placed& place : placed(elements, particles)) {
     const PlateElement& element = elements[place.element];
-    const std::size_t colour = taken.take(slotsOf(element, particles), element.count);
+    const std::size_t colour =
+        taken.take(slotsOf(element, particles), static_cast<std::size_t>(element.count));
     if (colour >= colours.size()) colours.resize(colour + 1);
     colours[colour].push_back(place.element);
   }
@@ -231,13 +203,29 @@ void BendProjection::append(const PlateElement& element, const Particles& partic
   runs_.push_back(run);
 }
 
-/// \param k  index of an element in the run.
-double BendProjection::factorOf(const Run& run, std::int32_t k,
-                                const ScalarArray& inverseMass) const {
+double BendProjection::mobility(const Run& run, std::int32_t k, const ScalarArray& inverseMass) {
   double sum = 0.0;
   for (std::size_t i = 0; i < run.count; ++i) {
     sum += inverseMass[static_cast<std::size_t>(run.slot[i] + k)] * run.weight[i] * run.weight[i];
   }
+  return sum;
+}
+
+double BendProjection::stiffest(const ScalarArray& inverseMass) const {
+  double largest = 0.0;
+  for (const Run& run : runs_) {
+    for (std::int32_t k = 0; k < run.length; ++k) {
+      const double stiffness = stiffness_[static_cast<std::size_t>(run.first + k)];
+      largest = std::max(largest, stiffness * mobility(run, k, inverseMass));
+    }
+  }
+  return largest;
+}
+
+/// \param k  index of an element in the run.
+double BendProjection::factorOf(const Run& run, std::int32_t k,
+                                const ScalarArray& inverseMass) const {
+  const double sum = mobility(run, k, inverseMass);
   if (sum == 0.0) return 0.0;
   const double stiffness = stiffness_[static_cast<std::size_t>(run.first + k)];
   return 1.0 / ((1.0 + gamma_) * sum + inverseSquare_ / stiffness);

@@ -27,6 +27,8 @@ class BendProjection {
 
   bool empty() const { return stiffness_.empty(); }
 
+  /// The largest stiffness over inertia of a single element [1/s^2].
+  double stiffest(const ScalarArray& inverseMass) const;
   /// Finds the factors of the XPBD update (Macklin et al. 2016, eq. 26).
   /// \param step  the substeps, and how often elements act in them.
   void setStep(const BendStep& step, const ScalarArray& inverseMass);
@@ -67,6 +69,9 @@ class BendProjection {
   };
 
   void append(const PlateElement& element, const Particles& particles);
+  /// The sum of w weight^2 over the vertices of an element [1/(kg m^4)].
+  /// \param k  index of the element in the run.
+  static double mobility(const Run& run, std::int32_t k, const ScalarArray& inverseMass);
   double factorOf(const Run& run, std::int32_t k, const ScalarArray& inverseMass) const;
   /// Projects all elements without held particles.
   void projectFree(Particles& particles, const ScalarArray& inverseInertia) const;

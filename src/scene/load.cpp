@@ -126,6 +126,24 @@ void checkFeatures(const SceneNode& root, const Scene& scene) {
   }
 }
 
+/// Refuses friction in bending without a bending energy that it belongs to, or with a method that
+/// has none.
+void checkBendFriction(const SceneNode& root, const Scene& scene) {
+  const std::vector<SceneNode> cloths = clothNodes(root.need("cloth", "a map"));
+  for (std::size_t k = 0; k < scene.cloths.size(); ++k) {
+    const ClothSpec& cloth = scene.cloths[k];
+    if (cloth.fabric.bendingHysteresis == 0.0) continue;
+    const SceneNode asked =
+        cloths[k].need("fabric", "a map").need("bending_hysteresis", "a number");
+    if (!cloth.plate) asked.refuse("expected only where the cloth bends by the energy of a plate");
+    try {
+      checkBendFriction(findSolver(scene.solver.method));
+    } catch (const std::invalid_argument& error) {
+      asked.refuse(error.what());
+    }
+  }
+}
+
 /// Refuses contact between layers with a method that cannot hold them apart.
 void checkLayers(const SceneNode& root, const Scene& scene) {
   if (!scene.selfContact) return;
@@ -229,6 +247,7 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   chooseBending(root, scene);
   resolve(root, scene);
   checkFeatures(root, scene);
+  checkBendFriction(root, scene);
   checkLayers(root, scene);
   chooseTearing(root, scene);
   scene.text = textOf(scene, tree);

@@ -198,8 +198,7 @@ class LineXpbd final : public SubstepMethod {
   LineProjection projection_;
   AddedInertia inertia_;
   ErrorControl control_;
-  BendProjection bending_;
-  double retardation_ = 0.0;       ///< of bending [s]
+  PlateProjection bending_;
   double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
   double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
   int substep_ = 0;                ///< of the step
@@ -224,10 +223,7 @@ void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
-    if (!bending_.empty()) {
-      bending_.setStep({now.h, retardation_, projection_.bendInterval()},
-                       now.particles.inverseMass);
-    }
+    bending_.setStep(now, projection_.bendInterval());
     preparedFor_ = now.h;
   }
   decay_ = std::exp(-now.controls.drag * now.h);
@@ -245,10 +241,7 @@ void LineXpbd::finish(Substep& now) {
 void LineXpbd::layOut(Substep& now) {
   lines_.build(now.model, now.particles.slotOf);
   projection_.prepare(lines_, now.model.springs, now.particles.slotOf);
-  if (!now.model.bending.empty()) {
-    bending_.build(now.model.bending, now.particles);
-    retardation_ = now.model.bendRetardation();
-  }
+  bending_.build(now);
   inertia_.layOut(now);
   control_.layOut(now.model);
   const std::size_t n = now.particles.mass.size();
@@ -282,7 +275,8 @@ void LineXpbd::keepFall(Substep& now) const {
 
 /// Decides whether bending acts in this substep, and projects the elements of a plate if it does.
 void LineXpbd::bend(Substep& now) {
-  bends_ = ++sinceBending_ >= projection_.bendInterval();
+  const int interval = bending_.empty() ? projection_.bendInterval() : bending_.step.interval;
+  bends_ = ++sinceBending_ >= interval;
   if (bends_) sinceBending_ = 0;
   if (bends_ && !bending_.empty()) projectBending(bending_, inertia_.inverse(), now);
 }
@@ -345,6 +339,7 @@ SolverInfo lineXpbdInfo() {
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;
+  info.hasBendFriction = true;
   info.usesQuasiStatic = true;
   info.noTearEnergy = "at a tip springs are longer than their tension makes them";
   info.parameters = {substepsParameter(30), errorParameter(), budgetParameter()};
