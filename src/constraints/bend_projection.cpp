@@ -238,7 +238,7 @@ void BendProjection::setStep(const BendStep& step, const ScalarArray& inverseMas
   for (const Run& run : runs_) {
     for (std::int32_t k = 0; k < run.length; ++k) {
       const double factor = factorOf(run, k, inverseMass);
-      Held element{run.slot, run.weight, run.count, factor};
+      Single element{run.slot, run.weight, run.count, factor};
       bool isHeld = false;
       for (std::size_t i = 0; i < run.count; ++i) {
         element.slot[i] += k;
@@ -266,6 +266,11 @@ void BendProjection::projectPart(std::int32_t first, std::int32_t last,
                                       [](std::int32_t e, const Run& run) { return e < run.first; });
   for (auto run = after - 1; run != runs_.end() && run->first < last; ++run) {
     const std::int32_t begin = std::max(first, run->first);
+    if (run->length == 1) {  // on meshes that are no grid
+      const double factor = factor_[static_cast<std::size_t>(begin)];
+      apply({run->slot, run->weight, run->count, factor}, inverseInertia, particles);
+      continue;
+    }
     const std::int32_t end = std::min(last, run->first + run->length);
     Part part{run->weight.data(),
               factor_.data() + begin,
@@ -280,7 +285,7 @@ void BendProjection::projectPart(std::int32_t first, std::int32_t last,
   }
 }
 
-Vec3 BendProjection::apply(const Held& element, const ScalarArray& inverseInertia,
+Vec3 BendProjection::apply(const Single& element, const ScalarArray& inverseInertia,
                            Particles& p) const {
   const auto curvatureOf = [&](const VectorArray& x) {
     Vec3 curvature = Vec3::Zero();

@@ -42,7 +42,7 @@ class BendProjection {
   void project(Particles& particles, const ScalarArray& inverseInertia,
                const OnHeld& onHeld) const {
     projectFree(particles, inverseInertia);
-    for (const Held& held : held_) {
+    for (const Single& held : held_) {
       const Vec3 multiplier = apply(held, inverseInertia, particles);
       for (std::size_t k = 0; k < held.count; ++k) {
         const auto slot = static_cast<std::size_t>(held.slot[k]);
@@ -60,12 +60,12 @@ class BendProjection {
     std::int32_t first = 0;                                      ///< index of the first element
     std::int32_t length = 0;                                     ///< number of elements
   };
-  /// An element with held and free particles.
-  struct Held {
+  /// An element by itself.
+  struct Single {
     std::array<std::int32_t, PlateElement::kMostVertices> slot;
     std::array<double, PlateElement::kMostVertices> weight;  ///< [1/m^2]
     std::size_t count = 0;                                   ///< of vertices
-    double factor = 0.0;                                     ///< as of free elements
+    double factor = 0.0;  ///< see `factor_`; not zero for held particles
   };
 
   void append(const PlateElement& element, const Particles& particles);
@@ -80,7 +80,7 @@ class BendProjection {
                    Particles& particles) const;
   /// Projects an element.
   /// \return the multiplier [kg m^3]: times a weight, the mass times displacement of that particle.
-  Vec3 apply(const Held& element, const ScalarArray& inverseInertia, Particles& particles) const;
+  Vec3 apply(const Single& element, const ScalarArray& inverseInertia, Particles& particles) const;
 
   std::vector<Run> runs_;                    ///< in order of their colours
   std::vector<std::int32_t> firstOfColour_;  ///< element, and one more
@@ -88,7 +88,7 @@ class BendProjection {
   /// By element: 1 / ((1 + gamma) sum of w weight^2 + 1 / (n k h^2)) [kg m^4], where n is the
   /// interval; 0: a particle of it is held.
   std::vector<double> factor_;
-  std::vector<Held> held_;
+  std::vector<Single> held_;    ///< elements with held and free particles
   double gamma_ = 0.0;          ///< damping ratio: retardation over h
   double inverseSquare_ = 0.0;  ///< 1 / (n h^2) [1/s^2]
 };
