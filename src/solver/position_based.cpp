@@ -85,10 +85,10 @@ void PlateProjection::setStep(const Substep& now, int longest) {
   if (empty()) return;
   const ScalarArray& w = now.particles.inverseMass;
   const double period = longest * now.h;
-  const double stiffest = elastic.stiffest(w) + friction.stiffest(w);
-  step = {now.h, retardation_, period * period * stiffest <= kSoft ? longest : 1};
-  elastic.setStep(step, now.particles.inverseMass);
-  friction.findHeld(now.particles.inverseMass);
+  if (now.isNewLayout) stiffest_ = elastic.stiffest(w) + friction.stiffest(w);
+  step = {now.h, retardation_, period * period * stiffest_ <= kSoft ? longest : 1};
+  elastic.setStep(step, w);
+  friction.findHeld(w);
 }
 
 void projectBending(const PlateProjection& bending, const ScalarArray& inverseInertia,

@@ -34,6 +34,7 @@ struct PlateProjection {
 
  private:
   double retardation_ = 0.0;  ///< dashpot over stiffness [s]
+  double stiffest_ = 0.0;     ///< of an element, over its inertia [1/s^2]
 };
 
 /// Projects the elements of a bending energy and its friction, and adds what held particles bear.
