@@ -92,11 +92,13 @@ class Reality:
                 starts = [float(other['coefficient']) for other in self.drape
                           if all(other[name] == row[name] for name in
                                  ('fabric', 'shows', 'bending', 'density', 'shear', 'side', 'turn'))]
-                rows.append([fabric, f"{1e6 * float(row['bending']):.4g}", row['density'],
+                rubs = [f"{1e3 * float(row['hysteresis']):.4g}"] if shows == 'hysteresis' else []
+                rows.append([fabric, f"{1e6 * float(row['bending']):.4g}", *rubs, row['density'],
                              row['shear'], f"{1e3 * float(row['side']):g}", row['turn'],
                              f'{measured:.1f}', misfit(f'{value:.1f}', value, measured),
                              row['folds'], f'{min(starts):.1f} to {max(starts):.1f}'])
-        return markdown_table(['fabric', 'B [µN m]', 'ρ [kg/m²]', 'G [N/m]', 'triangles [mm]',
+        rubs = ['2HB [mN]'] if shows == 'hysteresis' else []
+        return markdown_table(['fabric', 'B [µN m]', *rubs, 'ρ [kg/m²]', 'G [N/m]', 'triangles [mm]',
                                'turn', 'measured [%]', 'simulated [%]', 'folds', 'all starts [%]'],
                               rows)
 

@@ -65,9 +65,10 @@ void bendProjection(benchmark::State& run) {
   Packed packed(static_cast<int>(run.range(0)), Order::kGrid, "plate");
   BendProjection projection;
   projection.build(packed.simulation.model().bending, packed.particles);
-  projection.setStep(kSubstep, 0.0, packed.particles.inverseMass);
+  projection.setStep({kSubstep}, packed.particles.inverseMass);
   for (auto _ : run) {
-    projection.project(packed.particles, [](std::size_t, const Vec3&) {});
+    projection.project(packed.particles, packed.particles.inverseMass,
+                       [](std::size_t, const Vec3&) {});
     benchmark::ClobberMemory();
   }
   tellPerSpring(packed.schedule.size(), run);

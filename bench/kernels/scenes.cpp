@@ -31,8 +31,8 @@ Scene hanging(int n, const std::string& method, const std::string& bending) {
 }
 
 Scene overSphere(int n, const std::string& method) {
-  return parseScene(clothOf(n, "  pose: {position: [0, 0, 0.27]}\n") + "drag: 0.5\n" +
-                        solverOf(method) +
+  return parseScene(clothOf(n, "  bending: springs\n  pose: {position: [0, 0, 0.27]}\n") +
+                        "drag: 0.5\n" + solverOf(method) +
                         "obstacles:\n  ball: {type: sphere, radius: 0.25, position: [0, 0, 0]}\n",
                     "over a sphere");
 }

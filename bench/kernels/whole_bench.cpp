@@ -33,6 +33,7 @@ Scene armed(const std::string& method) {
   };
   return parseScene(
       "cloth:\n  particles: [128, 128]\n  fabric: {preset: cotton, areal_density: 0.2}\n"
+      "  bending: springs\n"
       "  pose: {position: [0, 0, 1], rpy: [1.5707963267948966, 0, 0]}\n"
       "clamps:\n" +
           clamp("left", "0", "-0.5") + clamp("right", "127", "0.5") +

@@ -20,7 +20,8 @@ std::string clothText(const std::string& name, double width, int columns, int ro
   std::ostringstream out;
   out << "  - {name: " << name << ", size: [" << width << ", " << kSide << "], particles: ["
       << columns << ", " << rows
-      << "], fabric: {preset: cotton, areal_density: 0.2}, thickness: " << kThickness;
+      << "], fabric: {preset: cotton, areal_density: 0.2}, bending: springs, thickness: "
+      << kThickness;
   return out.str();
 }
 

@@ -13,7 +13,7 @@ std::string sceneOf(const Task& task) {
       << task.particles << ", " << task.particles << "]\n  pose: {position: [0.0, 0.0, "
       << task.height << "]" << (task.sphere ? "" : ", rpy: [1.5707963267948966, 0.0, 0.0]")
       << "}\n  fabric: {preset: cotton, areal_density: " << task.mass / (task.side * task.side)
-      << "}\n";
+      << "}\n  bending: springs\n";
   if (!task.sphere) out << "  pins: [corner_01, corner_11]\n";
   out << "drag: 0.5\nsolver: {sleep: false, dt: " << task.frame
       << "}\nphases: [{name: all, timeout: 1000.0}]\n";

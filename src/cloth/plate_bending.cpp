@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cloth_sim/cloth/bend_friction.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -117,8 +119,28 @@ PlateBending::PlateBending(const TriangleMesh& mesh, MaterialStrips strips,
 }
 
 void PlateBending::derive(const TriangleMesh& mesh) {
-  elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
+  resize(mesh);
   for (FaceId f = 0; f < mesh.faceCount(); ++f) deriveOn(mesh, f);
+}
+
+void PlateBending::resize(const TriangleMesh& mesh) {
+  elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
+  if (hasFriction()) slip_.resize(static_cast<std::size_t>(mesh.faceCount()));
+}
+
+bool PlateBending::hasFriction() const {
+  return std::any_of(plates_.begin(), plates_.end(), [](const Plate& plate) {
+    return plate.hysteresis > 0.0 && plate.rigidity > 0.0;
+  });
+}
+
+std::string PlateBending::slipError(std::int32_t faces) const {
+  if (slip_.size() != (hasFriction() ? static_cast<std::size_t>(faces) : 0U)) {
+    return "friction in bending is not one for each face";
+  }
+  const bool areStiff = std::all_of(slip_.begin(), slip_.end(),
+                                    [](double it) { return it >= 0.0 && std::isfinite(it); });
+  return areStiff ? "" : "friction in bending is negative";
 }
 
 /// Replaces the three elements of a face.
@@ -143,6 +165,20 @@ void PlateBending::deriveOn(const TriangleMesh& mesh, FaceId f) {
     elements_[kPerFace * static_cast<std::size_t>(f) + k] =
         makeElement(patch, weights.row(row), least, capped);
   }
+  if (!slip_.empty()) slip_[static_cast<std::size_t>(f)] = slipStiffnessOn(f, plate);
+}
+
+/// Half of 2HB over the curvature of slip, times the area; less by as much as the elements are
+/// capped.
+double PlateBending::slipStiffnessOn(FaceId f, const Plate& plate) const {
+  if (plate.rigidity == 0.0) return 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < kPerFace; ++k) {
+    const PlateElement& element = elements_[kPerFace * static_cast<std::size_t>(f) + k];
+    if (element.count > 0) least = std::min(least, element.stiffness);
+  }
+  if (!std::isfinite(least)) return 0.0;
+  return 0.5 * plate.hysteresis / (SlipElement::kSlipCurvature * plate.rigidity) * least;
 }
 
 void PlateBending::applyChanges(const TriangleMesh& mesh, const MeshChanges& changes) {
@@ -151,7 +187,7 @@ void PlateBending::applyChanges(const TriangleMesh& mesh, const MeshChanges& cha
     derive(mesh);
     return;
   }
-  elements_.resize(kPerFace * static_cast<std::size_t>(mesh.faceCount()));
+  resize(mesh);
   // Elements also depend on the far corners of the neighbours, so all faces around the corners of
   // a reshaped face change.
   std::vector<VertexId> around = changes.touched;
@@ -170,6 +206,7 @@ void PlateBending::applyChanges(const TriangleMesh& mesh, const MeshChanges& cha
 void PlateBending::scaleBy(double factor) {
   scale_ *= factor;
   for (PlateElement& element : elements_) element.stiffness *= factor;
+  for (double& stiffness : slip_) stiffness *= factor;
 }
 
 double PlateBending::energy(const std::vector<Vec3>& x) const {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "cloth_sim/cloth/bend_friction.h"
 #include "support/hash.h"
 #include "threads/parallel_for.h"
 
@@ -44,12 +45,26 @@ void copyData(const VertexData<Vec3>& from, VertexData<Vec3>& to) {
 
 }  // namespace
 
+void State::applyChanges(const MeshChanges& changes, const TriangleMesh& mesh) {
+  x.applyChanges(changes);
+  v.applyChanges(changes);
+  if (bendOffset.empty()) return;
+  const auto faces = static_cast<std::size_t>(mesh.faceCount());
+  bendOffset.resize(faces + changes.removedFaces.size(), Vec3::Zero());
+  for (const FaceId f : changes.removedFaces) {
+    bendOffset[static_cast<std::size_t>(f)] = Vec3(bendOffset.back());
+    bendOffset.pop_back();
+  }
+  for (const FaceId f : changes.reshapedFaces) bendOffset[static_cast<std::size_t>(f)].setZero();
+}
+
 bool isFinite(const State& state) { return allFinite(state.x) && allFinite(state.v); }
 
 void copyState(const State& from, State& to) {
   copyData(from.x, to.x);
   copyData(from.v, to.v);
   to.t = from.t;
+  to.bendOffset = from.bendOffset;
 }
 
 Energies energies(const Model& model, const State& state, const Vec3& gravity) {
@@ -64,6 +79,9 @@ Energies energies(const Model& model, const State& state, const Vec3& gravity) {
     e.elastic += 0.5 * spring.stiffness * extension * extension;
   }
   e.elastic += model.bending.energy(state.x.values());
+  if (!state.bendOffset.empty()) {
+    e.elastic += slipEnergy(model.bending, model.mesh, state.x.values(), state.bendOffset);
+  }
   return e;
 }
 
@@ -113,6 +131,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   hash.add(state.x.values());
   hash.add(state.v.values());
   hash.add(model.mesh.faces());
+  hash.add(state.bendOffset);
   return hash.value();
 }
 

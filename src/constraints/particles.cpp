@@ -80,6 +80,7 @@ void Particles::resize() {
 }
 
 void Particles::load(const State& state) {
+  bendOffset = state.bendOffset;
   forParts(slotOf.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       x.set(slotOf[k], state.x[k]);
@@ -89,6 +90,7 @@ void Particles::load(const State& state) {
 }
 
 void Particles::store(State& state) const {
+  state.bendOffset = bendOffset;
   forParts(slotOf.size(), [&](std::size_t first, std::size_t count) {
     for (std::size_t k = first; k < first + count; ++k) {
       state.x[k] = x.at(slotOf[k]);

@@ -23,6 +23,7 @@ struct Particles {
   ScalarArray mass;                  ///< [kg]; 0: prescribed motion
   ScalarArray inverseMass;           ///< [1/kg]; 0: prescribed motion
   std::vector<std::int32_t> slotOf;  ///< by vertex
+  std::vector<Vec3> bendOffset;      ///< by face: see State::bendOffset
 
   std::int32_t slots = 0;  ///< number of slots; empty ones have mass 0
 
@@ -44,7 +45,7 @@ struct Particles {
   void layOut(const Model& model);
   /// Adds slots for the vertices that an edit made.
   void applyChanges(const MeshChanges& changes);
-  /// Copies positions and velocities from a state ...
+  /// Copies positions, velocities and sliders from a state ...
   void load(const State& state);
   /// ... and back.
   void store(State& state) const;

@@ -38,8 +38,21 @@ Incidence incidence(const PlateBending& bending, const Particles& particles) {
 }  // namespace
 
 void BendMatrix::build(const Model& model, const Particles& particles) {
-  const PlateBending& bending = model.bending;
   retardation_ = model.bendRetardation();
+  buildWith(model, particles, [&](std::size_t e) { return model.bending.elements()[e].stiffness; });
+}
+
+void BendMatrix::buildSlip(const Model& model, const Particles& particles) {
+  retardation_ = 0.0;
+  buildWith(model, particles, [&](std::size_t e) {
+    return model.bending.slipStiffness(static_cast<FaceId>(e / PlateBending::kPerFace));
+  });
+}
+
+template <typename Stiffness>
+void BendMatrix::buildWith(const Model& model, const Particles& particles,
+                           const Stiffness& stiffness) {
+  const PlateBending& bending = model.bending;
   const auto slots = static_cast<std::size_t>(particles.slots);
   const Incidence incident = incidence(bending, particles);
   start_.assign(1, 0);
@@ -61,7 +74,8 @@ void BendMatrix::build(const Model& model, const Particles& particles) {
       for (std::size_t j = 0; j < count; ++j) {
         const std::int32_t column = particles.slotOf[element.vertex[j]];
         columns.push_back(column);
-        row[static_cast<std::size_t>(column)] += element.stiffness * (own * element.weight[j]);
+        row[static_cast<std::size_t>(column)] +=
+            stiffness(incident.element[k]) * (own * element.weight[j]);
       }
     }
     std::sort(columns.begin(), columns.end());

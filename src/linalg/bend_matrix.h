@@ -11,6 +11,9 @@ namespace cloth_sim {
 class BendMatrix {
  public:
   void build(const Model& model, const Particles& particles);
+  /// Builds the matrix with the stiffness of the slip elements instead of that of the elements: an
+  /// upper bound on their stiffness, without the way in which normals of faces turn.
+  void buildSlip(const Model& model, const Particles& particles);
 
   bool empty() const { return column_.empty(); }
   /// out += s K x, on several threads where that pays.
@@ -39,6 +42,9 @@ class BendMatrix {
   }
 
  private:
+  /// \param stiffness  stiffness(e) of the element e [N m^3].
+  template <typename Stiffness>
+  void buildWith(const Model& model, const Particles& particles, const Stiffness& stiffness);
   Vec3 rowProduct(std::size_t row, const VectorArray& x) const;
   double quadraticForm(const VectorArray& x) const;
 

@@ -92,7 +92,8 @@ PlateBending makeBending(const std::vector<ClothSpec>& cloths, const Model& mode
   for (std::size_t k = 0; k < cloths.size(); ++k) {
     if (!cloths[k].plate) continue;
     const Fabric& fabric = cloths[k].fabric;
-    plates[k] = {fabric.bending, std::min(fabric.tensileWarp, fabric.tensileWeft)};
+    plates[k] = {fabric.bending, std::min(fabric.tensileWarp, fabric.tensileWeft),
+                 fabric.bendingHysteresis};
     any = true;
   }
   return any ? PlateBending(model.mesh, model.strips, std::move(plates)) : PlateBending();
@@ -152,6 +153,9 @@ State initialState(const std::vector<ClothSpec>& cloths, const Model& model, std
   State state;
   state.x = VertexData<Vec3>(count, Vec3::Zero());
   state.v = VertexData<Vec3>(count, Vec3::Zero());
+  if (model.bending.hasFriction()) {
+    state.bendOffset.assign(static_cast<std::size_t>(model.mesh.faceCount()), Vec3::Zero());
+  }
   std::mt19937_64 generator(seed);
   for (std::size_t k = 0; k < cloths.size(); ++k) {
     const ClothPart& part = model.cloths[k];

@@ -94,6 +94,26 @@ void resolve(const SceneNode& root, Scene& scene) {
   }
 }
 
+bool haveOneDamping(const std::vector<ClothSpec>& cloths) {
+  return std::all_of(cloths.begin(), cloths.end(), [&](const ClothSpec& cloth) {
+    return cloth.fabric.damping == cloths.front().fabric.damping;
+  });
+}
+
+/// Gives the bending energy of a plate to the cloths that name a fabric and leave their bending
+/// open. They keep their bend springs where such an energy would be refused.
+void chooseBending(const SceneNode& root, Scene& scene) {
+  if (!findSolver(scene.solver.method).followsFabric || !haveOneDamping(scene.cloths)) return;
+  const std::vector<SceneNode> nodes = clothNodes(root.need("cloth", "a map"));
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    ClothSpec& cloth = scene.cloths[k];
+    const bool isOpen = nodes[k].has("fabric") && !nodes[k].has("bending");
+    if (!isOpen || cloth.raw || cloth.fabric.bending == 0.0) continue;
+    cloth.springs.bend = false;
+    cloth.plate = true;
+  }
+}
+
 /// Refuses a bending energy that the method cannot follow, at the key that asks for it.
 void checkFeatures(const SceneNode& root, const Scene& scene) {
   const std::vector<SceneNode> cloths = clothNodes(root.need("cloth", "a map"));
@@ -102,6 +122,24 @@ void checkFeatures(const SceneNode& root, const Scene& scene) {
       checkFeatures(findSolver(scene.solver.method), scene.cloths[k].plate);
     } catch (const std::invalid_argument& error) {
       cloths[k].need("bending", "a word").refuse(error.what());
+    }
+  }
+}
+
+/// Refuses friction in bending without a bending energy that it belongs to, or with a method that
+/// has none.
+void checkBendFriction(const SceneNode& root, const Scene& scene) {
+  const std::vector<SceneNode> cloths = clothNodes(root.need("cloth", "a map"));
+  for (std::size_t k = 0; k < scene.cloths.size(); ++k) {
+    const ClothSpec& cloth = scene.cloths[k];
+    if (cloth.fabric.bendingHysteresis == 0.0) continue;
+    const SceneNode asked =
+        cloths[k].need("fabric", "a map").need("bending_hysteresis", "a number");
+    if (!cloth.plate) asked.refuse("expected only where the cloth bends by the energy of a plate");
+    try {
+      checkBendFriction(findSolver(scene.solver.method));
+    } catch (const std::invalid_argument& error) {
+      asked.refuse(error.what());
     }
   }
 }
@@ -206,8 +244,10 @@ Scene parseScene(const std::string& yaml, const std::string& name,
   Scene scene = readScene(root);
   scene.name = sceneName(name);
   scene.contentKey = contentKey(tree, scene.solver.dt);
+  chooseBending(root, scene);
   resolve(root, scene);
   checkFeatures(root, scene);
+  checkBendFriction(root, scene);
   checkLayers(root, scene);
   chooseTearing(root, scene);
   scene.text = textOf(scene, tree);

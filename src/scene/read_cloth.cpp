@@ -93,19 +93,20 @@ TearEnergy readTearEnergy(const SceneNode& node) {
   return energy;
 }
 
-const Section<Fabric> kFabricSection{"`cloth.fabric`",
-                                     {{"preset"},
-                                      {"areal_density", &Fabric::arealDensity, kPositive},
-                                      {"tensile_warp", &Fabric::tensileWarp, kPositive},
-                                      {"tensile_weft", &Fabric::tensileWeft, kPositive},
-                                      {"shear", &Fabric::shear, kNotNegative},
-                                      {"bending", &Fabric::bending, kNotNegative},
-                                      {"damping", &Fabric::damping, kNotNegative},
-                                      {"friction", &Fabric::friction, kNotNegative},
-                                      {"thickness", &Fabric::thickness, kNotNegative},
-                                      {"tear_energy", [](const SceneNode& value, Fabric& fabric) {
-                                         fabric.tearEnergy = readTearEnergy(value);
-                                       }}}};
+const Section<Fabric> kFabricSection{
+    "`cloth.fabric`",
+    {{"preset"},
+     {"areal_density", &Fabric::arealDensity, kPositive},
+     {"tensile_warp", &Fabric::tensileWarp, kPositive},
+     {"tensile_weft", &Fabric::tensileWeft, kPositive},
+     {"shear", &Fabric::shear, kNotNegative},
+     {"bending", &Fabric::bending, kNotNegative},
+     {"bending_hysteresis", &Fabric::bendingHysteresis, kNotNegative},
+     {"damping", &Fabric::damping, kNotNegative},
+     {"friction", &Fabric::friction, kNotNegative},
+     {"thickness", &Fabric::thickness, kNotNegative},
+     {"tear_energy",
+      [](const SceneNode& value, Fabric& fabric) { fabric.tearEnergy = readTearEnergy(value); }}}};
 
 Fabric readFabric(const SceneNode& node) {
   if (node.isScalar()) return preset(node);

@@ -10,6 +10,7 @@ std::unique_ptr<Solver> makeSolver(const SolverSpec& spec, const Model& model, c
         "solver.budget: real_time is not resolved: load the scene by loadForThisMachine");
   }
   checkFeatures(info, !model.bending.empty());
+  if (model.bending.hasFriction()) checkBendFriction(info);
   const SolverParameters complete = completeParameters(info, spec.parameters);
   if (spec.guard == StepGuard::kAllow) return info.create(model, complete);
   const FastestMode mode = estimateFastestMode(model, state);

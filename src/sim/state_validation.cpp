@@ -10,10 +10,11 @@
 namespace cloth_sim {
 namespace {
 
-constexpr double kLongest = 1e9;    ///< latest time of a state [s]
-constexpr double kFarthest = 1e9;   ///< position [m]
-constexpr double kFastest = 1e5;    ///< of a particle: ten times what ends a step [m/s]
-constexpr double kRounding = 1e-6;  ///< of sums of masses [-]
+constexpr double kLongest = 1e9;     ///< latest time of a state [s]
+constexpr double kFarthest = 1e9;    ///< position [m]
+constexpr double kFastest = 1e5;     ///< of a particle: ten times what ends a step [m/s]
+constexpr double kMostCurved = 1e9;  ///< where a slider of bending friction is [1/m]
+constexpr double kRounding = 1e-6;   ///< of sums of masses [-]
 constexpr std::size_t kLongestText = 1000;
 /// How far material coordinates may be outside of those of the undamaged cloth, over its size.
 constexpr double kOutside = 1e-6;
@@ -56,7 +57,8 @@ bool isElementOf(const Model& model, const PlateElement& element) {
 std::string bendingError(const Model& model, const Model& undamaged) {
   const std::vector<PlateElement>& elements = model.bending.elements();
   if (model.bending.empty() != undamaged.bending.empty()) return "bending is not as in the scene";
-  if (model.bending.empty()) return "";
+  const std::string slipError = model.bending.slipError(model.mesh.faceCount());
+  if (model.bending.empty() || !slipError.empty()) return slipError;
   if (elements.size() != 3 * static_cast<std::size_t>(model.mesh.faceCount())) {
     return "bending elements are not three for each face";
   }
@@ -129,6 +131,12 @@ std::string validationError(const State& state, const Model& model) {
   if (!std::all_of(state.x.begin(), state.x.end(), isIn(kFarthest)) ||
       !std::all_of(state.v.begin(), state.v.end(), isIn(kFastest))) {
     return "a particle is farther away or faster than any cloth";
+  }
+  const auto sliders =
+      model.bending.hasFriction() ? static_cast<std::size_t>(model.mesh.faceCount()) : 0U;
+  if (state.bendOffset.size() != sliders ||
+      !std::all_of(state.bendOffset.begin(), state.bendOffset.end(), isIn(kMostCurved))) {
+    return "the sliders of bending friction are not one for each face";
   }
   return std::abs(state.t) <= kLongest ? "" : "its time is not one of a simulation";
 }

@@ -35,6 +35,7 @@ SolverInfo implicitEulerInfo() {
   info.reference = "Baraff & Witkin, Large Steps in Cloth Simulation, 1998";
   info.limitations = "damps motion that is fast against the substep; contact follows the solve";
   info.order = 1;
+  info.hasBendFriction = true;
   info.parameters = implicitParameters();
   info.create = [](const Model& model, const SolverParameters& p) -> std::unique_ptr<Solver> {
     return std::make_unique<SubstepSolver>(model, substepsOf(p),

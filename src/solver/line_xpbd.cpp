@@ -189,6 +189,7 @@ class LineXpbd final : public SubstepMethod {
 
   void layOut(Substep& now);
   void keepFall(Substep& now) const;
+  void bend(Substep& now);
   void projectLines(Substep& now);
   void updateInertia(const Substep& now);
   void passOnPull(Substep& now);
@@ -197,12 +198,12 @@ class LineXpbd final : public SubstepMethod {
   LineProjection projection_;
   AddedInertia inertia_;
   ErrorControl control_;
-  BendProjection bending_;
-  double retardation_ = 0.0;       ///< of bending [s]
+  PlateProjection bending_;
   double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
   double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
   int substep_ = 0;                ///< of the step
-  std::int32_t sinceBending_ = 0;  ///< substeps since bend springs have acted
+  std::int32_t sinceBending_ = 0;  ///< substeps since bending has acted
+  bool bends_ = false;             ///< whether it acts in this one
   VectorArray pull_;
   ScalarArray cancelled_;
 };
@@ -222,7 +223,7 @@ void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
-    if (!bending_.empty()) bending_.setStep(now.h, retardation_, now.particles.inverseMass);
+    bending_.setStep(now, projection_.bendInterval());
     preparedFor_ = now.h;
   }
   decay_ = std::exp(-now.controls.drag * now.h);
@@ -240,10 +241,7 @@ void LineXpbd::finish(Substep& now) {
 void LineXpbd::layOut(Substep& now) {
   lines_.build(now.model, now.particles.slotOf);
   projection_.prepare(lines_, now.model.springs, now.particles.slotOf);
-  if (!now.model.bending.empty()) {
-    bending_.build(now.model.bending, now.particles);
-    retardation_ = now.model.bendRetardation();
-  }
+  bending_.build(now);
   inertia_.layOut(now);
   control_.layOut(now.model);
   const std::size_t n = now.particles.mass.size();
@@ -258,7 +256,7 @@ void LineXpbd::advance(Substep& now) {
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
   now.placeKinematic();
-  if (!bending_.empty()) projectBending(bending_, now);
+  bend(now);
   projectLines(now);
   passOnPull(now);
   now.contacts.project(now.particles.view(), now.time, now.h);
@@ -275,16 +273,22 @@ void LineXpbd::keepFall(Substep& now) const {
   }
 }
 
+/// Decides whether bending acts in this substep, and projects the elements of a plate if it does.
+void LineXpbd::bend(Substep& now) {
+  const int interval = bending_.empty() ? projection_.bendInterval() : bending_.step.interval;
+  bends_ = ++sinceBending_ >= interval;
+  if (bends_) sinceBending_ = 0;
+  if (bends_ && !bending_.empty()) projectBending(bending_, inertia_.inverse(), now);
+}
+
 void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
-  const bool bends = ++sinceBending_ >= projection_.bendInterval();
-  if (bends) sinceBending_ = 0;
   const bool measures = now.controls.quasiStatic || substep_ % kMeasureEvery == 0;
   ++substep_;
   if (!measures) {
-    return projection_.project(lines_, inertia_.inverse(), bends, p, pull_);
+    return projection_.project(lines_, inertia_.inverse(), bends_, p, pull_);
   }
-  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends, p, pull_, cancelled_);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends_, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
   updateInertia(now);
 }
@@ -335,6 +339,7 @@ SolverInfo lineXpbdInfo() {
   info.limitations =
       "first order in time; particles next to a concentrated load accelerate too slowly";
   info.order = 1;
+  info.hasBendFriction = true;
   info.usesQuasiStatic = true;
   info.noTearEnergy = "at a tip springs are longer than their tension makes them";
   info.parameters = {substepsParameter(30), errorParameter(), budgetParameter()};

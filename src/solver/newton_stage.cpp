@@ -37,7 +37,10 @@ NewtonStage::NewtonStage(const SolverParameters& parameters)
       tolerance_(parameters.at("tolerance")) {}
 
 void NewtonStage::begin(const Substep& now) {
-  if (now.isNewModel && !now.model.bending.empty()) bending_.build(now.model, now.particles);
+  if (!now.isNewModel || now.model.bending.empty()) return;
+  bending_.build(now.model, now.particles);
+  friction_.build(now.model, now.particles);
+  if (now.model.bending.hasFriction()) slipBound_.buildSlip(now.model, now.particles);
 }
 
 void NewtonStage::findLoads(Substep& now) {
@@ -50,6 +53,7 @@ void NewtonStage::addInternalForces(Substep& now) const {
   const Particles& p = now.particles;
   now.springs.addForces(p.x, p.v, now.force);
   bending_.addForces(p.x, p.v, now.force);
+  friction_.addForces(p, now.force);
 }
 
 void NewtonStage::evaluateForces(Substep& now) {
@@ -75,6 +79,7 @@ void NewtonStage::solve(Substep& now, const ImplicitStage& stage) {
 
 void NewtonStage::advanceBackward(Substep& now, const VectorArray& velocity) {
   solve(now, {now.h, now.fraction, now.particles.start, velocity});
+  friction_.slip(now.particles);
   now.kinematic.addForces(now.h, now.force);
   now.enforceContacts();
 }
@@ -116,17 +121,20 @@ double NewtonStage::potential(const Substep& now, const ImplicitStage& stage) co
         mass * (stage.fromV.at(k) + stage.tau * now.controls.gravity) + stage.tau * loads_.at(k);
     sum += 0.5 * drag * mass * v.squaredNorm() - aim.dot(v);
   }
-  return sum + now.springs.potential(p.x, p.v, stage.tau) + bending_.potential(p.x, p.v, stage.tau);
+  return sum + now.springs.potential(p.x, p.v, stage.tau) +
+         bending_.potential(p.x, p.v, stage.tau) + friction_.potential(p);
 }
 
 /// A = m (1 + tau drag) + tau^2 df/dx + tau df/dv, and the inverses of its diagonal blocks.
 void NewtonStage::linearise(Substep& now, double tau) {
   now.springs.linearise(now.particles.x, tau * tau, tau);
   bendFactor_ = tau * tau + tau * bending_.retardation();
+  slipFactor_ = tau * tau;
   SymmetricBlocks& blocks = preconditioner_.reset(diagonal_);
   now.springs.addDiagonalBlocks(blocks);
   for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-    blocks.add(k, Vec3::Constant(bendFactor_ * bending_.diagonal(k)), Vec3::Zero());
+    const double bend = bendFactor_ * bending_.diagonal(k) + slipFactor_ * slipBound_.diagonal(k);
+    blocks.add(k, Vec3::Constant(bend), Vec3::Zero());
   }
   preconditioner_.factorise([&](std::size_t slot) { return diagonal_[slot] <= 0.0; });
 }
@@ -141,6 +149,7 @@ void NewtonStage::multiply(const SpringConstraints& springs, const VectorArray& 
       p, q);
   springs.multiply(p, q);
   bending_.addProduct(bendFactor_, p, q);
+  slipBound_.addProduct(slipFactor_, p, q);
   forAxes([&](auto& axis) { maskAxis(n, diagonal_.data(), axis.data()); }, q);
 }
 

@@ -2,6 +2,7 @@
 /// \file One implicit stage, solved by Newton's method.
 
 #include "cloth_sim/solver/registry.h"
+#include "constraints/bend_friction.h"
 #include "linalg/bend_matrix.h"
 #include "linalg/block_jacobi.h"
 #include "linalg/conjugate_gradients.h"
@@ -21,8 +22,8 @@ struct ImplicitStage {
 
 /// Solves implicit stages by Newton's method on the velocities, with conjugate gradients inside
 /// (Baraff & Witkin 1998, eq. 15, iterated) and steps that are halved until the incremental
-/// potential falls. f are springs, dashpots, bending and loads; loads are those at the start of the
-/// stage.
+/// potential falls. Sliders of bending friction move at the end of a backward Euler step. f are
+/// springs, dashpots, bending and loads; loads are those at the start of the stage.
 class NewtonStage {
  public:
   /// \param parameters  `iterations` and `tolerance`, see `implicitParameters`.
@@ -51,10 +52,13 @@ class NewtonStage {
   void search(Substep& now, const ImplicitStage& stage);
 
   BendMatrix bending_;
+  BendFriction friction_;
+  BendMatrix slipBound_;     ///< at least the stiffness of `friction_`, for the linearised equation
   int iterations_;           ///< of Newton's method, at most
   double tolerance_;         ///< of the residual [m/s^2]
   ScalarArray diagonal_;     ///< m (1 + tau drag), by slot [kg]; 0: prescribed motion
   double bendFactor_ = 0.0;  ///< of the bending matrix in the linearised equation
+  double slipFactor_ = 0.0;  ///< of the bound on the stiffness of its friction
   BlockJacobi preconditioner_;
   ConjugateGradients solver_;
   VectorArray loads_, residual_, change_, before_;

@@ -42,6 +42,11 @@ void predictPart(Substep& now, double decay, std::size_t first, std::size_t coun
       now.particles.x, now.particles.start);
 }
 
+/// Largest stiffness over inertia of an element, times the square of the time between its impulses,
+/// at which that may be more than a substep. The fastest mode of a grid has ten times the stiffness
+/// of an element, so its phase moves by one radian in that time.
+constexpr double kSoft = 0.1;
+
 void applyLoads(Substep& now, const ScalarArray& inverseMass) {
   Particles& p = now.particles;
   for (std::size_t k = 0; k < inverseMass.size(); ++k) {
@@ -69,10 +74,31 @@ void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass
   if (hasLoads) applyLoads(now, inverseMass);
 }
 
-void projectBending(const BendProjection& bending, Substep& now) {
-  bending.project(now.particles, [&](std::size_t slot, const Vec3& impulse) {
+void PlateProjection::build(const Substep& now) {
+  if (now.model.bending.empty()) return;
+  elastic.build(now.model.bending, now.particles);
+  friction.build(now.model, now.particles);
+  retardation_ = now.model.bendRetardation();
+}
+
+void PlateProjection::setStep(const Substep& now, int longest) {
+  if (empty()) return;
+  const ScalarArray& w = now.particles.inverseMass;
+  const double period = longest * now.h;
+  if (now.isNewLayout) stiffest_ = elastic.stiffest(w) + friction.stiffest(w);
+  step = {now.h, retardation_, period * period * stiffest_ <= kSoft ? longest : 1};
+  elastic.setStep(step, w);
+  friction.findHeld(w);
+}
+
+void projectBending(const PlateProjection& bending, const ScalarArray& inverseInertia,
+                    Substep& now) {
+  const auto onHeld = [&](std::size_t slot, const Vec3& impulse) {
     now.kinematic.addImpulseAt(slot, impulse / now.h);
-  });
+  };
+  bending.elastic.project(now.particles, inverseInertia, onHeld);
+  const double square = bending.step.interval * now.h * now.h;
+  bending.friction.project(square, inverseInertia, now.particles, onHeld);
 }
 
 void findVelocities(Substep& now) {

@@ -60,6 +60,16 @@ void checkFeatures(const SolverInfo& info, bool bendingEnergy) {
                               "fabric's): take springs or none, or another method");
 }
 
+void checkBendFriction(const SolverInfo& info) {
+  if (info.hasBendFriction) return;
+  std::string able;
+  for (const SolverInfo& other : solverRegistry()) {
+    if (other.hasBendFriction) able += (able.empty() ? "" : ", ") + other.name;
+  }
+  throw std::invalid_argument(info.name + " has no friction in bending; take one of " + able +
+                              ", or no bending_hysteresis");
+}
+
 void checkLayers(const SolverInfo& info) {
   if (info.noLayers.empty()) return;
   throw std::invalid_argument(info.name + " cannot hold layers of cloth apart: " + info.noLayers +

@@ -40,15 +40,11 @@ class Xpbd final : public SubstepMethod {
   double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
   double preparedFor_ = 0.0;  ///< length of the substep that springs are prepared for [s]
   std::vector<Attachment> attachments_;
-  BendProjection bending_;
-  double retardation_ = 0.0;  ///< of bending [s]
+  PlateProjection bending_;
 };
 
 void Xpbd::begin(Substep& now) {
-  if (now.isNewModel && !now.model.bending.empty()) {
-    bending_.build(now.model.bending, now.particles);
-    retardation_ = now.model.bendRetardation();
-  }
+  if (now.isNewModel) bending_.build(now);
   if (now.isNewLayout || preparedFor_ != now.h) prepareSprings(now);
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
@@ -64,7 +60,7 @@ void Xpbd::prepareSprings(Substep& now) {
   for (const std::int32_t held : now.kinematic.slots()) w[held] = 0.0;
   preparedFor_ = now.h;
   listAttachments(now);
-  if (!bending_.empty()) bending_.setStep(now.h, retardation_, w);
+  bending_.setStep(now, 1);
 }
 
 void Xpbd::listAttachments(const Substep& now) {
@@ -89,7 +85,7 @@ void Xpbd::advance(Substep& now) {
   now.springs.project(now.particles);
   now.placeKinematic();
   projectAttachments(now);
-  if (!bending_.empty()) projectBending(bending_, now);
+  if (!bending_.empty()) projectBending(bending_, now.particles.inverseMass, now);
   now.contacts.project(now.particles.view(), now.time, now.h);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
 }
@@ -114,6 +110,7 @@ SolverInfo xpbdInfo() {
   info.limitations =
       "too few substeps make stiff cloth stretch more than its fabric says and damp its motion";
   info.order = 1;
+  info.hasBendFriction = true;
   info.projectsSpringsAlone = true;
   info.noTearEnergy = "at a tip springs are longer than their tension makes them";
   info.parameters = {substepsParameter(20)};

@@ -27,6 +27,7 @@ ClothSpec discOf(const DrapeFabric& fabric, const DrapeMesh& mesh, double shear)
       std::make_shared<ClothMesh>(makeDisc(kDrapeRadius, heldRadius(mesh), mesh.side, mesh.turn));
   spec.width = spec.height = 2.0 * kDrapeRadius;
   spec.fabric = plainFabric(fabric.density, fabric.bending, kDrapeTensile, shear);
+  spec.fabric.bendingHysteresis = fabric.hysteresis;
   spec.springs = {true, false};
   spec.plate = true;
   return spec;

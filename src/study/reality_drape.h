@@ -12,9 +12,10 @@ namespace cloth_sim {
 /// A fabric in the drape tester.
 struct DrapeFabric {
   std::string name;
-  double bending = 0.0;  ///< B [N m]
-  double density = 0.0;  ///< [kg/m^2]
-  double shear = 0.0;    ///< in-plane shear stiffness G [N/m]
+  double bending = 0.0;     ///< B [N m]
+  double density = 0.0;     ///< [kg/m^2]
+  double shear = 0.0;       ///< in-plane shear stiffness G [N/m]
+  double hysteresis = 0.0;  ///< 2HB [N]
 };
 
 /// The mesh of the disc (makeDisc).
@@ -34,7 +35,8 @@ struct Drape {
 };
 
 /// Releases the disc with a wave of a number of folds on it. Which folds remain depends on how it
-/// was released, as with a cloth: of several starts, that of least energy is the drape.
+/// was released, as with a cloth: of several starts, that of least energy is the drape. With
+/// friction in bending the disc also comes to rest elsewhere than where its energy is least.
 ///
 /// The inner disc is held rigid, as between the discs of the tester: up to half a ring beyond the
 /// edge, so that the clamp begins at the edge (docs/model.md). On triangles, springs of the warp

@@ -18,7 +18,7 @@ constexpr double kVerticesPerPoint = 8.0;
 /// vertices that it touched.
 SpringChanges applyChanges(const MeshChanges& changes, Model& model, State& state) {
   const Momentum before = momentumOf(changes.touched, model.mass, state);
-  state.applyChanges(changes);
+  state.applyChanges(changes, model.mesh);
   SpringChanges springs = model.applyChanges(changes);
   restoreMomentum(before, changes.touched, model.mass, state);
   return springs;

@@ -20,6 +20,8 @@ inline Scene busyScene(const std::string& method, int n = 64) {
   const std::string last = std::to_string(n - 3);
   const std::string half = std::to_string(n / 2);
   const std::string bending = findSolver(method).followsFabric ? "plate" : "springs";
+  const std::string friction =
+      findSolver(method).hasBendFriction ? ", bending_hysteresis: 2.0e-4" : "";
   return parseScene(R"(
 seed: 3
 cloth:
@@ -29,7 +31,9 @@ cloth:
   pose: {position: [0, 0, 0.21]}
   random_offset: 0.01
   velocity: [0, 0, -1]
-  fabric: {preset: interlock, damping: 1.0e-5}
+  fabric: {preset: interlock, damping: 1.0e-5)" +
+                        friction +
+                        R"(}
   bending: )" + bending +
                         R"(
 solver: {method: )" + method +

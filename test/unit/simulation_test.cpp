@@ -280,7 +280,7 @@ TEST(Simulation, EveryFailureIsCountedOnce) {
 }
 
 TEST(Snapshot, ShowsTheSimulation) {
-  Simulation simulation = simulationOf();
+  Simulation simulation = simulationOf({"cloth.bending=springs"});
   run(simulation, 3);
   const auto shot = simulation.snapshot();
   EXPECT_EQ(shot->time, simulation.time());

@@ -10,7 +10,8 @@
 ///
 /// method_matrix.csv keeps the outcomes:
 ///   accurate  the largest strain and the positions are within the bounds below
-///   refused   the scene is refused, with a reason
+///   refused   the scene is refused, with a reason (`pbd` cannot go on from cloth that bends by a
+///             plate energy; told to run the scene from its start, it has bend springs)
 ///   failed    the simulation stops in its last good state, with a reason
 ///   told      not accurate, and `warnings` says so
 ///   wrong     not accurate, and nothing says so: a finding (docs/limits.md)

@@ -12,7 +12,7 @@ namespace cloth_sim {
 struct FabricQuantity {
   const char* key;   ///< as in `cloth.fabric` of a scene, if the model uses it
   const char* unit;  ///< "1": none
-  /// Returns the value in a fabric; null: the model does not use it.
+  /// Returns the value in a fabric; null: presets do not set it.
   double& (*in)(Fabric& fabric);
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <string>
 
 #include "cloth_sim/mesh/material_strips.h"
 #include "cloth_sim/mesh/mesh_changes.h"
@@ -39,6 +40,7 @@ struct PlateElement {
 /// quadratics wherever six points determine one; energies of single hinges are not.
 class PlateBending {
  public:
+  static constexpr std::size_t kPerFace = 3;  ///< elements of a face: x_uu, x_vv, x_uv
   /// The bending parameters of one cloth.
   struct Plate {
     double rigidity = 0.0;  ///< B [N m], >= 0; 0: no elements
@@ -47,6 +49,8 @@ class PlateBending {
     /// stiffness K of the membrane as the limit, faces smaller than sqrt(2 B / K) bend more easily
     /// than the fabric. That is a millimetre or less, about the thickness of the fabric.
     double maxStiffness = std::numeric_limits<double>::infinity();
+    /// Moment of friction between yarns, bending less unbending, 2HB [N], >= 0 (SlipElement).
+    double hysteresis = 0.0;
   };
 
   PlateBending() = default;
@@ -62,11 +66,20 @@ class PlateBending {
   /// The elements, three for each face; those without stiffness have no vertices.
   const std::vector<PlateElement>& elements() const { return elements_; }
 
+  /// Whether some cloth has friction in bending.
+  bool hasFriction() const;
+  /// Stiffness of the slip element of a face [N m^3]; 0: it has none.
+  double slipStiffness(FaceId f) const {
+    return slip_.empty() ? 0.0 : slip_[static_cast<std::size_t>(f)];
+  }
+  /// Checks what was read from a file. \return one sentence about the first error; "" if none.
+  std::string slipError(std::int32_t faces) const;
+
   /// Derives the elements again on the faces that an edit touched and on their neighbours.
   /// \param mesh  after the edit.
   void applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
-  /// Multiplies the rigidity of every element, present and future.
+  /// Multiplies the rigidity of every element and the friction, present and future.
   /// \param factor  > 0.
   void scaleBy(double factor);
 
@@ -79,17 +92,19 @@ class PlateBending {
   /// Archives what commands and edits change; the rest follows from the scene.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(scale_, elements_);
+    archive(scale_, elements_, slip_);
   }
 
-  static constexpr std::size_t kPerFace = 3;  // x_uu, x_vv, x_uv
+  void resize(const TriangleMesh& mesh);
   void deriveOn(const TriangleMesh& mesh, FaceId f);
   void derive(const TriangleMesh& mesh);
+  double slipStiffnessOn(FaceId f, const Plate& plate) const;
 
   MaterialStrips strips_;
   std::vector<Plate> plates_;  ///< by strip
   double scale_ = 1.0;         ///< factor on every stiffness
   std::vector<PlateElement> elements_;
+  std::vector<double> slip_;  ///< by face: stiffness of the slip element; empty without friction
 };
 
 }  // namespace cloth_sim

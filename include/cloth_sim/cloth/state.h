@@ -10,16 +10,18 @@ struct State {
   VertexData<Vec3> x;  ///< positions in the world [m]
   VertexData<Vec3> v;  ///< velocities [m/s]
   double t = 0.0;      ///< [s]
+  /// Where the sliders of bending friction are, by face (SlipElement) [1/m]; empty without
+  /// friction.
+  std::vector<Vec3> bendOffset;
 
   /// Copies and interpolates positions and velocities to new vertices, and drops removed ones.
-  void applyChanges(const MeshChanges& changes) {
-    x.applyChanges(changes);
-    v.applyChanges(changes);
-  }
+  /// Faces keep their sliders; those with a new rest shape begin as cloth that was bent from the
+  /// flat. \param mesh  after the edit.
+  void applyChanges(const MeshChanges& changes, const TriangleMesh& mesh);
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(x, v, t);
+    archive(x, v, t, bendOffset);
   }
 };
 
@@ -32,7 +34,7 @@ void copyState(const State& from, State& to);
 /// The parts of the mechanical energy.
 struct Energies {
   double kinetic = 0.0;  ///< [J]
-  double elastic = 0.0;  ///< of all springs and bending elements [J]
+  double elastic = 0.0;  ///< of all springs, bending elements and their friction [J]
   double gravity = 0.0;  ///< relative to the origin of the world [J]
 };
 /// \param gravity  acceleration, (3,) [m/s^2].
@@ -48,8 +50,8 @@ double stretch(const Spring& spring, const State& state);
 /// Returns the largest `stretch` of all membrane springs: structural and shear. It is 1 at rest.
 double maxStretch(const Model& model, const State& state);
 
-/// Returns a hash over time, positions, velocities and faces. Equal hashes mean equal bits, see
-/// support/hash.h.
+/// Returns a hash over time, positions, velocities, faces and sliders of bending friction. Equal
+/// hashes mean equal bits, see support/hash.h.
 std::uint64_t stateHash(const Model& model, const State& state);
 
 }  // namespace cloth_sim

@@ -34,6 +34,8 @@ struct SolverInfo {
   /// Whether the cloth is as stiff as the fabric. If not, stiffness follows from the method's own
   /// parameters and the step, and a bending energy is refused.
   bool followsFabric = true;
+  /// Whether it follows the friction of bending (SlipElement).
+  bool hasBendFriction = false;
   /// Why layers of cloth cannot touch each other with this method; "" if they can.
   std::string noLayers;
   /// Why tears cannot be decided by energy with this method; "" if they can. The energy at a tip
@@ -63,6 +65,9 @@ const SolverParameter* findParameter(const SolverInfo& info, const std::string& 
 
 /// \throws std::invalid_argument if the model has what the method cannot follow: a bending energy.
 void checkFeatures(const SolverInfo& info, bool bendingEnergy);
+
+/// \throws std::invalid_argument if the method has no friction in bending.
+void checkBendFriction(const SolverInfo& info);
 
 /// \throws std::invalid_argument if layers of cloth cannot touch each other with the method.
 void checkLayers(const SolverInfo& info);
