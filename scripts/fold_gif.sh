@@ -46,6 +46,7 @@ trap cleanup EXIT
 port=$((20000 + RANDOM % 10000))
 export ROS_MASTER_URI=http://localhost:$port ROSCONSOLE_STDOUT_LINE_BUFFERED=1
 say "recording: $folder/fold.bag"
+: >"$folder/log"
 setsid roslaunch -p "$port" cloth_sim fold.launch rviz:=false client:="$client" \
   bag:="$folder/fold.bag" >"$folder/log" 2>&1 &
 launch=$!
