@@ -85,18 +85,19 @@ double onTheWayBack(double most, double curvature) {
 }
 
 TEST(BendFriction, MomentOverCurvatureIsTheLoopOfASlider) {
-  // Chords of the polygon and normals of faces miss the curvature by (h K)^2 / 8 = 3e-4 of itself.
+  // Chords of the polygon and normals of faces miss the curvature, or its direction, by (h K)^2 =
+  // 2.5e-3 at most.
   const double most = 50.5;  // no step is flat, where curvature has no direction
   for (const double angle : {0.0, 0.25 * M_PI, 0.5 * M_PI, 0.3}) {
     BentFace face(angle);
     for (double k = 0.5; k <= most; k += 1.0) {
-      EXPECT_NEAR(face.bendTo(k), std::min(kMoment, kMoment / kSlip * k), 2e-3 * kMoment) << k;
+      EXPECT_NEAR(face.bendTo(k), std::min(kMoment, kMoment / kSlip * k), 5e-3 * kMoment) << k;
     }
     for (double k = most - 1.0; k >= -most; k -= 1.0) {
-      EXPECT_NEAR(face.bendTo(k), onTheWayBack(most, k), 2e-3 * kMoment) << k << ", " << angle;
+      EXPECT_NEAR(face.bendTo(k), onTheWayBack(most, k), 5e-3 * kMoment) << k << ", " << angle;
     }
     for (double k = -most + 1.0; k <= most; k += 1.0) {
-      EXPECT_NEAR(face.bendTo(k), -onTheWayBack(most, -k), 2e-3 * kMoment) << k << ", " << angle;
+      EXPECT_NEAR(face.bendTo(k), -onTheWayBack(most, -k), 5e-3 * kMoment) << k << ", " << angle;
     }
   }
 }
