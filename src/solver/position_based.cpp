@@ -43,9 +43,10 @@ void predictPart(Substep& now, double decay, std::size_t first, std::size_t coun
 }
 
 /// Largest stiffness over inertia of an element, times the square of the time between its impulses,
-/// at which that may be more than a substep. The fastest mode of a grid has ten times the stiffness
-/// of an element, so its phase moves by one radian in that time.
-constexpr double kSoft = 0.1;
+/// at which that may be more than a substep. The fastest mode of a grid has eleven times the
+/// stiffness of an element, so its phase moves by 1.6 radians in that time; impulses are stable
+/// below 2.
+constexpr double kSoft = 0.25;
 
 void applyLoads(Substep& now, const ScalarArray& inverseMass) {
   Particles& p = now.particles;

@@ -130,6 +130,17 @@ TEST_P(Allocation, AStepOnAMeshAllocatesNothing) {
   EXPECT_FALSE(simulation.contacts().empty());
 }
 
+TEST_P(Allocation, AStepWithFrictionInBendingAllocatesNothing) {
+  if (!findSolver(GetParam()).hasBendFriction) GTEST_SKIP() << "refuses it";
+  const ThreadLimit oneThread(1);
+  Simulation simulation(parseScene(kScene, "scene",
+                                   {"solver.method=" + GetParam(), "solver.dt=0.0002",
+                                    "cloth.fabric.bending_hysteresis=1.0e-4"}));
+  EXPECT_EQ(allocationsOf(simulation, 150, 20), 0);
+  ASSERT_FALSE(simulation.failed()) << simulation.failure();
+  EXPECT_FALSE(simulation.state().bendOffset.empty());
+}
+
 TEST(AllocationErrorControl, AChangeOfSubstepsAllocatesNothing) {
   const ThreadLimit oneThread(1);
   Simulation simulation(parseScene(R"(

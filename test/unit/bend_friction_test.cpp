@@ -85,34 +85,35 @@ double onTheWayBack(double most, double curvature) {
 }
 
 TEST(BendFriction, MomentOverCurvatureIsTheLoopOfASlider) {
-  // Chords of the polygon and normals of faces miss the curvature by (h K)^2 / 8 = 3e-4 of itself.
-  const double most = 50.0;
+  // Chords of the polygon and normals of faces miss the curvature, or its direction, by (h K)^2 =
+  // 2.5e-3 at most.
+  const double most = 50.5;  // no step is flat, where curvature has no direction
   for (const double angle : {0.0, 0.25 * M_PI, 0.5 * M_PI, 0.3}) {
     BentFace face(angle);
-    for (double k = 1.0; k <= most; k += 1.0) {
-      EXPECT_NEAR(face.bendTo(k), std::min(kMoment, kMoment / kSlip * k), 2e-3 * kMoment) << k;
+    for (double k = 0.5; k <= most; k += 1.0) {
+      EXPECT_NEAR(face.bendTo(k), std::min(kMoment, kMoment / kSlip * k), 5e-3 * kMoment) << k;
     }
-    for (double k = most - 0.5; k >= -most; k -= 1.0) {
-      EXPECT_NEAR(face.bendTo(k), onTheWayBack(most, k), 2e-3 * kMoment) << k << ", " << angle;
+    for (double k = most - 1.0; k >= -most; k -= 1.0) {
+      EXPECT_NEAR(face.bendTo(k), onTheWayBack(most, k), 5e-3 * kMoment) << k << ", " << angle;
     }
-    for (double k = -most + 0.5; k <= most; k += 1.0) {
-      EXPECT_NEAR(face.bendTo(k), -onTheWayBack(most, -k), 2e-3 * kMoment) << k << ", " << angle;
+    for (double k = -most + 1.0; k <= most; k += 1.0) {
+      EXPECT_NEAR(face.bendTo(k), -onTheWayBack(most, -k), 5e-3 * kMoment) << k << ", " << angle;
     }
   }
 }
 
 TEST(BendFriction, ACycleDissipatesTheAreaOfTheLoop) {
   // A parallelogram: 2 HB high, and 2 (K - the curvature of slip) wide.
-  const double most = 50.0, step = 0.25;
+  const double most = 50.125, step = 0.25;
   BentFace face(0.0);
   double before = 0.0;
-  for (double k = step; k <= most; k += step) before = face.bendTo(k);
+  for (double k = 0.5 * step; k <= most; k += step) before = face.bendTo(k);
   double work = 0.0;
   const auto bend = [&](double from, double to) {
     const int steps = static_cast<int>(std::lround(std::abs(to - from) / step));
     for (int n = 1; n <= steps; ++n) {
       const double k = from + (to - from) * n / steps;
-      const double moment = face.bendTo(k == 0.0 ? 1e-9 : k);
+      const double moment = face.bendTo(k);
       work += 0.5 * (moment + before) * (to - from) / steps;
       before = moment;
     }
