@@ -28,6 +28,15 @@ function(cloth_sim_compile_options target)
   endif()
 endfunction()
 
+# Links a shared library only if it lists all libraries that it uses. Not for clang's sanitizers and
+# libFuzzer: their runtime is in the program, and libraries find it there.
+function(cloth_sim_complete target)
+  if(CMAKE_CXX_COMPILER_ID MATCHES Clang AND (CLOTH_SIM_SANITIZE OR CLOTH_SIM_FUZZ))
+    return()
+  endif()
+  target_link_options(${target} PRIVATE -Wl,--no-undefined)
+endfunction()
+
 # Options for arithmetic that gives the same bits on every machine and at every number of threads:
 # no -ffast-math, no -march=native (hot kernels use target_clones instead), and no contraction into
 # fused multiply-adds, in which those clones would differ. The two options that relax something
