@@ -8,6 +8,7 @@
 #include <rviz/properties/float_property.h>
 #include <rviz/properties/ros_topic_property.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <pluginlib/class_list_macros.hpp>
 
@@ -16,9 +17,12 @@ namespace {
 
 constexpr int kPointSpacing = 3;           ///< least distance between points of a stroke [px]
 constexpr std::size_t kMostPoints = 4096;  ///< of a stroke
-constexpr float kLineAt = 1.0f;            ///< distance of the drawn stroke from the camera [m]
-constexpr double kLineWidth = 3.0;         ///< [px]
-constexpr float kNearest = 0.02f;          ///< distance of the blade's heel from the camera [m]
+constexpr double kPieceLength = 15.0;      ///< from which a piece of a stroke is sent [px]
+constexpr std::chrono::milliseconds kPieceTime{100};  ///< after which a piece is sent
+constexpr std::uint32_t kQueueLength = 100;           ///< of pieces that are waiting to be sent
+constexpr float kLineAt = 1.0f;     ///< distance of the drawn stroke from the camera [m]
+constexpr double kLineWidth = 3.0;  ///< [px]
+constexpr float kNearest = 0.02f;   ///< distance of the blade's heel from the camera [m]
 
 geometry_msgs::Point toPoint(const Ogre::Vector3& value) {
   geometry_msgs::Point point;
@@ -45,6 +49,9 @@ void CutTool::onInitialize() {
   reach_->setMin(0.1f);
   firstLayerOnly_ = new rviz::BoolProperty(
       "First Layer Only", false, "Cut only the layer of cloth in front.", getPropertyContainer());
+  whilePressed_ = new rviz::BoolProperty("While Pressed", true,
+                                         "Cut while the button is down, not when it is released.",
+                                         getPropertyContainer());
   QObject::connect(topic_, &rviz::Property::changed, this, [this] { advertise(); });
   advertise();
   line_ = std::make_unique<rviz::BillboardLine>(scene_manager_);
@@ -53,7 +60,9 @@ void CutTool::onInitialize() {
   line_->getMaterial()->setDepthCheckEnabled(false);
 }
 
-void CutTool::advertise() { publisher_ = node_.advertise<CutStroke>(topic_->getTopicStd(), 10); }
+void CutTool::advertise() {
+  publisher_ = node_.advertise<CutStroke>(topic_->getTopicStd(), kQueueLength);
+}
 
 QString CutTool::hint() const {
   return "<b>Left-Click</b>: Cut along the stroke. <b>Right-Click</b>: Abandon the stroke. "
@@ -61,31 +70,53 @@ QString CutTool::hint() const {
 }
 
 void CutTool::begin(const Pointer& at) {
-  cancel();
+  clear();
   line_->setLineWidth(static_cast<float>(kLineWidth * at.pixel * kLineAt));
   add(at);
 }
 
 void CutTool::move(const Pointer& to) {
-  if (std::abs(to.x - lastX_) + std::abs(to.y - lastY_) >= kPointSpacing) add(to);
+  if (std::abs(to.x - last_.x) + std::abs(to.y - last_.y) >= kPointSpacing) add(to);
 }
 
 void CutTool::end(const Pointer& at) {
-  if (at.x != lastX_ || at.y != lastY_) add(at);
+  if (at.x != last_.x || at.y != last_.y) add(at);
   if (stroke_.points.size() >= 2) send();
   cancel();
 }
 
 void CutTool::cancel() {
-  stroke_ = CutStroke();
-  line_->clear();
+  clear();
   context_->queueRender();
+}
+
+/// Called for every picture, also while the pointer rests.
+void CutTool::update(float /*wallDt*/, float /*rosDt*/) {
+  if (!pressed() || !isPieceDue()) return;
+  send();
+  clear();
+  add(last_);
+}
+
+bool CutTool::isPieceDue() const {
+  if (!whilePressed_->getBool() || stroke_.points.size() < 2) return false;
+  return length_ >= kPieceLength || std::chrono::steady_clock::now() - begun_ >= kPieceTime;
+}
+
+void CutTool::clear() {
+  stroke_ = CutStroke();
+  length_ = 0.0;
+  line_->clear();
 }
 
 void CutTool::add(const Pointer& point) {
   if (stroke_.points.size() >= kMostPoints) return;
-  lastX_ = point.x;
-  lastY_ = point.y;
+  if (stroke_.points.empty()) {
+    begun_ = std::chrono::steady_clock::now();
+  } else {
+    length_ += std::hypot(point.x - last_.x, point.y - last_.y);
+  }
+  last_ = point;
   stroke_.heels.push_back(toPoint(point.ray.getPoint(kNearest)));
   stroke_.points.push_back(toPoint(point.ray.getPoint(reach_->getFloat())));
   line_->addPoint(point.ray.getPoint(kLineAt));

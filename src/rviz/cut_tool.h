@@ -1,6 +1,7 @@
 #pragma once
 /// \file rviz tool that cuts the cloth where the mouse is dragged over it.
 
+#include <chrono>
 #include <memory>
 #include <vector>
 
@@ -15,13 +16,16 @@ class FloatProperty;
 
 namespace cloth_sim {
 
-/// Draws the stroke while the button is down, and sends it as a ~cut_stroke when it is released.
-/// The blade lies along the line of sight, so that the cloth is cut along the line drawn on the
-/// screen.
+/// Draws the stroke while the button is down, and sends it as ~cut_stroke: piece by piece while the
+/// button is down, each from the last point of the one before, or whole when it is released. What
+/// is drawn has not been sent yet. The blade lies along the line of sight, so that the cloth is cut
+/// along the line drawn on the screen.
 class CutTool : public PointerTool {
  public:
   CutTool();
   ~CutTool() override;
+
+  void update(float wallDt, float rosDt) override;
 
  protected:
   void onInitialize() override;
@@ -34,14 +38,18 @@ class CutTool : public PointerTool {
 
  private:
   void add(const Pointer& point);
+  void clear();
+  bool isPieceDue() const;
   void send();
 
-  CutStroke stroke_;
+  CutStroke stroke_;                             ///< what has not been sent
+  Pointer last_;                                 ///< of its points
+  double length_ = 0.0;                          ///< on the screen [px]
+  std::chrono::steady_clock::time_point begun_;  ///< when its first point was added
   std::unique_ptr<rviz::BillboardLine> line_;
-  int lastX_ = 0;  ///< of the last point of the stroke [px]
-  int lastY_ = 0;
   rviz::FloatProperty* reach_ = nullptr;
   rviz::BoolProperty* firstLayerOnly_ = nullptr;
+  rviz::BoolProperty* whilePressed_ = nullptr;
 };
 
 }  // namespace cloth_sim

@@ -83,7 +83,7 @@ class StateFormat {
     archive(holders.gripWatch_, holders.gripEvents_, obstacles.guides_);
     archive(parts.script, surgery.tearing_, surgery.failures_.counts_, surgery.failures_.events_);
     archive(surgery.dropped_, parts.stepCount, parts.measurements.maxStretchSeen_, parts.failure);
-    archive(parts.sleep);
+    archive(parts.sleep, surgery.strokeEnd_, surgery.strokeTips_);
     std::uint64_t taken = surgery.failures_.taken_;
     archive(taken);
     if constexpr (Archive::is_loading::value) surgery.failures_.taken_ = taken;

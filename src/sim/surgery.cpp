@@ -9,6 +9,7 @@
 #include "cloth_sim/surgery/refine.h"
 #include "contact/lips.h"
 #include "mesh/quality.h"
+#include "surgery/tip_joint.h"
 
 namespace cloth_sim {
 namespace {
@@ -16,6 +17,14 @@ namespace {
 /// Shortest edge that surgery makes, as a fraction of the shortest original edge, unless the scene
 /// names a length.
 constexpr double kMinEdgeFraction = 0.05;
+/// Distance from a tip within which a cut continues from it, in shortest original edges: that by
+/// which a cut may bend.
+constexpr double kTipReach = 0.5;
+/// The same for the tips of the last stroke if the stroke begins where that ended: the cloth may
+/// have moved since.
+constexpr double kContinuedReach = 8.0;
+/// Distance up to which poses of a blade count as one [m].
+constexpr double kSamePose = 1e-6;
 /// Largest number of strides that the tip of a tear takes in a step.
 constexpr int kMaxStrides = 16;
 
@@ -88,6 +97,7 @@ Surgery::Surgery(const SurgerySettings& settings, const TearingSettings& tearing
                  const Model& model)
     : settings_(settings),
       limits_(limitsFor(settings, model.mesh)),
+      edge_(shortestEdge(model.mesh)),
       tearing_(tearing, model),
       pieces_(connectedComponents(model.mesh)) {}
 
@@ -103,14 +113,29 @@ SurgeryResult Surgery::cutAlong(const Stroke& stroke, const EditedCloth& cloth) 
   }
   CutPlan plan;
   plan.paths = findPaths(stroke, cloth.model.mesh, cloth.state.x);
+  const bool continues = continuesLast(stroke);
+  JoinedTips tips{kTipReach * edge_, {}, kContinuedReach * edge_};
+  if (continues) tips.known = strokeTips_;
+  joinTips(cloth.model.mesh, tips, plan.paths);
   plan.refine = settings_.refineCuts;
   if (settings_.clearStrip) plan.clearWithin = stroke.halfWidth;
-  return operate(plan, cloth);
+  SurgeryResult result = operate(plan, cloth);
+  strokeEnd_ = stroke.poses.back();
+  if (!continues && result.tips.empty()) strokeTips_.clear();
+  return result;
+}
+
+/// Returns whether a stroke begins where the last one ended.
+bool Surgery::continuesLast(const Stroke& stroke) const {
+  const Blade& first = stroke.poses.front();
+  return (first.heel - strokeEnd_.heel).norm() <= kSamePose &&
+         (first.tip - strokeEnd_.tip).norm() <= kSamePose;
 }
 
 SurgeryResult Surgery::cutNotch(const MaterialPath& notch, const EditedCloth& cloth) {
   CutPlan plan;
   plan.paths = pathsOver(cloth.model.mesh, notch);
+  joinTips(cloth.model.mesh, {kTipReach * edge_, {}, 0.0}, plan.paths);
   plan.refine = settings_.refineCuts;
   return operate(plan, cloth);
 }
@@ -142,10 +167,20 @@ SurgeryResult Surgery::operate(const CutPlan& plan, const EditedCloth& cloth) {
   if (plan.cause == FailureCause::kTear) {
     tearing_.noteOpened(result);
   } else {
-    tearing_.noteTips(result);
+    noteTips(result, cloth.model.mesh);
   }
   applyChanges(result, cloth);
   return result;
+}
+
+/// Notes where the paths of a cut end.
+void Surgery::noteTips(const SurgeryResult& result, const TriangleMesh& mesh) {
+  tearing_.noteTips(result);
+  if (result.tips.empty()) return;
+  strokeTips_.clear();
+  for (std::size_t k = 1; k < result.tips.size(); k += 2) {
+    strokeTips_.push_back(mesh.material(result.tips[k]));
+  }
 }
 
 void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth) {

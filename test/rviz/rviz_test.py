@@ -28,6 +28,7 @@ LAST_STRAIN = (253, 231, 37)
 DISTANCE = 2.6              # of the camera from the cloth [m]
 MIDDLE = 1.0                # height of the middle of the view [m]
 FIELD = math.pi / 4.0       # of view, up and down
+WHEN_RELEASED = 'Cut, While Pressed: false'
 
 # Looking along y: x is to the right, z up.
 CONFIG = """
@@ -225,8 +226,49 @@ class RvizTest(unittest.TestCase):
 
     # ---- the tools -------------------------------------------------------------------------------
 
+    def open_cut(self, tool='Cut'):
+        """The view once strokes reach the node: rviz draws frames before."""
+        view = self.open(tool)
+        wait_until(lambda: ('i', '/cloth/cut_stroke') in [c[:2] for c in connections()],
+                   'the tool to be connected')
+        return view
+
+    def assert_areas(self, large, small):
+        # The camera's pixel is 4 mm of the cloth; the row may be off by one.
+        areas = [piece.rest_area for piece in state().piece]
+        self.assertEqual(len(areas), 2)
+        self.assertAlmostEqual(areas[0], large, delta=0.006)
+        self.assertAlmostEqual(areas[1], small, delta=0.006)
+
+    def test_cut_while_the_button_is_down(self):
+        view = self.open_cut()
+        whole = state().particles
+        row = [view.pixel(x, 0.8) for x in numpy.linspace(-0.65, 0.65, 27)]
+        self.screen.drag(row[:14])
+        wait_until(lambda: state().particles > whole, 'a cut while the button is down')
+        self.assertEqual(state().pieces, 1)  # half-way
+        for point in row[14:]:
+            self.screen.mouse('mousemove', *point)
+        wait_until(lambda: state().pieces == 2, 'the rest of it')
+        self.screen.release()
+        self.assert_areas(0.7, 0.3)
+
+    def test_cut_while_the_button_is_down_and_given_up(self):
+        view = self.open_cut()
+        whole = state().particles
+        self.screen.drag([view.pixel(x, 0.8) for x in (-0.6, -0.4, -0.2)])
+        wait_until(lambda: state().particles > whole, 'a cut while the button is down')
+        self.screen.mouse('click', 3)
+        for x in (0.2, 0.6):
+            self.screen.mouse('mousemove', *view.pixel(x, 0.8))
+        self.screen.release()
+        self.screen.drag([view.pixel(x, 1.2) for x in (-0.6, -0.2, 0.2, 0.6)])
+        self.screen.release()
+        wait_until(lambda: state().pieces == 2, 'the second stroke')
+        self.assert_areas(0.7, 0.3)  # the first did not go on
+
     def test_cut_where_the_mouse_drew_a_stroke(self):
-        view = self.open('Cut')
+        view = self.open_cut(WHEN_RELEASED)
         height = 0.8
         row = [view.pixel(x, height) for x in numpy.linspace(-0.65, 0.65, 27)]
         self.screen.drag(row)
@@ -239,21 +281,18 @@ class RvizTest(unittest.TestCase):
         self.assertEqual(state().pieces, 1)  # it is not cut before the button is released
         self.screen.release()
         wait_until(lambda: state().pieces == 2, 'the cut')
-        areas = [piece.rest_area for piece in state().piece]
-        # The camera's pixel is 4 mm of the cloth; the row may be off by one.
-        self.assertAlmostEqual(areas[0], 0.7, delta=0.006)
-        self.assertAlmostEqual(areas[1], 0.3, delta=0.006)
+        self.assert_areas(0.7, 0.3)
         wait_until(lambda: crimson(self.screen.picture()).any(axis=0).mean() > 0.9, 'torn edges')
 
     def test_cut_that_is_given_up_cuts_nothing(self):
-        view = self.open('Cut')
+        view = self.open_cut(WHEN_RELEASED)
         self.screen.drag([view.pixel(x, 0.8) for x in (-0.6, -0.2, 0.2, 0.6)])
         self.screen.mouse('click', 3)
         self.screen.release()
         self.screen.drag([view.pixel(x, 1.2) for x in (-0.6, -0.2, 0.2, 0.6)])
         self.screen.release()
         wait_until(lambda: state().pieces == 2, 'the second stroke')
-        self.assertAlmostEqual(state().piece[0].rest_area, 0.7, delta=0.006)  # not three pieces
+        self.assert_areas(0.7, 0.3)  # not three pieces
 
     def test_drag_pulls_a_particle_and_lets_it_go(self):
         view = self.open('Drag')

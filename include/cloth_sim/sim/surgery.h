@@ -23,10 +23,13 @@ class Surgery {
  public:
   Surgery(const SurgerySettings& settings, const TearingSettings& tearing, const Model& model);
 
-  /// Cuts along the line in which the stroke meets the cloth; nothing if it misses.
+  /// Cuts along the line in which the stroke meets the cloth; nothing if it misses. Where it begins
+  /// or ends within half an edge of the tip of an earlier cut or tear, it continues from there. A
+  /// stroke that begins where the last one ended also continues from the tips of that, within eight
+  /// edges (surgery/tip_joint.h).
   /// \throws OperationRefused, and nothing has changed.
   SurgeryResult cutAlong(const Stroke& stroke, const EditedCloth& cloth);
-  /// Cuts along a path in material coordinates.
+  /// Cuts along a path in material coordinates; near tips as `cutAlong`.
   /// \throws OperationRefused, and nothing has changed.
   SurgeryResult cutNotch(const MaterialPath& notch, const EditedCloth& cloth);
   /// Refines the mesh near points in the world.
@@ -51,6 +54,8 @@ class Surgery {
  private:
   friend class StateFormat;
 
+  bool continuesLast(const Stroke& stroke) const;
+  void noteTips(const SurgeryResult& result, const TriangleMesh& mesh);
   SurgeryResult operate(const CutPlan& plan, const EditedCloth& cloth);
   void applyChanges(const SurgeryResult& result, const EditedCloth& cloth);
   void dropScraps(const EditedCloth& cloth);
@@ -60,10 +65,13 @@ class Surgery {
 
   SurgerySettings settings_;
   SurgeryLimits limits_;
+  double edge_ = 0.0;  ///< shortest of the original mesh [m]
   Tearing tearing_;
   ConnectedComponents pieces_;
   DroppedScraps dropped_;
   FailureHistory failures_;
+  Blade strokeEnd_;               ///< last pose of the last stroke
+  std::vector<Vec2> strokeTips_;  ///< where its cuts end, material coordinates [m]
   std::uint64_t edits_ = 0;
 };
 
