@@ -12,15 +12,15 @@ namespace cloth_sim {
 /// keep within it. Quaternions within it are normalised, others are refused.
 constexpr double kUnitNormTolerance = 1e-3;
 
-/// Whether `orientation` is a unit quaternion up to `kUnitNormTolerance` (false for NaN).
+/// Tells whether `orientation` is a unit quaternion up to `kUnitNormTolerance` (false for NaN).
 inline bool isUnit(const Quat& orientation) {
   return std::abs(orientation.norm() - 1.0) <= kUnitNormTolerance;
 }
 
-/// Whether `value` is a finite number >= 0.
+/// Tells whether `value` is a finite number >= 0.
 inline bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 
-/// Whether `value` is a finite number > 0.
+/// Tells whether `value` is a finite number > 0.
 inline bool isPositive(double value) { return std::isfinite(value) && value > 0.0; }
 
 /// Returns why a pose cannot be used, in one sentence; empty if it can.

@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Whether `p` is inside the box from `low` to `high`, or on its border up to round-off.
+/// Tells whether `p` is inside the box from `low` to `high`, or on its border up to round-off.
 bool isWithin(const Vec2& p, const Vec2& low, const Vec2& high) {
   constexpr double kRoundOff = 1e-9;  // of the box's own size
   const Vec2 slack = kRoundOff * (high - low).cwiseAbs();

@@ -13,7 +13,7 @@ constexpr double kAlong = 1e-6;
 
 bool isVertexOf(const TriangleMesh& mesh, VertexId v) { return v >= 0 && v < mesh.vertexCount(); }
 
-/// Whether the indices of a spring exist, whatever they mean.
+/// Tells whether the indices of a spring exist, whatever they mean.
 bool hasVertices(const TriangleMesh& mesh, const Spring& s) {
   return isVertexOf(mesh, s.a) && isVertexOf(mesh, s.b) && s.a < s.b &&
          isVertexOf(mesh, s.support[0]) &&
@@ -36,7 +36,8 @@ bool hasNumbers(const Spring& s) {
   return isPositive(s.restLength) && isNotNegative(s.stiffness) && isNotNegative(s.damping);
 }
 
-/// Whether a spring runs along its direction in the material, up to what moved vertices change.
+/// Tells whether a spring runs along its direction in the material, up to what moved vertices
+/// change.
 bool runsAlong(const TriangleMesh& mesh, const Spring& s) {
   const Vec2 d = mesh.material(s.b) - mesh.material(s.a);
   const int axis = s.direction == ThreadDirection::kWarp ? 0 : 1;
@@ -47,7 +48,7 @@ bool areNeighbours(const TriangleMesh& mesh, VertexId a, VertexId b) {
   return mesh.facesOnEdge(a, b)[0] != kNone;
 }
 
-/// Whether a spring stands on the vertices that support it as its kind says.
+/// Tells whether a spring stands on the vertices that support it as its kind says.
 bool standsOnMesh(const TriangleMesh& mesh, const Spring& s) {
   const auto [p, q] = s.support;
   if (s.kind == SpringKind::kBend) {

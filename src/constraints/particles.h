@@ -49,7 +49,7 @@ struct Particles {
   void load(const State& state);
   /// ... and back.
   void store(State& state) const;
-  /// Whether all numbers are finite and all particles slower than `speed` [m/s].
+  /// Tells whether all numbers are finite and all particles slower than `speed` [m/s].
   bool areSlowerThan(double speed) const;
   /// Sets masses; the particles in `kinematic` get zero.
   void loadMasses(const Model& model, const std::vector<KinematicTarget>& kinematic);

@@ -74,7 +74,7 @@ class SpringConstraints {
   void sweep(const Visit& visit) const {
     schedule_.sweep(visit);
   }
-  /// Whether some spring has a dashpot.
+  /// Tells whether some spring has a dashpot.
   bool areDamped() const { return schedule_.parameters.damped(); }
   /// Number of places for springs, gone ones included.
   std::int32_t size() const { return schedule_.size(); }

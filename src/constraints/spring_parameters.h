@@ -20,7 +20,7 @@ class SpringParameterTable {
   SpringParameters operator[](std::int32_t k) const {
     return {restLength_[k], stiffness_[k], damped() ? damping_[k] : 0.0};
   }
-  /// Whether some spring has, or had, a dashpot.
+  /// Tells whether some spring has, or had, a dashpot.
   bool damped() const { return damped_; }
   const std::vector<double>& restLength() const { return restLength_; }
   const std::vector<double>& stiffness() const { return stiffness_; }

@@ -50,7 +50,7 @@ std::uint64_t hashOf(const Span& span, const ScalarArray& inverseMass) {
   return hash;
 }
 
-/// Whether two contiguous spans have the same weights, for any length of the substep.
+/// Tells whether two contiguous spans have the same weights, for any length of the substep.
 bool haveSameWeights(const Span& s, const Span& t, const ScalarArray& inverseMass) {
   if (s.firstParameters != t.firstParameters || s.count != t.count) return false;
   const double* const w = inverseMass.data();

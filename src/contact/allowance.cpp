@@ -79,7 +79,7 @@ bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t coun
   return kept;
 }
 
-/// Whether the edges of `count` faces have changed by no more than is allowed: a quick check.
+/// Tells whether the edges of `count` faces have changed by no more than is allowed: a quick check.
 /// \param corners  slots of the first, second and third corner of the faces.
 /// \param turn     square of the change that is allowed, by face [m^2].
 CLOTH_SIM_VECTOR_CLONES
@@ -316,8 +316,8 @@ bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int
   return kept;
 }
 
-/// Whether the gradients of the faces of a patch are where they may be. The edges of all change by
-/// no more than the diagonal of a box around the motion of all corners.
+/// Tells whether the gradients of the faces of a patch are where they may be. The edges of all
+/// change by no more than the diagonal of a box around the motion of all corners.
 bool Allowance::isTurnKept(const Patch& patch) const {
   Box box;
   for (const std::int32_t segment : patch.segments) box.add(segments_[segment]);
@@ -333,7 +333,7 @@ bool Allowance::isTurnKept(const Patch& patch) const {
   return true;
 }
 
-/// Whether the gradient of a face is where it may be.
+/// Tells whether the gradient of a face is where it may be.
 bool Allowance::isTurnKept(FaceId f) const {
   const Face& face = faces_[f];
   const Vec3 moved = moved_.at(static_cast<std::size_t>(slots_[face[0]]));

@@ -24,7 +24,7 @@ MotionBounds motionBounds(const State& state) {
 
 namespace {
 
-/// Whether the gap at `point` is at most `limit`. \param near  of the vertex there.
+/// Tells whether the gap at `point` is at most `limit`. \param near  of the vertex there.
 template <class Geometry>
 bool isWithin(const Geometry& solid, const Vec3& point, double limit,
               const NearTriangles* /*near*/) {

@@ -129,7 +129,7 @@ SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector
                           {x[pair.b[0]] - at, x[pair.b[1]] - at});
 }
 
-/// Whether the pair stays apart in the substep; finds other directions where that helps.
+/// Tells whether the pair stays apart in the substep; finds other directions where that helps.
 bool FacePairs::isProven(std::size_t k, SubstepMotion motion) {
   Pair& pair = pairs_[k];
   if (!pair.direction.isZero() && separates(k, motion)) return true;
@@ -147,9 +147,9 @@ bool FacePairs::isProven(std::size_t k, SubstepMotion motion) {
   return true;
 }
 
-/// Whether a plane that turns from one direction to another keeps the pair apart. With a normal
-/// n(t) = n0 + t (n1 - n0) and a vertex at x(t) = x0 + t (x1 - x0), relative to a point that moves
-/// alike, n(t).x(t) = (1 - t) q0 + t q1 - t (1 - t) d with d = (n1 - n0).(x1 - x0), which is
+/// Tells whether a plane that turns from one direction to another keeps the pair apart. With a
+/// normal n(t) = n0 + t (n1 - n0) and a vertex at x(t) = x0 + t (x1 - x0), relative to a point that
+/// moves alike, n(t).x(t) = (1 - t) q0 + t q1 - t (1 - t) d with d = (n1 - n0).(x1 - x0), which is
 /// positive if q0 and q1 are and d < (sqrt(q0) + sqrt(q1))^2.
 bool FacePairs::staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion) {
   const Vec3 turn = n1 - n0;
@@ -233,7 +233,7 @@ Vec3 FacePairs::fromVertex(const Pair& pair, const std::vector<Vec3>& x) {
   return (a.normalized() - b.normalized()).normalized();
 }
 
-/// Whether the direction of a pair separates it at both ends of the substep.
+/// Tells whether the direction of a pair separates it at both ends of the substep.
 bool FacePairs::separates(std::size_t k, SubstepMotion motion) {
   const Pair& pair = pairs_[k];
   const double apart = separationOf(pair, motion.end);
@@ -348,8 +348,8 @@ void FacePairs::shortenApart(const Pair& pair, const Truncation& now) const {
   for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, now);
 }
 
-/// Whether a pair has to be checked again after a pass that changed motion: it failed, or a vertex
-/// of it was moved; unless its own motion was scaled.
+/// Tells whether a pair has to be checked again after a pass that changed motion: it failed, or a
+/// vertex of it was moved; unless its own motion was scaled.
 bool FacePairs::mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const {
   const Pair& pair = pairs_[k];
   return !pair.isFixed && (fails_[k] != 0 || hasTruncated(pair, truncated));

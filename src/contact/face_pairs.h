@@ -41,7 +41,7 @@ class FacePairs {
   void assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces, double least);
   /// Adds the pairs in `near` from number `first` on.
   void append(const std::vector<FaceIds>& near, std::size_t first, const std::vector<Face>& faces);
-  /// Whether a direction separates two faces, except for corners that they share.
+  /// Tells whether a direction separates two faces, except for corners that they share.
   static bool areApart(const Face& a, const Face& b, const std::vector<Vec3>& x);
   void clear() { pairs_.clear(); }
   std::size_t count() const { return pairs_.size(); }

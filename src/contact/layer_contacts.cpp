@@ -179,8 +179,8 @@ bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
   return true;
 }
 
-/// Whether no face next to that of number `at` of the order is closer to the same vertex, of those
-/// in [first, last) of it.
+/// Tells whether no face next to that of number `at` of the order is closer to the same vertex, of
+/// those in [first, last) of it.
 bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size_t at) const {
   const Closest& self = closest_[order_[at]];
   if (self.isInside) return true;
@@ -281,7 +281,7 @@ void LayerContacts::refresh(const std::vector<Vec3>& x) {
   }
 }
 
-/// Whether the same vertices as in number `at` of the order are in [first, at) of it.
+/// Tells whether the same vertices as in number `at` of the order are in [first, at) of it.
 bool LayerContacts::isListed(std::size_t first, std::size_t at) const {
   for (std::size_t k = first; k < at; ++k) {
     if (closest_[order_[k]].contact.v == closest_[order_[at]].contact.v) return true;
@@ -359,7 +359,7 @@ void LayerContacts::settle(SubstepMotion motion, double h, std::vector<std::uint
   }
 }
 
-/// Whether the vertices [first, last) of a contact that take part in it are supported.
+/// Tells whether the vertices [first, last) of a contact that take part in it are supported.
 bool LayerContacts::isSupported(const Contact& contact, int first, int last,
                                 const std::vector<std::uint8_t>& supported) {
   for (int k = first; k < last; ++k) {
@@ -434,8 +434,8 @@ bool LayerContacts::projectOne(Contact& contact, SubstepMotion motion,
   return load > 0.0;
 }
 
-/// Whether the contact keeps layers apart, rather than points that are near each other in the cloth
-/// laid flat, such as the lips of a cut.
+/// Tells whether the contact keeps layers apart, rather than points that are near each other in the
+/// cloth laid flat, such as the lips of a cut.
 bool LayerContacts::isBetweenLayers(const Contact& contact) const {
   const Layers layers = layersOf(firstFace_[contact.v.front()], firstFace_[contact.v.back()]);
   return contact.distance > 0.5 * layers.thickness;

@@ -33,8 +33,8 @@ Vec2 centre(const TriangleMesh& mesh, FaceId f) {
   return (mesh.material(face[0]) + mesh.material(face[1]) + mesh.material(face[2])) / 3.0;
 }
 
-/// Whether both singular values of a gradient are above `least`, >= 0: if the Gram matrix of its
-/// columns is positive definite after that much is taken from its eigenvalues.
+/// Tells whether both singular values of a gradient are above `least`, >= 0: if the Gram matrix of
+/// its columns is positive definite after that much is taken from its eigenvalues.
 bool isStretchAbove(const Gradient& g, double least) {
   const double uu = g.u.squaredNorm() - least * least;
   const double vv = g.v.squaredNorm() - least * least;
@@ -55,7 +55,7 @@ void sortByBucket(std::vector<std::pair<std::int32_t, FaceId>>& entries, std::si
   for (std::size_t k = 0; k < buckets; ++k) start[k + 1] += start[k];
 }
 
-/// Whether nodes that are `i` columns and `j` rows apart are neighbours or the same.
+/// Tells whether nodes that are `i` columns and `j` rows apart are neighbours or the same.
 bool areNeighbours(int i, int j) { return std::abs(i) <= 1 && std::abs(j) <= 1; }
 
 void addPair(FaceId a, FaceId b, std::vector<FaceIds>& out) {
@@ -335,8 +335,8 @@ bool MaterialTree::isNew(const Place& at) const {
   return areAllChanged_ || level.isChanged[level.node(at.i, at.j)] != 0;
 }
 
-/// Whether two nodes of a level have changed since the last search, or the rectangle around them if
-/// they are neighbours.
+/// Tells whether two nodes of a level have changed since the last search, or the rectangle around
+/// them if they are neighbours.
 bool MaterialTree::isChanged(const Place& a, const Place& b) const {
   const Level& level = levels_[a.level];
   const auto hasMark = [&](int i, int j) { return level.isChanged[level.node(i, j)] != 0; };
@@ -344,9 +344,8 @@ bool MaterialTree::isChanged(const Place& a, const Place& b) const {
   return areNeighbours(a.i - b.i, a.j - b.j) && (hasMark(a.i, b.j) || hasMark(b.i, a.j));
 }
 
-/// Whether two nodes of a level are neighbours, or the same, in a rectangle that is proven not to
-/// touch itself.
-/// \param ballAt  ball of gradients of a node (i, j) of that level.
+/// Tells whether two nodes of a level are neighbours, or the same, in a rectangle that is proven
+/// not to touch itself. \param ballAt  ball of gradients of a node (i, j) of that level.
 template <typename Ball>
 bool MaterialTree::isProven(const Place& a, const Place& b, const Ball& ballAt) {
   if (!areNeighbours(a.i - b.i, a.j - b.j)) return false;
@@ -378,7 +377,7 @@ bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
       a, b, [&](int i, int j) -> const GradientBall& { return level.balls[level.node(i, j)]; });
 }
 
-/// Whether the square of 2 x 2 nodes from (i, j) on, as far as there are nodes, is proven.
+/// Tells whether the square of 2 x 2 nodes from (i, j) on, as far as there are nodes, is proven.
 bool MaterialTree::isSquareProven(const Level& level, int i, int j) const {
   Proof& proof = level.squares[level.node(i, j)];
   if (proof == Proof::kUnknown) {

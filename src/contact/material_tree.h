@@ -83,7 +83,8 @@ struct GradientBall {
   bool isEmpty() const { return radius < 0.0; }
   /// Grows to the least ball that contains both.
   void add(const GradientBall& other);
-  /// Whether a convex part of the material plane with these gradients cannot intersect itself.
+  /// Tells whether a convex part of the material plane with these gradients cannot intersect
+  /// itself.
   bool provesInjective() const;
 };
 
@@ -120,7 +121,7 @@ class MaterialTree {
                              const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out);
 
  private:
-  /// Whether a part of the material plane is proven not to touch itself.
+  /// Tells whether a part of the material plane is proven not to touch itself.
   enum class Proof : std::uint8_t { kUnknown, kYes, kNo };
   /// Nodes of one size, (columns * rows,), row by row.
   struct Level {

@@ -25,7 +25,7 @@ Vec3 areaNormalOf(const std::vector<Vec3>& x, const TriangleSurface::Triangle& t
   return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
 }
 
-/// Whether a triangle is more than a line, but for round-off.
+/// Tells whether a triangle is more than a line, but for round-off.
 bool hasArea(const std::vector<Vec3>& x, const TriangleSurface::Triangle& t) {
   const double longest2 =
       std::max({(x[t[1]] - x[t[0]]).squaredNorm(), (x[t[2]] - x[t[1]]).squaredNorm(),
@@ -37,7 +37,7 @@ double squaredDistanceToBox(const Vec3& p, const Vec3& low, const Vec3& high) {
   return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
 }
 
-/// Whether a segment comes into a box: each axis of the box limits its part inside.
+/// Tells whether a segment comes into a box: each axis of the box limits its part inside.
 bool meetsBox(const Vec3& from, const Vec3& path, const Vec3& low, const Vec3& high) {
   double first = 0.0;
   double last = 1.0;
@@ -58,7 +58,7 @@ double angleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
   return std::atan2((a - corner).cross(b - corner).norm(), (a - corner).dot(b - corner));
 }
 
-/// Whether the foot of a point is in the triangle. \param p  relative to its first corner.
+/// Tells whether the foot of a point is in the triangle. \param p  relative to its first corner.
 template <class Flat>
 bool isOver(const Flat& flat, const Vec3& p) {
   const double u = flat.gradients[0].dot(p);
@@ -464,8 +464,8 @@ void TriangleSurface::fill(const Vec3& from, const Vec3& to, double reach,
   near.half = free;
 }
 
-/// Whether a point is inside the closed surface, if a triangle is nearer than `within`; the list
-/// must have all of those.
+/// Tells whether a point is inside the closed surface, if a triangle is nearer than `within`; the
+/// list must have all of those.
 std::optional<bool> TriangleSurface::sideNearby(const Vec3& p, double within,
                                                 const NearTriangles& near) const {
   TrianglePoint nearest;
@@ -516,9 +516,9 @@ bool TriangleSurface::stopsInside(const Vec3& from, const Vec3& to, double reach
   return hit.push > kPushRoundOff;
 }
 
-/// Whether one triangle stops the path. The distance to a triangle is convex, so Newton's method
-/// finds where the path comes within reach, as in `sweepConvex`.
-/// \param at  the closest point of the triangle there.
+/// Tells whether one triangle stops the path. The distance to a triangle is convex, so Newton's
+/// method finds where the path comes within reach, as in `sweepConvex`. \param at  the closest
+/// point of the triangle there.
 bool TriangleSurface::meets(std::int32_t triangle, const Vec3& from, const Vec3& to, double reach,
                             double rise, SurfaceHit& hit, TrianglePoint& at) const {
   const Flat& flat = flats_[triangle];
@@ -558,8 +558,8 @@ bool TriangleSurface::meets(std::int32_t triangle, const Vec3& from, const Vec3&
   return hit.push > kPushRoundOff;
 }
 
-/// Whether the closest point `at` to `p` is on an edge or a vertex beyond which another triangle is
-/// nearer: then that one stops the particle, and the edge is none on the surface.
+/// Tells whether the closest point `at` to `p` is on an edge or a vertex beyond which another
+/// triangle is nearer: then that one stops the particle, and the edge is none on the surface.
 bool TriangleSurface::isBesideNearer(const TrianglePoint& at, const Vec3& p, double reach,
                                      const NearTriangles& near) const {
   std::array<std::int32_t, 3> shared{};

@@ -8,7 +8,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Whether the entries of every column are within the storage, and of no other column.
+/// Tells whether the entries of every column are within the storage, and of no other column.
 bool haveOwnEntries(const SparseFactor& factor) {
   std::vector<SparseFactor::Column> columns = factor.columns;
   for (const SparseFactor::Column& column : columns) {
@@ -28,7 +28,7 @@ bool haveOwnEntries(const SparseFactor& factor) {
   return true;
 }
 
-/// Whether the rows of column j ascend below the diagonal, and are within the matrix.
+/// Tells whether the rows of column j ascend below the diagonal, and are within the matrix.
 bool haveRowsBelow(const SparseFactor& factor, std::size_t j) {
   const SparseFactor::Column& column = factor.columns[j];
   std::int64_t last = static_cast<std::int64_t>(j);
@@ -40,7 +40,8 @@ bool haveRowsBelow(const SparseFactor& factor, std::size_t j) {
   return last < static_cast<std::int64_t>(factor.size());
 }
 
-/// Whether the rows of column j, but for that of its parent, are among the rows of the parent.
+/// Tells whether the rows of column j, but for that of its parent, are among the rows of the
+/// parent.
 bool passOnRows(const SparseFactor& factor, std::size_t j) {
   const SparseFactor::Column& column = factor.columns[j];
   if (column.count < 2) return true;

@@ -48,7 +48,7 @@ class OneRing {
     }
   }
 
-  /// Whether the edge that leaves the vertex in its k-th face is on the border.
+  /// Tells whether the edge that leaves the vertex in its k-th face is on the border.
   bool isBorder(std::size_t k) const { return to(next_[k]) < 0; }
 
   /// Returns one sentence about an edge at `v` that two faces run along in the same direction;
@@ -65,8 +65,8 @@ class OneRing {
     return "";
   }
 
-  /// Whether the faces form a single fan, provided that `doubleEdgeError` is empty. Walks from face
-  /// to face across their common edges; unlike `fansAround` it allocates nothing.
+  /// Tells whether the faces form a single fan, provided that `doubleEdgeError` is empty. Walks
+  /// from face to face across their common edges; unlike `fansAround` it allocates nothing.
   bool isOneFan() const {
     int first = 0;  // any face, if the fan is closed
     for (std::size_t k = 0; k < next_.size(); ++k) {

@@ -24,7 +24,7 @@ visualization_msgs::InteractiveMarker clampHandle(const ClampSnapshot& clamp,
 visualization_msgs::InteractiveMarker obstacleHandle(const Obstacle& obstacle,
                                                      const std::string& world);
 
-/// Whether an obstacle gets a handle: planes and bounds reach too far for one.
+/// Tells whether an obstacle gets a handle: planes and bounds reach too far for one.
 bool hasHandle(const Obstacle& obstacle);
 
 /// Serves the handles of a scene as the interactive markers ~handles. A clamp moves to its handle

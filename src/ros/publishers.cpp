@@ -134,7 +134,7 @@ double Publishers::wantedFigures() const {
   return markers_.getNumSubscribers() + sceneMarkers_.getNumSubscribers() > 0 ? kReadable : kSeldom;
 }
 
-/// Whether somebody listens to a topic that shows the contacts between layers.
+/// Tells whether somebody listens to a topic that shows the contacts between layers.
 bool Publishers::wantContacts() const {
   return markers_.getNumSubscribers() + contacts_.getNumSubscribers() > 0;
 }

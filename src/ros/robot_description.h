@@ -43,7 +43,7 @@ class RobotDescription {
 
   /// The names of all links, sorted.
   const std::vector<std::string>& links() const { return links_; }
-  /// Whether a link has collision geometry. \throws RobotError if there is no such link.
+  /// Tells whether a link has collision geometry. \throws RobotError if there is no such link.
   bool isSolid(const std::string& link) const;
   /// Reads the collision geometry of a link; empty if it has none.
   /// \throws RobotError for an unknown link, bad dimensions, or a mesh that cannot be read.

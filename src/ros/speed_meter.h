@@ -22,7 +22,7 @@ class SpeedMeter {
   /// Sets the real-time factor to zero, for a simulation that has stopped.
   void stop() { realTimeFactor_ = 0.0; }
 
-  /// Whether steps have been counted since the measurement began.
+  /// Tells whether steps have been counted since the measurement began.
   bool isMeasuring() const { return steps_ > 0; }
   double realTimeFactor() const { return realTimeFactor_; }  ///< simulated over wall time [-]
   double stepTime() const { return stepTime_; }              ///< wall time of a step [s]

@@ -159,7 +159,7 @@ void checkLayers(const SceneNode& root, const Scene& scene) {
   }
 }
 
-/// Whether the scene says how far springs stretch before they fail.
+/// Tells whether the scene says how far springs stretch before they fail.
 bool givesRatio(const Scene& scene) {
   const auto has = [](const PhaseSpec& phase) { return phase.ratio.has_value(); };
   return scene.tearing.ratio != infiniteRatios() ||

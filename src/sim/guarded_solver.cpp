@@ -61,8 +61,8 @@ StepStatus GuardedSolver::attempt(const StepLength& length, const SteppedCloth& 
   }
 }
 
-/// Whether a step may be taken back that the method has carried out: for its energy, or because a
-/// grip gives way. (A step that diverges leaves the state alone.)
+/// Tells whether a step may be taken back that the method has carried out: for its energy, or
+/// because a grip gives way. (A step that diverges leaves the state alone.)
 bool GuardedSolver::mayTakeBack(const SteppedCloth& cloth) const {
   return watch_.checksEnergy() || cloth.holders.mayYield();
 }

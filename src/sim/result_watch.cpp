@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Whether the strain of a spring is not that of a fabric.
+/// Tells whether the strain of a spring is not that of a fabric.
 bool isRaw(const Model& model, const Spring& spring) {
   return model.springs.isRaw(model.mesh, spring.a);
 }
@@ -32,8 +32,8 @@ void takeSoftness(const Spring& spring, double length, double h, const Model& mo
   largest = std::max(largest, strain * s / (1.0 + s));
 }
 
-/// Whether clamps pull slowly at a cloth that moves slowly, and nobody has said so: quasi-static
-/// motion, as far as one can tell.
+/// Tells whether clamps pull slowly at a cloth that moves slowly, and nobody has said so:
+/// quasi-static motion, as far as one can tell.
 bool isSlowPull(const State& state, const Controls& controls) {
   constexpr double kStill = 1e-3;  // [m/s]
   constexpr double kSlow = 0.5;    // [m/s]
@@ -65,7 +65,8 @@ double outerForce(const Model& model, const Controls& controls, const Contacts& 
   for (const Vec3& reaction : report.reactions) sum += reaction.norm();
   for (const PointForce& point : controls.forces) sum += point.force.norm();
   const double step = report.substep * report.substeps;
-  for (const ContactCandidates& near : contacts.candidates) sum += near.impulse.linear.norm() / step;
+  for (const ContactCandidates& near : contacts.candidates)
+    sum += near.impulse.linear.norm() / step;
   if (controls.wind) {
     const Wind& wind = *controls.wind;
     sum += 0.5 * wind.density * wind.dragCoefficient * wind.velocity.squaredNorm() *
@@ -165,7 +166,7 @@ void ResultWatch::measureStrains(const Model& model, const State& state,
   if (isSoft_) approach(strains.softness, weight, softness_);
 }
 
-/// Whether there is no measurement of this cloth yet.
+/// Tells whether there is no measurement of this cloth yet.
 bool ResultWatch::isFirst(const State& state) const {
   return velocity_.size() != state.v.size() || revision_ != state.v.revision() || state.t <= time_;
 }

@@ -7,7 +7,7 @@
 namespace cloth_sim {
 namespace {
 
-/// Whether a command that was carried out ends the rest of the cloth.
+/// Tells whether a command that was carried out ends the rest of the cloth.
 bool wakesUp(Wakes wakes, const SimulationParts& parts) {
   return wakes == Wakes::kAlways || (wakes == Wakes::kIfSomethingMoves && !parts.isStill());
 }

@@ -21,15 +21,15 @@ constexpr double kOutside = 1e-6;
 
 bool isVertexOf(const Model& model, VertexId v) { return v >= 0 && v < model.particleCount(); }
 
-/// Whether data per vertex belong to the mesh as it is.
+/// Tells whether data per vertex belong to the mesh as it is.
 template <typename T>
 bool fits(const VertexData<T>& data, const TriangleMesh& mesh) {
   return data.size() == static_cast<std::size_t>(mesh.vertexCount()) &&
          data.revision() == mesh.revision();
 }
 
-/// Whether all material coordinates lie within those of the undamaged cloths: edits add vertices
-/// between others, and move them along lines between others.
+/// Tells whether all material coordinates lie within those of the undamaged cloths: edits add
+/// vertices between others, and move them along lines between others.
 bool liesWithin(const TriangleMesh& mesh, const TriangleMesh& undamaged) {
   Eigen::AlignedBox2d box;
   for (const Vec2& p : undamaged.material()) box.extend(p);
@@ -86,7 +86,7 @@ std::string massError(const Model& model, const Model& undamaged) {
   return areMasses ? "" : "a mass is not positive";
 }
 
-/// Whether targets are those of existing vertices, ascending, once each.
+/// Tells whether targets are those of existing vertices, ascending, once each.
 bool areTargetsOf(const Model& model, const std::vector<KinematicTarget>& targets) {
   for (std::size_t k = 0; k < targets.size(); ++k) {
     if (!isVertexOf(model, targets[k].vertex)) return false;

@@ -23,7 +23,7 @@ std::string validationError(const std::vector<Clamp>& clamps, const Model& model
 std::string validationError(const ColliderSet& colliders, const ColliderSet& ofScene);
 std::string validationError(const std::vector<GripEvent>& events);
 
-/// Whether a text is short, and has no control characters: it will be printed and published.
+/// Tells whether a text is short, and has no control characters: it will be printed and published.
 bool isOneLine(const std::string& text);
 
 }  // namespace cloth_sim

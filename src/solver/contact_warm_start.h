@@ -32,7 +32,7 @@ class ContactWarmStart {
   /// that result. Velocities of particles near obstacles become (x - start) / h.
   void enforce(double time, double h, Contacts& contacts, Particles& particles);
 
-  /// Whether all forces act on slots below `slots`, once each. For what was read from a file.
+  /// Tells whether all forces act on slots below `slots`, once each. For what was read from a file.
   bool fits(std::size_t slots) const;
 
   template <class Archive>

@@ -49,8 +49,8 @@ class ErrorControl {
   /// Substeps of a step of dt [s]; `configured` without a goal.
   int substepsFor(double dt, int configured) const;
   const ErrorEstimate& estimate() const { return estimate_; }
-  /// Whether the counters and times are ones that steps can have led to. For what was read from a
-  /// file.
+  /// Tells whether the counters and times are ones that steps can have led to. For what was read
+  /// from a file.
   bool isPlausible() const;
 
   /// Saves what the next step depends on, and the estimates. The error that is asked for is the

@@ -125,7 +125,7 @@ class AddedInertia {
   }
   /// [1/kg], by particle slot.
   const ScalarArray& inverse() const { return inverse_; }
-  /// Whether there is a value for each slot, or for fewer: those of new particles follow.
+  /// Tells whether there is a value for each slot, or for fewer: those of new particles follow.
   bool fits(std::size_t slots) const {
     return inertia_.size() <= slots && velocity_.size() == inertia_.size() &&
            acceleration_.size() == inertia_.size() &&

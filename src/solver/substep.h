@@ -29,7 +29,8 @@ struct Substep {
   double addedMass = 0.0;    ///< by which the method makes the cloth heavier, over its mass [-]
   const StopFlag* stop = nullptr;  ///< of the step; null: it is never stopped
 
-  /// Whether the step is to end now. Its result is thrown away then: iterations need not go on.
+  /// Tells whether the step is to end now. Its result is thrown away then: iterations need not go
+  /// on.
   bool isStopped() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 
   /// Copies positions to `particles.start`.
@@ -43,11 +44,11 @@ struct Substep {
   /// and area A is limited where h A density dragCoefficient |r.n| / 2 > m: on 0.1 kg/m^2 in
   /// substeps of 1/60 s above 10 m/s, of 1/1200 s above 200 m/s.
   void addLoads();
-  /// Whether an obstacle is in the way of a free particle that moves from `start` to `end` [m] in
-  /// the substep. Where obstacles are, and no more, is looked at: a path through a thin one and out
-  /// of it counts as free.
+  /// Tells whether an obstacle is in the way of a free particle that moves from `start` to `end`
+  /// [m] in the substep. Where obstacles are, and no more, is looked at: a path through a thin one
+  /// and out of it counts as free.
   bool isBlocked(const VectorArray& end) const;
-  /// Whether an obstacle is in the way of a free particle that flies on with its velocity.
+  /// Tells whether an obstacle is in the way of a free particle that flies on with its velocity.
   bool isFlightBlocked();
   /// Pushes particles out of obstacles. Velocities change by the displacement over h.
   void enforceContacts();

@@ -50,7 +50,7 @@ void zipRings(const DiscRing& in, const DiscRing& out, std::vector<Face>& faces)
   }
 }
 
-/// Whether a point is in a triangle, whichever way round its corners are.
+/// Tells whether a point is in a triangle, whichever way round its corners are.
 bool shades(const std::array<Vec2, 3>& p, const Vec2& at) {
   int left = 0, right = 0;
   for (int k = 0; k < 3; ++k) {

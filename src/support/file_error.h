@@ -15,7 +15,7 @@ class FileError : public std::runtime_error {
   explicit FileError(const std::string& text, int code = 0)
       : std::runtime_error(text), code_(code) {}
 
-  /// Whether there was no space left: a full disk, a quota, or a limit on the size of files.
+  /// Tells whether there was no space left: a full disk, a quota, or a limit on the size of files.
   bool isOutOfSpace() const { return code_ == ENOSPC || code_ == EDQUOT || code_ == EFBIG; }
 
  private:

@@ -7,7 +7,7 @@
 
 namespace cloth_sim {
 
-/// Whether the simplification of a path keeps a point.
+/// Tells whether the simplification of a path keeps a point.
 enum class Keep : std::uint8_t {
   kNever,   ///< no: the point only exists because the surface consists of triangles
   kIfFar,   ///< if the path without it would exceed the tolerance

@@ -20,7 +20,7 @@ class StatusLine {
   /// Wall time since the program began to show it [s].
   double wallTime() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
-  /// Whether the line before is old enough for another one.
+  /// Tells whether the line before is old enough for another one.
   bool isDue() const { return !shown_ || wallTime() - *shown_ >= period_; }
 
   /// Shows the text; on a terminal with a bar before it.

@@ -158,7 +158,7 @@ Vec3 swept(const Collider& collider, const Vec3& start, const Vec3& end, double 
   return x;
 }
 
-/// Whether the segment between two points meets no triangle.
+/// Tells whether the segment between two points meets no triangle.
 bool isClear(const TriangleSurface& surface, const Vec3& a, const Vec3& b) {
   for (double s = 0.0; s <= 1.0; s += 0.001) {
     if (surface.distance(a + s * (b - a)) < 2e-4) return false;

@@ -32,7 +32,7 @@ PhaseScript waitingFor(const PhaseConditions& until) {
   return script;
 }
 
-/// Whether the phase is over after these observations.
+/// Tells whether the phase is over after these observations.
 bool endsAfter(PhaseScript script, const std::vector<PhaseObservation>& observations) {
   for (const PhaseObservation& now : observations) script.update(now);
   return script.status() == ScriptStatus::kDone;

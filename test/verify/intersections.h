@@ -19,7 +19,7 @@ inline int signOfOrientation(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return value > 0.0 ? 1 : value < 0.0 ? -1 : 0;
 }
 
-/// Whether the segment from p to q passes through the inside of a triangle.
+/// Tells whether the segment from p to q passes through the inside of a triangle.
 inline bool passesThrough(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t) {
   const int from = signOfOrientation(t[0], t[1], t[2], p);
   const int to = signOfOrientation(t[0], t[1], t[2], q);
@@ -29,7 +29,8 @@ inline bool passesThrough(const Vec3& p, const Vec3& q, const std::array<Vec3, 3
          side == signOfOrientation(p, q, t[2], t[0]);
 }
 
-/// Whether an edge of face `f` passes through face `g`; edges with a corner of `g` do not count.
+/// Tells whether an edge of face `f` passes through face `g`; edges with a corner of `g` do not
+/// count.
 inline bool pierces(const Face& f, const Face& g, const std::vector<Vec3>& x) {
   for (int k = 0; k < 3; ++k) {
     const VertexId a = f[k];

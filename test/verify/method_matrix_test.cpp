@@ -257,7 +257,7 @@ bool recordsMatrix() { return std::getenv("CLOTH_SIM_RECORD") != nullptr; }
 
 bool stopsEarly(const Row& row) { return row.outcome == "refused" || row.outcome == "failed"; }
 
-/// Whether compilers may come to another outcome: flutter and folds change the digits.
+/// Tells whether compilers may come to another outcome: flutter and folds change the digits.
 bool isClose(const Row& row) { return row.score > 0.5 && row.score < 2.0; }
 
 class MethodMatrix : public testing::TestWithParam<Start> {

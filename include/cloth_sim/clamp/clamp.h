@@ -129,10 +129,10 @@ class Clamp {
   void place(const Pose& pose);
   /// Returns the pose at which it would come to rest if it braked from now on.
   Pose stoppingPose() const;
-  /// Whether the clamp stands still at its target (1e-6 m, 1e-6 rad, and that per second).
+  /// Tells whether the clamp stands still at its target (1e-6 m, 1e-6 rad, and that per second).
   bool atTarget() const;
-  /// Whether the next steps leave it exactly as it is: it has arrived, and opened or closed, and
-  /// the held particles are neither squeezed nor slip.
+  /// Tells whether the next steps leave it exactly as it is: it has arrived, and opened or closed,
+  /// and the held particles are neither squeezed nor slip.
   bool isStill() const;
 
   /// Starts closing. No effect while closing or closed.
@@ -156,7 +156,7 @@ class Clamp {
   /// Appends the friction on the held particles while they slip.
   void appendForces(const Model& model, std::vector<PointForce>& out) const;
 
-  /// Whether the held particles slide through the plates.
+  /// Tells whether the held particles slide through the plates.
   bool isSlipping() const { return slip_.on; }
   /// Distance that the held particles have slid since they were grasped [m].
   double slipped() const { return slip_.distance; }

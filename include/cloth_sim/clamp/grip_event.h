@@ -29,9 +29,8 @@ constexpr double kTouching = 1e-4;
 GripContents gripContents(const Clamp& clamp, const Model& model, const State& state,
                           const ColliderSet& colliders);
 
-/// Whether a layer of cloth kept a particle that the clamp holds from following it in the last
-/// substep.
-/// \param layers  null if layers do not touch: then never.
+/// Tells whether a layer of cloth kept a particle that the clamp holds from following it in the
+/// last substep. \param layers  null if layers do not touch: then never.
 bool isBlocked(const Clamp& clamp, const LayerContact* layers);
 
 /// A change of a clamp's grip, noticed at the end of a step.

@@ -18,7 +18,7 @@ struct MovingPose {
   /// Moves on by `dt` [s], and shortens the horizon by as much.
   void advance(double dt);
 
-  /// Whether it moves no longer.
+  /// Tells whether it moves no longer.
   bool isStill() const { return horizon <= 0.0 || (linear.isZero(0.0) && angular.isZero(0.0)); }
 
   template <class Archive>

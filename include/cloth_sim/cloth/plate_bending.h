@@ -66,7 +66,7 @@ class PlateBending {
   /// The elements, three for each face; those without stiffness have no vertices.
   const std::vector<PlateElement>& elements() const { return elements_; }
 
-  /// Whether some cloth has friction in bending.
+  /// Tells whether some cloth has friction in bending.
   bool hasFriction() const;
   /// Stiffness of the slip element of a face [N m^3]; 0: it has none.
   double slipStiffness(FaceId f) const {

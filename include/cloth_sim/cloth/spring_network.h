@@ -91,7 +91,7 @@ class SpringNetwork {
   /// constant.
   /// \param scale  > 0; replaces an earlier factor.
   SpringChanges setScale(const TriangleMesh& mesh, double scale);
-  /// Whether the springs of the cloth of vertex `v` have raw constants.
+  /// Tells whether the springs of the cloth of vertex `v` have raw constants.
   bool isRaw(const TriangleMesh& mesh, VertexId v) const {
     return anyRaw_ && clothAt(mesh, v).raw.has_value();
   }

@@ -59,7 +59,7 @@ class Collider {
   /// \param angularVelocity  in the axes of the world [rad/s].
   void place(const Pose& pose, const Vec3& velocity, double time,
              const Vec3& angularVelocity = Vec3::Zero());
-  /// Whether it turns.
+  /// Tells whether it turns.
   bool turns() const { return !obstacle_.angularVelocity.isZero(0.0); }
   /// Takes the shape of a collider that has the same one: that of a saved state has no triangles.
   void shareShape(const Collider& other) { obstacle_.shape = other.obstacle_.shape; }

@@ -90,9 +90,9 @@ class LayerContact {
 
   /// Figures of the step so far. Takes a pass over the contacts.
   LayerReport report() const;
-  /// Whether a held vertex was kept from following its holder at the end of the last step.
+  /// Tells whether a held vertex was kept from following its holder at the end of the last step.
   bool isBlocked(VertexId v) const;
-  /// Whether contacts carried load in the last substep.
+  /// Tells whether contacts carried load in the last substep.
   bool carriesLoad() const;
   /// Returns the contacts that carried load in the last substep, at its end; of more than
   /// kMostContactPoints, as many that are evenly spread over the list of all. Computed at each

@@ -76,7 +76,7 @@ class TriangleSurface {
   double distance(const Vec3& p) const;
   /// The same, and the unit vector in which it grows fastest.
   double distance(const Vec3& p, Vec3& normal) const;
-  /// Whether the distance is at most `limit` [m]. Cheaper than `distance`.
+  /// Tells whether the distance is at most `limit` [m]. Cheaper than `distance`.
   bool isWithin(const Vec3& p, double limit, const NearTriangles& near) const;
 
   /// Finds where a particle that keeps `reach` from the surface is stopped on its path first. Of a

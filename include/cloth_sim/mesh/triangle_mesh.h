@@ -14,7 +14,7 @@ namespace cloth_sim {
 /// The corners of a triangle, counter-clockwise in material coordinates.
 using Face = std::array<VertexId, 3>;
 
-/// Whether `v` is a corner of a face.
+/// Tells whether `v` is a corner of a face.
 inline bool contains(const Face& face, VertexId v) {
   return face[0] == v || face[1] == v || face[2] == v;
 }
@@ -54,16 +54,16 @@ class TriangleMesh {
   std::vector<VertexId> neighbours(VertexId v) const;
   /// Same, written to `out` to reuse its memory.
   void neighbours(VertexId v, std::vector<VertexId>& out) const;
-  /// Whether `v` is on the border of the mesh.
+  /// Tells whether `v` is on the border of the mesh.
   bool isBoundary(VertexId v) const;
-  /// Whether the edge from corner k of `f` to the next corner belongs to the border of the
+  /// Tells whether the edge from corner k of `f` to the next corner belongs to the border of the
   /// undamaged mesh. Other border edges are where cuts and tears opened the surface.
   bool isOriginalBoundary(FaceId f, int k) const { return ((boundaryBits_[f] >> k) & 1U) != 0; }
   /// Number of bisections between a face of the original mesh and `f`.
   int generation(FaceId f) const { return generation_[f]; }
 
-  /// Whether the tables of faces and vertices have an entry for each, and list each face at its
-  /// corners, so that no index leads astray. For meshes that were read from a file.
+  /// Tells whether the tables of faces and vertices have an entry for each, and list each face at
+  /// its corners, so that no index leads astray. For meshes that were read from a file.
   bool hasCompleteTables() const;
 
   /// Rest area of a face, in material coordinates [m^2].

@@ -63,7 +63,7 @@ class PhaseScript {
   ScriptStatus status() const { return status_; }
   /// The current phase; nullptr unless the script is running.
   const PhaseSpec* current() const;
-  /// Whether `update` needs the mean speed, which costs a pass over all particles.
+  /// Tells whether `update` needs the mean speed, which costs a pass over all particles.
   bool wantsMeanSpeed() const;
   const std::vector<PhaseRecord>& history() const { return history_; }
   std::vector<std::string> names() const;

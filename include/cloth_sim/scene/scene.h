@@ -105,7 +105,7 @@ struct PhaseConditions {
   std::optional<int> piecesAtLeast;  ///< number of connected pieces of cloth
   std::optional<int> brokenAtLeast;  ///< number of broken springs since the start
 
-  /// Whether no condition is present.
+  /// Tells whether no condition is present.
   bool none() const;
   /// Returns what holds when the phase ends, as "the cloth is in 2 pieces"; "" without conditions.
   std::string text() const;

@@ -34,13 +34,14 @@ inline std::string validationError(const Command& command) {
   return std::visit([](const auto& it) { return it.validationError(); }, command);
 }
 
-/// Whether a command replaces the cloth by another one, so that whatever was known of it is void.
+/// Tells whether a command replaces the cloth by another one, so that whatever was known of it is
+/// void.
 inline bool replacesCloth(const Command& command) {
   if (const auto* reset = std::get_if<Reset>(&command)) return reset->scope != ResetScope::kTime;
   return std::holds_alternative<Restore>(command);
 }
 
-/// Whether a command makes the simulated time jump.
+/// Tells whether a command makes the simulated time jump.
 inline bool changesTime(const Command& command) {
   return std::holds_alternative<Reset>(command) || std::holds_alternative<Restore>(command);
 }

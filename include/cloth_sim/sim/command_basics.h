@@ -9,7 +9,7 @@
 
 namespace cloth_sim {
 
-/// Whether a command was carried out, and if not, why, in one sentence.
+/// Tells whether a command was carried out, and if not, why, in one sentence.
 struct CommandResult {
   bool success = false;
   std::string message;

@@ -47,7 +47,7 @@ class Holders {
   /// `controls.forces` (friction of clamps that slip).
   void gatherControls(const Model& model, Controls& controls);
 
-  /// Whether some clamp has a limited grip force, so that a step may have to be solved again.
+  /// Tells whether some clamp has a limited grip force, so that a step may have to be solved again.
   bool mayYield() const;
   /// Lets every clamp slip whose grip force is less than what it would have to bear.
   /// \param controls, report  of the step as it was solved with all of them holding.
@@ -75,11 +75,11 @@ class Holders {
   /// Returns the held particles, ascending.
   std::vector<VertexId> heldVertices() const;
 
-  /// Whether the next steps leave every clamp exactly as it is, and nothing is pulled.
+  /// Tells whether the next steps leave every clamp exactly as it is, and nothing is pulled.
   bool areStill() const;
-  /// Whether every clamp stands at its target.
+  /// Tells whether every clamp stands at its target.
   bool areAtTarget() const;
-  /// Whether no clamp is still closing.
+  /// Tells whether no clamp is still closing.
   bool haveClosed() const;
 
   /// Updates pins, clamps and the pull for an edit of the mesh.

@@ -20,7 +20,7 @@ class ObstacleGuides {
   /// Stops guiding an obstacle; it goes on at the velocity that it has.
   void drop(const std::string& obstacle);
 
-  /// Whether every guided collider is, at `time` [s], where its target stays.
+  /// Tells whether every guided collider is, at `time` [s], where its target stays.
   bool areIdle(double time, const ColliderSet& colliders) const;
 
   /// Gives every guided collider the velocities with which it reaches its target at `time + dt`;

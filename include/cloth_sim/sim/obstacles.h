@@ -41,9 +41,9 @@ class Obstacles {
   /// of the world. Zero before the first step, and after a state was loaded.
   std::vector<Wrench> wrenches(double time) const;
 
-  /// Whether some particle pushed at an obstacle in the last step.
+  /// Tells whether some particle pushed at an obstacle in the last step.
   bool areTouched() const;
-  /// Whether no obstacle moves by more than round-off in a step of `dt` [s].
+  /// Tells whether no obstacle moves by more than round-off in a step of `dt` [s].
   bool areStill(double time, double dt) const;
 
   /// Shifts every motion by `by` [s], as the clock jumps.

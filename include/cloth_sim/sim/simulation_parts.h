@@ -40,7 +40,7 @@ struct SimulationParts {
   std::vector<ResultWarning> warnings() const;
   /// Returns the settings that commands may change, as they are now.
   Tuning tuning() const;
-  /// Whether only the cloth itself moves it, and nothing else is about to.
+  /// Tells whether only the cloth itself moves it, and nothing else is about to.
   bool isStill() const;
   /// Shifts the clock by `by` [s], and with it everything that depends on it.
   void shiftTime(double by);

@@ -20,7 +20,7 @@ class Sleep {
   /// Simulated time slept through since the start or the last reset [s].
   double timeAsleep() const { return timeAsleep_; }
 
-  /// Whether every particle is slower than the settings' speed; false if it never sleeps.
+  /// Tells whether every particle is slower than the settings' speed; false if it never sleeps.
   bool isSlow(const State& state) const;
 
   /// Counts a step of `dt` [s] towards the rest.

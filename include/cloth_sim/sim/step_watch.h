@@ -19,13 +19,13 @@ class StepWatch {
   /// each attempt doubles it. 1 if steps are never redone.
   int maxSubstepFactor() const { return redoes_ ? kMaxSubstepFactor : 1; }
 
-  /// Whether the energy is checked, so that also a step that ended may be rejected.
+  /// Tells whether the energy is checked, so that also a step that ended may be rejected.
   bool checksEnergy() const { return checksEnergy_; }
 
   /// Records the state that a step of `dt` [s] starts from.
   void begin(const Model& model, const State& state, const Controls& controls,
              const ColliderSet& colliders, double dt);
-  /// Whether the attempt that led to `state` ended well.
+  /// Tells whether the attempt that led to `state` ended well.
   /// \param status  that the solver reported.
   bool endedWell(const Model& model, const State& state, StepStatus status);
   /// Accepts the attempt that `endedWell` last judged.

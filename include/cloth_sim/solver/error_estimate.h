@@ -13,7 +13,7 @@ struct ErrorEstimate {
   double largestPosition = 0.0;  ///< largest `position` so far
   double asked = 0.0;            ///< bound on both that the scene asks for; 0: fixed substeps
   int budget = 0;                ///< substeps of a step that it may take for that; 0: fixed
-  /// Whether the budget sufficed in every step so far. True without a bound.
+  /// Tells whether the budget sufficed in every step so far. True without a bound.
   bool sufficed = true;
 };
 

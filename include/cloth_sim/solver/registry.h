@@ -31,20 +31,20 @@ struct SolverInfo {
   std::string reference;    ///< paper or book, with the year
   std::string limitations;  ///< where the method is wrong or fails; one line
   int order = 1;            ///< order of convergence in the time step on smooth problems; 0: none
-  /// Whether the cloth is as stiff as the fabric. If not, stiffness follows from the method's own
-  /// parameters and the step, and a bending energy is refused.
+  /// Tells whether the cloth is as stiff as the fabric. If not, stiffness follows from the method's
+  /// own parameters and the step, and a bending energy is refused.
   bool followsFabric = true;
-  /// Whether it follows the friction of bending (SlipElement).
+  /// Tells whether it follows the friction of bending (SlipElement).
   bool hasBendFriction = false;
   /// Why layers of cloth cannot touch each other with this method; "" if they can.
   std::string noLayers;
   /// Why tears cannot be decided by energy with this method; "" if they can. The energy at a tip
   /// follows from the strain there.
   std::string noTearEnergy;
-  /// Whether each spring is projected by itself, once in a substep of length h. A spring of tension
-  /// T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
+  /// Tells whether each spring is projected by itself, once in a substep of length h. A spring of
+  /// tension T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
   bool projectsSpringsAlone = false;
-  /// Whether its forces are more accurate where a scene declares quasi-static motion.
+  /// Tells whether its forces are more accurate where a scene declares quasi-static motion.
   bool usesQuasiStatic = false;
   /// Stability limit: the largest omega h at which an undamped oscillator of angular frequency
   /// omega stays bounded in substeps of length h. Infinity: unconditionally stable; 0: never

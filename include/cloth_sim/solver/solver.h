@@ -67,7 +67,7 @@ struct Controls {
   std::vector<PointForce> forces;          ///< in any order
   std::vector<LengthLimit> limits;         ///< the step ends early where one is passed
 
-  /// Whether wind or point forces act.
+  /// Tells whether wind or point forces act.
   bool hasLoads() const { return wind.has_value() || !forces.empty(); }
 
   template <class Archive>

@@ -71,10 +71,10 @@ class Tearing {
   /// \param limits  replaced by the list.
   void listLimits(const Model& model, const State& state, std::vector<LengthLimit>& limits);
 
-  /// Whether the last plan found a spring beyond its limit that has not failed yet, because it
-  /// waits for a tip or is near a tear that has just advanced.
+  /// Tells whether the last plan found a spring beyond its limit that has not failed yet, because
+  /// it waits for a tip or is near a tear that has just advanced.
   bool isOverloaded() const { return settings_.enabled && worst_ > 1.0; }
-  /// Whether tears are decided by energy.
+  /// Tells whether tears are decided by energy.
   bool isByEnergy() const { return !settings_.energy.empty(); }
 
   /// Plans the next advances, most overloaded springs first (by stretch over limit, then by slot),

@@ -75,7 +75,7 @@ class Box {
   /// Distance of a local point beyond each pair of faces [m], negative between them.
   Vec3 excessOf(const Vec3& local) const { return local.cwiseAbs() - half_; }
 
-  /// Whether both ends of the path lie beyond the same one of the two faces across the axis.
+  /// Tells whether both ends of the path lie beyond the same one of the two faces across the axis.
   template <int kAxis>
   bool misses(const Vec3& from, const Vec3& to) const {
     const double limit = half_[kAxis] + margin_;
@@ -83,8 +83,8 @@ class Box {
            (from[kAxis] <= -limit && to[kAxis] <= -limit);
   }
 
-  /// Whether the nearest feature to the start is a face across the axis, and the path stays over
-  /// it. Takes `excessOf` of both ends.
+  /// Tells whether the nearest feature to the start is a face across the axis, and the path stays
+  /// over it. Takes `excessOf` of both ends.
   template <int kAxis>
   static bool staysOver(const Vec3& from, const Vec3& to) {
     const int a = (kAxis + 1) % 3;

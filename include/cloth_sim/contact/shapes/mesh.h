@@ -40,7 +40,7 @@ class Mesh {
     return (surface_->low() - local).cwiseMax(local - surface_->high()).maxCoeff() >
            margin_ + distance;
   }
-  /// Whether gap(p) <= limit.
+  /// Tells whether gap(p) <= limit.
   bool isWithin(const Vec3& p, double limit, const NearTriangles& near) const {
     return surface_->isWithin(axes_.toLocal(p), limit + margin_, near);
   }

@@ -35,7 +35,8 @@ class Sphere {
   std::optional<LevelTop> levelTop() const { return std::nullopt; }
 
  private:
-  /// Whether the path ends outside and never comes nearer than the radius; exact, without a root.
+  /// Tells whether the path ends outside and never comes nearer than the radius; exact, without a
+  /// root.
   bool misses(const Vec3& start, const Vec3& end) const {
     const double radius2 = reach_ * reach_;
     if (end.squaredNorm() < radius2) return false;
