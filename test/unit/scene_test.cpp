@@ -166,6 +166,19 @@ TEST(Scene, RawSpringsNameTheKindsThereAre) {
   EXPECT_FALSE(parse("cloth: {fabric: {bending: 0}}").cloths[0].springs.bend);
 }
 
+TEST(Scene, AClothThatNamesAFabricBendsByTheEnergyOfAPlate) {
+  const auto isPlate = [](const std::string& yaml) {
+    const ClothSpec cloth = parse(yaml).cloths[0];
+    EXPECT_NE(cloth.plate, cloth.springs.bend) << yaml;
+    return cloth.plate;
+  };
+  EXPECT_TRUE(isPlate("cloth: {fabric: silk}"));
+  EXPECT_FALSE(isPlate("cloth: {fabric: silk, bending: springs}"));
+  EXPECT_FALSE(isPlate("cloth: {}"));
+  EXPECT_FALSE(isPlate("cloth: {fabric: silk}\nsolver: {method: pbd}"));
+  EXPECT_FALSE(isPlate("cloth: [{name: a, fabric: silk}, {name: b, fabric: {damping: 0.01}}]"));
+}
+
 TEST(Scene, PinsByParticleAndByName) {
   const std::vector<PinSpec> pins =
       parse("cloth: {particles: [4, 3], pins: [[1, 2], corner_10, first_column]}").cloths[0].pins;
