@@ -228,12 +228,13 @@ struct SpringProjection::Kernel {
                                                    const IndexB& b) {
     const double* const rest = m.restLength + span.firstParameters;
     const WeightBlock* weights = m.weights + m.firstBlock[s];
-    const double* gamma = m.gamma + kLanes * m.firstBlock[s];
+    const double* gamma = kDamped ? m.gamma + kLanes * m.firstBlock[s] : nullptr;
     const auto project = [&](std::ptrdiff_t k, std::ptrdiff_t n, auto isSymmetric)
         __attribute__((always_inline)) {
       projectFour<kDamped, decltype(isSymmetric)::value>(
           a(k, m.x, m.y, m.z), b(k, m.x, m.y, m.z), a(k, m.startX, m.startY, m.startZ),
-          b(k, m.startX, m.startY, m.startZ), rest + k, weights + n, gamma + kLanes * n);
+          b(k, m.startX, m.startY, m.startZ), rest + k, weights + n,
+          kDamped ? gamma + kLanes * n : nullptr);
     };
     if (span.count % kLanes != 0) {
       project(span.count - kLanes, 0, std::false_type());

@@ -7,6 +7,7 @@ namespace cloth_sim {
 namespace {
 
 TEST(SimdOfOldCompilers, JoinsHalves) { expectHalvesAreJoined(); }
+TEST(SimdOfOldCompilers, TakesNumbersFromAnyPlace) { expectAnyPlaceWillDo(); }
 TEST(SimdOfOldCompilers, TransposesHalves) { expectHalvesAreTransposed(); }
 
 }  // namespace

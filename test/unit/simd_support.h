@@ -31,6 +31,19 @@ void expectHalvesAreJoined() {
   for (int k = 0; k < 8; ++k) EXPECT_EQ(joined[k], numbers[static_cast<std::size_t>(k)]);
 }
 
+/// Registers may begin at any number in memory: an aligned move would fault.
+void expectAnyPlaceWillDo() {
+  alignas(64) std::array<double, 16> doubles{};
+  alignas(64) std::array<float, 16> floats{};
+  for (std::size_t k = 0; k < 16; ++k) floats[k] = static_cast<float>(doubles[k] = k);
+  lanesAt(&doubles[1]) = lanesAt(&doubles[1]) + lanesAt(&doubles[7]);
+  floatHalfAt(&floats[1]) = floatHalfAt(&floats[1]) + lowHalf(floatLanesAt(&floats[7]));
+  for (std::size_t k = 1; k < 5; ++k) {
+    EXPECT_EQ(doubles[k], static_cast<double>(2 * k + 6));
+    EXPECT_EQ(floats[k], static_cast<float>(2 * k + 6));
+  }
+}
+
 void expectHalvesAreTransposed() {
   std::array<std::array<float, kFloatLanes>, 4> before{};
   FloatLanes rows[4] = {};  // a template would forget their alignment

@@ -6,6 +6,7 @@ namespace cloth_sim {
 namespace {
 
 TEST(Simd, JoinsHalves) { expectHalvesAreJoined(); }
+TEST(Simd, TakesNumbersFromAnyPlace) { expectAnyPlaceWillDo(); }
 TEST(Simd, TransposesHalves) { expectHalvesAreTransposed(); }
 
 }  // namespace
