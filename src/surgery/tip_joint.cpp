@@ -29,8 +29,7 @@ bool isOnBorder(const TriangleMesh& mesh, const SurfacePoint& point) {
     const VertexId v = face[k];
     const VertexId w = face[(k + 1) % 3];
     if (mesh.facesOnEdge(v, w)[1] != kNone) continue;
-    if (distanceTo({mesh.material(v), mesh.material(w)}, point.material) <= kOnePoint)
-      return true;
+    if (distanceTo({mesh.material(v), mesh.material(w)}, point.material) <= kOnePoint) return true;
   }
   return false;
 }

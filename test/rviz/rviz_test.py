@@ -28,7 +28,7 @@ LAST_STRAIN = (253, 231, 37)
 DISTANCE = 2.6              # of the camera from the cloth [m]
 MIDDLE = 1.0                # height of the middle of the view [m]
 FIELD = math.pi / 4.0       # of view, up and down
-WHEN_RELEASED = 'Cut, While Pressed: false'
+WHEN_RELEASED = 'Cut\n      While Pressed: false'
 
 # Looking along y: x is to the right, z up.
 CONFIG = """
