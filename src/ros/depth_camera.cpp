@@ -93,7 +93,7 @@ Vec2 project(const Vec3& point) { return point.head<2>() / point.z(); }
 
 DepthCamera::DepthCamera(const CameraLens& lens)
     : lens_(lens),
-      focal_(0.5 * lens.width / std::tan(0.5 * lens.fieldOfView * kRadiansPerDegree)),
+      pixel_(std::tan(0.5 * lens.fieldOfView * kRadiansPerDegree) / (0.5 * lens.width)),
       middleX_(0.5 * (lens.width - 1)),
       middleY_(0.5 * (lens.height - 1)) {}
 
@@ -161,10 +161,10 @@ DepthCamera::PixelBox DepthCamera::pixelsBetween(const Vec2& low, const Vec2& hi
   const auto pixel = [](double at, int most) {
     return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(most)));
   };
-  const double left = std::ceil(focal_ * low.x() + middleX_ - kPixelMargin);
-  const double top = std::ceil(focal_ * low.y() + middleY_ - kPixelMargin);
-  const double right = std::floor(focal_ * high.x() + middleX_ + kPixelMargin) + 1.0;
-  const double bottom = std::floor(focal_ * high.y() + middleY_ + kPixelMargin) + 1.0;
+  const double left = std::ceil(low.x() / pixel_ + middleX_ - kPixelMargin);
+  const double top = std::ceil(low.y() / pixel_ + middleY_ - kPixelMargin);
+  const double right = std::floor(high.x() / pixel_ + middleX_ + kPixelMargin) + 1.0;
+  const double bottom = std::floor(high.y() / pixel_ + middleY_ + kPixelMargin) + 1.0;
   return {pixel(left, lens_.width), pixel(right, lens_.width), pixel(top, lens_.height),
           pixel(bottom, lens_.height)};
 }

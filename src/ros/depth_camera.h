@@ -44,7 +44,7 @@ class DepthCamera {
   const std::vector<SeenPoint>& seen() const { return seen_; }
   /// Returns the point at depth 1 m on the ray of a pixel, in the frame of the camera [m].
   Vec3 ray(int column, int row) const {
-    return {(column - middleX_) / focal_, (row - middleY_) / focal_, 1.0};
+    return {(column - middleX_) * pixel_, (row - middleY_) * pixel_, 1.0};
   }
 
  private:
@@ -63,7 +63,7 @@ class DepthCamera {
   void visitPixels(const std::array<Vec3, 3>& corners, Visit&& visit);
 
   CameraLens lens_;
-  double focal_;               ///< focal length [pixels]
+  double pixel_;               ///< side of a pixel at depth 1 m [m]
   double middleX_;             ///< column of the optical axis [pixels]
   double middleY_;             ///< row of the optical axis [pixels]
   Pose camera_;                ///< in the world
