@@ -63,7 +63,7 @@ class OutputsTest(unittest.TestCase):
         transform.child_frame_id = 'eye'
         transform.transform.translation.z = 1.5
         transform.transform.rotation.x = 1.0  # half a turn about x: z points down
-        with Listener('/rosout_agg', Log) as log, Listener('/cloth/camera_points', PointCloud2) as seen:
+        with Listener('/rosout', Log) as log, Listener('/cloth/camera_points', PointCloud2) as seen:
             log.wait(lambda line: "the camera sends no points: no transform from 'eye'" in line.msg)
             self.assertEqual(seen.messages, [])
             static = connected('/tf_static', TFMessage, latch=True)
