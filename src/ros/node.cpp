@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "actions.h"
+#include "camera_topic.h"
 #include "clamp_ports.h"
 #include "clock_publisher.h"
 #include "cloth_sim/scene/load.h"
@@ -179,8 +180,9 @@ class Node {
         clamps_(privateNode, parameters_, checker_, world_, simulation_),
         obstacles_(privateNode, parameters_, world_, simulation_),
         robot_(privateNode, robot, parameters.rateTracking, world_, simulation_),
+        camera_(privateNode, parameters.camera, world_),
         publishers_(node, privateNode, parameters, scene.text, simulation_,
-                    {clamps_, obstacles_, robot_}),
+                    {clamps_, obstacles_, robot_, camera_}),
         services_(privateNode,
                   {scene.name, scene.solver.method, scene.solver.dt, parameters.worldFrame,
                    parameters.stateDirectory},
@@ -215,6 +217,7 @@ class Node {
   ClampPorts clamps_;
   ObstacleTrackers obstacles_;
   RobotTrackers robot_;
+  CameraTopic camera_;
   Publishers publishers_;
   Services services_;
   Actions actions_;

@@ -17,6 +17,7 @@ using XmlRpc::XmlRpcValue;
 constexpr double kMaxRate = 1000.0;    ///< [Hz]
 constexpr double kMaxFactor = 1000.0;  ///< of real time [-]
 constexpr int kMaxThreads = 1024;
+constexpr double kMaxDepth = 1000.0;  ///< of a camera [m]
 
 /// The valid range of a number.
 struct Range {
@@ -56,9 +57,7 @@ class Reader {
 
   void read(const std::string& name, const Range& range, double& value) {
     XmlRpcValue raw;
-    if (!find(name, raw)) return;
-    value = number(name, "a number " + range.text(), raw);
-    if (!range.holds(value)) fail(name, "a number " + range.text(), raw);
+    if (find(name, raw)) value = number(name, range, raw);
   }
 
   void read(const std::string& name, const Range& range, int& value) {
@@ -82,6 +81,14 @@ class Reader {
     if (!find(name, raw)) return;
     if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, "a map", raw);
     if (raw.size() > 0) value = readRobot(name, raw);
+  }
+
+  /// {frame: FRAME, size: [w, h], fov, near, far, rate}; an empty map is no camera.
+  void read(const std::string& name, std::optional<CameraSettings>& value) {
+    XmlRpcValue raw;
+    if (!find(name, raw)) return;
+    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, "a map", raw);
+    if (raw.size() > 0) value = readCamera(name, raw);
   }
 
   /// {name: {tf: FRAME} | {pose: TOPIC} | {odometry: TOPIC}, ...}; a string is a tf frame.
@@ -135,6 +142,53 @@ class Reader {
       value.push_back(static_cast<std::string>(raw[i]));
     }
     return value;
+  }
+
+  double number(const std::string& name, const Range& range, XmlRpcValue& raw) const {
+    const double value = number(name, "a number " + range.text(), raw);
+    if (!range.holds(value)) fail(name, "a number " + range.text(), raw);
+    return value;
+  }
+
+  CameraSettings readCamera(const std::string& name, XmlRpcValue& raw) const {
+    CameraSettings camera;
+    for (auto& [key, value] : raw) {
+      const std::string path = name + "/" + key;
+      if (key == "frame") {
+        if (value.getType() != XmlRpcValue::TypeString) fail(path, "the name of a tf frame", value);
+        camera.frame = static_cast<std::string>(value);
+      } else if (key == "size") {
+        readImageSize(path, value, camera.lens);
+      } else if (key == "fov") {
+        camera.lens.fieldOfView = number(path, Range{1.0, 170.0}, value);
+      } else if (key == "near") {
+        camera.lens.nearest = number(path, Range{0.0, kMaxDepth, false}, value);
+      } else if (key == "far") {
+        camera.lens.farthest = number(path, Range{0.0, kMaxDepth, false}, value);
+      } else if (key == "rate") {
+        camera.rate = number(path, Range{0.0, kMaxRate, false}, value);
+      } else {
+        throw ParameterError(
+            node_.resolveName(name) + ": " +
+            unknownName("key", key, {"far", "fov", "frame", "near", "rate", "size"}));
+      }
+    }
+    if (camera.frame.empty()) fail(name, "a map with the name of a tf frame as frame", raw);
+    if (camera.lens.farthest <= camera.lens.nearest) fail(name, "far > near", raw);
+    return camera;
+  }
+
+  void readImageSize(const std::string& name, XmlRpcValue& raw, CameraLens& lens) const {
+    static const char* const expected = "two whole numbers >= 2 and <= 1920";
+    const Range range{2.0, 1920.0};
+    if (raw.getType() != XmlRpcValue::TypeArray || raw.size() != 2) fail(name, expected, raw);
+    for (int k = 0; k < 2; ++k) {
+      if (raw[k].getType() != XmlRpcValue::TypeInt || !range.holds(static_cast<int>(raw[k]))) {
+        fail(name, expected, raw);
+      }
+    }
+    lens.width = static_cast<int>(raw[0]);
+    lens.height = static_cast<int>(raw[1]);
   }
 
   RobotSettings readRobot(const std::string& name, XmlRpcValue& raw) const {
@@ -251,6 +305,7 @@ NodeParameters readParameters(const ros::NodeHandle& privateNode) {
   reader.read("follow", result.clampSources);
   reader.read("follow_obstacle", result.obstacleSources);
   reader.read("robot", result.robot);
+  reader.read("camera", result.camera);
   reader.allow("diagnostic_period");  // diagnostic_updater's own [s]
   for (const LiveParameter& parameter : listLiveParameters()) reader.check(parameter);
   reader.warnAboutOthers();

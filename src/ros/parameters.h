@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_topic.h"
 #include "pose_source.h"
 #include "robot.h"
 
@@ -43,6 +44,7 @@ struct NodeParameters {
   std::map<std::string, PoseSource> clampSources;     ///< tracked poses, by clamp
   std::map<std::string, PoseSource> obstacleSources;  ///< tracked poses, by obstacle
   std::optional<RobotSettings> robot;                 ///< whose links are obstacles
+  std::optional<CameraSettings> camera;               ///< of ~camera_points
 };
 
 /// Reads and validates the private parameters; warns about unknown ones.

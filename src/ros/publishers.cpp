@@ -63,6 +63,7 @@ Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
       obstacleWrenchSchedule_(parameters.rateWrench),
       pointsSchedule_(parameters.rateSurface),
       meshSchedule_(parameters.rateSurface),
+      cameraSchedule_(trackers.camera.rate()),
       builder_(markerStyle(parameters)),
       sceneBuilder_(markerStyle(parameters)) {
   ros::NodeHandle& own = privateNode;
@@ -123,8 +124,10 @@ double Publishers::wantedRate() const {
   if (points_.getNumSubscribers() + mesh_.getNumSubscribers() > 0) {
     rate = std::max(rate, parameters_.rateSurface);
   }
-  if (trackers_.clamps.wrenchSubscribers() + obstacleWrenches_.subscribers() > 0)
+  if (trackers_.camera.subscribers() > 0) rate = std::max(rate, trackers_.camera.rate());
+  if (trackers_.clamps.wrenchSubscribers() + obstacleWrenches_.subscribers() > 0) {
     rate = std::max(rate, parameters_.rateWrench);
+  }
   return rate;
 }
 
@@ -313,6 +316,9 @@ void Publishers::sendSurfaces(const Observation& observation, Clock::time_point 
   }
   if (meshSchedule_.due(now, observation.number, mesh_.getNumSubscribers())) {
     mesh_.publish(toMeshMessage(snapshot));
+  }
+  if (cameraSchedule_.due(now, observation.number, trackers_.camera.subscribers())) {
+    trackers_.camera.send(snapshot, header_.stamp);
   }
 }
 

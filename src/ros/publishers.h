@@ -13,6 +13,7 @@
 #include <optional>
 #include <thread>
 
+#include "camera_topic.h"
 #include "clamp_ports.h"
 #include "cloth_sim/CompactFrame.h"
 #include "cloth_sim/ros/conversions.h"
@@ -26,11 +27,12 @@
 
 namespace cloth_sim {
 
-/// The clamps and obstacles that are moved from outside, for their topics and diagnostics.
+/// The clamps, obstacles and camera that are moved from outside, for their topics and diagnostics.
 struct Trackers {
   ClampPorts& clamps;
   const ObstacleTrackers& obstacles;
   const RobotTrackers& robot;
+  CameraTopic& camera;
 };
 
 /// Publishes all topics of the node, tf and diagnostics, each at its rate. Topics without
@@ -120,6 +122,7 @@ class Publishers {
   Schedule obstacleWrenchSchedule_;
   Schedule pointsSchedule_;
   Schedule meshSchedule_;
+  Schedule cameraSchedule_;
   MarkerBuilder builder_;
   MarkerBuilder sceneBuilder_;
   ClothFrame frameMessage_;

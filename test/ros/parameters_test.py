@@ -46,6 +46,22 @@ class ParametersTest(unittest.TestCase):
         self.ends_with_2('bad11', ['/bad11/wind_x', 'a number'], scene=BENCH, wind_x=[1.0])
         self.ends_with_2('bad6', ['/bad6/world_frame'], scene=BENCH, world_frame='')
 
+    def test_bad_cameras(self):
+        for k, (camera, says) in enumerate([
+                ({'frame': 'eye', 'fow': 60.0}, ['camera', 'fow', 'fov']),
+                ({'frame': 'eye', 'fov': 0}, ['camera/fov', '>= 1 and <= 170', 'got 0']),
+                ({'frame': 'eye', 'size': [320]}, ['camera/size', 'two whole numbers']),
+                ({'frame': 'eye', 'size': [320, 2000]}, ['camera/size', '<= 1920']),
+                ({'frame': 'eye', 'size': [320, 24.5]}, ['camera/size', 'whole numbers']),
+                ({'frame': 'eye', 'near': 0}, ['camera/near', '> 0']),
+                ({'frame': 'eye', 'near': 2.0, 'far': 1.0}, ['camera', 'far > near']),
+                ({'frame': 'eye', 'rate': 'often'}, ['camera/rate', 'a number']),
+                ({'frame': ''}, ['camera', 'tf frame']),
+                ({'frame': 7}, ['camera/frame', 'tf frame']),
+                ({'fov': 60.0}, ['camera', 'tf frame']),
+                ('eye', ['camera', 'a map'])]):
+            self.ends_with_2('bad_camera%d' % k, says, scene=BENCH, camera=camera)
+
     def test_bad_scenes(self):
         self.ends_with_2('bad7', ['no_such_scene', 'tear_seam'], scene='no_such_scene')
         self.ends_with_2('bad8', ['bench.yaml', 'cloth.fabric.areal_density'], scene=BENCH,

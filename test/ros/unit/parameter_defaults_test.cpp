@@ -57,6 +57,7 @@ TEST(ParameterDefaults, AreTheDocumentedOnes) {
       {"follow", defaults.clampSources.empty() ? "{}" : "not empty"},
       {"follow_obstacle", defaults.obstacleSources.empty() ? "{}" : "not empty"},
       {"robot", defaults.robot ? "not empty" : "{}"},
+      {"camera", defaults.camera ? "not empty" : "{}"},
       {"diagnostic_period", "1.0"},  // of diagnostic_updater
   };
   EXPECT_EQ(documentedDefaults(), expected);
