@@ -78,7 +78,7 @@ packages_for() {
           python3-diagnostic-msgs python3-rosgraph-msgs python3-tf2-msgs \
           python3-actionlib python3-actionlib-msgs \
           python3-nav-msgs python3-sensor-msgs python3-shape-msgs python3-trajectory-msgs \
-          python3-numpy ros-robot-state-publisher
+          python3-numpy ros-robot-state-publisher tf2-tools
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
