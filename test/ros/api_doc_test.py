@@ -40,8 +40,9 @@ def documented(section):
     return {name: cell.strip() for names, cell in rows for name in re.findall(r'`~([^`]+)`', names)}
 
 
-def without_clamp_names(names):
-    return {re.sub('^clamps/(left|right)/', 'clamps/<name>/', name) for name in names}
+def without_names(names):
+    """The topics with <name> for the names of clamps and obstacles."""
+    return {re.sub('^(clamps|obstacles)/[^/]+/', r'\1/<name>/', name) for name in names}
 
 
 class ApiDocTest(unittest.TestCase):
@@ -60,12 +61,13 @@ class ApiDocTest(unittest.TestCase):
     def check_topics(self, section, side):
         table = documented(section)
         end = time.monotonic() + 20.0  # the node registers its topics one by one
-        while without_clamp_names(self.topics(side)) != set(table) and time.monotonic() < end:
+        while without_names(self.topics(side)) != set(table) and time.monotonic() < end:
             time.sleep(0.1)
-        self.assertEqual(set(table), without_clamp_names(self.topics(side)))
+        self.assertEqual(set(table), without_names(self.topics(side)))
         types = dict(self.master.getTopicTypes())
         for name, cell in table.items():
-            topic = NODE + '/' + name.replace('<name>', 'left')
+            name_of = 'sphere' if name.startswith('obstacles/') else 'left'
+            topic = NODE + '/' + name.replace('<name>', name_of)
             self.assertEqual(cell, '`%s`' % types[topic], name)
 
     def test_published_topics(self):

@@ -61,8 +61,9 @@ class ExamplesTest(unittest.TestCase):
     def test_they_are_short(self):
         found = [os.path.relpath(os.path.join(folder, name), EXAMPLES)
                  for folder, _, names in os.walk(EXAMPLES) for name in names]
-        self.assertEqual(sorted(found), ['fold/fold_client.cpp', 'fold/fold_client.py',
-                                         'lift_client.py', 'tear_client.cpp', 'tear_client.py'])
+        self.assertEqual(sorted(found),
+                         ['fold/fold_client.cpp', 'fold/fold_client.py', 'lift_client.py',
+                          'random_policy.py', 'tear_client.cpp', 'tear_client.py'])
         for name in found:
             with open(os.path.join(EXAMPLES, name)) as file:
                 lines = file.read().splitlines()

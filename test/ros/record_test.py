@@ -30,9 +30,10 @@ NUMBERED = ('/cloth/frame', '/cloth/state', '/cloth/topology', '/cloth/broken_sp
 
 
 def record_arguments():
-    """What cloth.launch gives to rosbag record, but for the file."""
+    """What cloth.launch gives to rosbag record, but for the file; with compact:=false."""
     with open(LAUNCH) as file:
         text = file.read()
+    text = text.replace('$(arg record_form)', '').replace('$(arg record_frames)', '/cloth/frame')
     words = text.split('type="record"')[1].split('args="')[1].split('"')[0].split()
     words[words.index('$(arg') - 1:words.index('bag)') + 1] = []
     return words
