@@ -442,9 +442,17 @@ class ApiTest(ServiceTest):
             self.assertEqual(wrench.header.frame_id, 'cloth/clamp_left')
             tf = transforms.wait(lambda m: m.transforms[0].child_frame_id == 'cloth/clamp_left')
             self.assertEqual([t.child_frame_id for t in tf.transforms],
-                             ['cloth/clamp_left', 'cloth/clamp_right'])
+                             ['cloth/clamp_left', 'cloth/clamp_right', 'cloth/obstacle_table',
+                              'cloth/obstacle_sphere'])
             position = self.clamp('left').pose.position
             self.assertAlmostEqual(tf.transforms[0].transform.translation.z, position.z)
+
+    def test_wrench_of_an_obstacle(self):
+        with Listener('/cloth/obstacles/table/wrench', WrenchStamped) as wrenches:
+            wrenches.wait()
+            self.accepted('step', 1)  # the cloth hangs above the table
+            wrench = wrenches.wait(lambda w: w.header.frame_id == 'cloth/obstacle_table').wrench
+            self.assertEqual((wrench.force.z, wrench.torque.x), (0.0, 0.0))
 
     def test_diagnostics(self):
         with Listener('/diagnostics', DiagnosticArray) as diagnostics:

@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace cloth_sim {
 namespace {
 
@@ -121,6 +123,19 @@ TEST(EventsMessage, TellsWhereAndWhy) {
   EXPECT_EQ(message.events[0].strain, 0.25);
   EXPECT_EQ(fromPoint(message.events[0].position), Vec3(1.0, 2.0, 3.0));
   EXPECT_EQ(message.events[0].material[1], 0.75);
+}
+
+TEST(Conversions, WrenchOfAnObstacleIsInItsFrame) {
+  Obstacle obstacle;
+  obstacle.name = "flap";
+  obstacle.pose = {Vec3(1.0, 2.0, 3.0), Quat(Eigen::AngleAxisd(std::acos(0.0), Vec3::UnitX()))};
+  const Wrench wrench{Vec3(0.0, 0.0, -2.0), Vec3(0.5, 0.0, 0.0)};
+  const auto message = toWrenchMessage(obstacle, wrench, ros::Time(3.0), "/robots/cloth");
+  EXPECT_EQ(message.header.frame_id, "robots/cloth/obstacle_flap");
+  // Its y axis is the world's z axis.
+  EXPECT_NEAR(message.wrench.force.y, -2.0, 1e-15);
+  EXPECT_NEAR(message.wrench.force.z, 0.0, 1e-15);
+  EXPECT_NEAR(message.wrench.torque.x, 0.5, 1e-15);
 }
 
 }  // namespace
