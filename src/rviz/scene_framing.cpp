@@ -113,7 +113,7 @@ void SceneFraming::frame(const Box& box, const Ogre::SceneNode& place) {
   rviz::Property* focus = view->subProp("Focal Point");
   const Ogre::Camera& camera = *view->getCamera();
   const Ogre::Quaternion toCamera = camera.getDerivedOrientation().Inverse();
-  const Ogre::Quaternion turn = place._getDerivedOrientation();
+  const Ogre::Quaternion& turn = place._getDerivedOrientation();
   float distance = 0.0f;
   for (int k = 0; k < kCorners; ++k) {
     const Ogre::Vector3 arm = cornerOf(box, k) - box.getCenter();

@@ -48,12 +48,13 @@ ClothSpec rolledStrip(double hysteresis) {
 /// Mean curvature of the inner half of the strip, along its middle row [1/m].
 double curvatureOf(const State& state) {
   double sum = 0.0;
-  for (int column = kCells / 4; column <= 3 * kCells / 4; ++column) {
+  int count = 0;
+  for (int column = kCells / 4; column <= 3 * kCells / 4; ++column, ++count) {
     const VertexId v = 3 * column + 1;
     const Vec3 second = state.x[v - 3] - 2.0 * state.x[v] + state.x[v + 3];
     sum += second.norm() / (kCell * kCell);
   }
-  return sum / (kCells / 2 + 1);
+  return sum / count;
 }
 
 /// Lets the strip go without gravity, in air so thick that it does not swing past its rest.
