@@ -54,6 +54,19 @@ bool isElementOf(const Model& model, const PlateElement& element) {
   return true;
 }
 
+/// Tells whether the elements of a face have no more vertices together, with its corners, than one
+/// may have: those of the patch around the face. Friction in bending takes them together.
+bool areOfOnePatch(const Model& model, FaceId f) {
+  const Face& corners = model.mesh.face(f);
+  std::set<VertexId> vertices(corners.begin(), corners.end());
+  for (std::size_t k = 0; k < PlateBending::kPerFace; ++k) {
+    const PlateElement& element =
+        model.bending.elements()[PlateBending::kPerFace * static_cast<std::size_t>(f) + k];
+    vertices.insert(element.vertex.begin(), element.vertex.begin() + element.count);
+  }
+  return vertices.size() <= static_cast<std::size_t>(PlateElement::kMostVertices);
+}
+
 std::string bendingError(const Model& model, const Model& undamaged) {
   const std::vector<PlateElement>& elements = model.bending.elements();
   if (model.bending.empty() != undamaged.bending.empty()) return "bending is not as in the scene";
@@ -64,7 +77,11 @@ std::string bendingError(const Model& model, const Model& undamaged) {
   }
   const bool isWhole = std::all_of(elements.begin(), elements.end(),
                                    [&](const PlateElement& it) { return isElementOf(model, it); });
-  return isWhole ? "" : "a bending element is not one of the mesh";
+  if (!isWhole) return "a bending element is not one of the mesh";
+  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+    if (!areOfOnePatch(model, f)) return "the bending elements of a face are of different faces";
+  }
+  return "";
 }
 
 /// Edits divide masses and areal densities, and average them: none leaves the range of the scene.

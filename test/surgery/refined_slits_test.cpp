@@ -37,7 +37,7 @@ std::string slits(int count) {
 std::string curtain(int particles, int count) {
   std::ostringstream text;
   text << "cloth: {particles: [" << particles << ", " << particles << R"(], size: [1, 1],
-  pose: {position: [0.5, 0, 0.5], rpy: [1.5708, 0, 0]}, fabric: cotton, pins: [last_row],
+  pose: {position: [0.5, 0, 0.5], rpy: [1.5708, 0, 0]}, fabric: cotton, bending: springs, pins: [last_row],
   surgery: {refine_cuts: {radius: 0.012, generations: 3}, max_particles: 100000}}
 wind: {velocity: [0, 5, 0]}
 tearing: {enabled: true, ratio: 1.3}

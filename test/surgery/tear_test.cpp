@@ -159,6 +159,7 @@ cloth:
   size: [0.46, 0.46]
   particles: [24, 24]
   fabric: {preset: cotton, damping: 2.0e-5}
+  bending: springs
 solver: {method: xpbd, dt: )"
        << dt << ", substeps: " << substeps << R"(}
 gravity: [0, 0, 0]
