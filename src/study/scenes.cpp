@@ -16,8 +16,10 @@ bool operates(const PhaseSpec& phase) {
 }  // namespace
 
 bool StudyScene::isSmooth() const {
-  return scene.obstacles.empty() && scene.clamps.empty() && !scene.wind && !scene.tearing.enabled &&
-         std::none_of(scene.phases.begin(), scene.phases.end(), operates);
+  const bool hasPlate = std::any_of(scene.cloths.begin(), scene.cloths.end(),
+                                    [](const ClothSpec& cloth) { return cloth.plate; });
+  return !hasPlate && scene.obstacles.empty() && scene.clamps.empty() && !scene.wind &&
+         !scene.tearing.enabled && std::none_of(scene.phases.begin(), scene.phases.end(), operates);
 }
 
 const std::vector<std::string>& studySceneNames() {

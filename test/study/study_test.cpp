@@ -28,6 +28,7 @@ cloth:
   particles: [5, 4]
   pose: {rpy: [0.5, 0.0, 0.0]}
   fabric: {tensile_warp: 20, tensile_weft: 15, shear: 5, bending: 1.0e-6, damping: 1.0e-3}
+  bending: springs
   pins: [last_row]
 drag: 0.5
 )",
@@ -94,6 +95,7 @@ TEST(References, OnlySmoothScenesAreIntegratedExactly) {
   if (!canIntegrateExactly()) GTEST_SKIP() << "not installed: cvode";
   EXPECT_THROW(integrateExactly(smallStudy({"obstacles={ground: {type: plane}}"})),
                std::invalid_argument);
+  EXPECT_THROW(integrateExactly(smallStudy({"cloth.bending=plate"})), std::invalid_argument);
 }
 
 TEST(TrajectoryError, IsTheRootOfTheMeanSquareOverTheSide) {
