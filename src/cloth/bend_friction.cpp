@@ -23,11 +23,13 @@ SlipElement slipElement(const PlateBending& bending, const TriangleMesh& mesh, F
   element.stiffness = bending.slipStiffness(f);
   if (element.stiffness == 0.0) return element;
   for (const VertexId v : mesh.face(f)) indexOf(v, element);
-  for (int k = 0; k < 3; ++k) {
-    const PlateElement& part = bending.elements()[static_cast<std::size_t>(3 * f + k)];
+  for (std::size_t k = 0; k < PlateBending::kPerFace; ++k) {
+    const PlateElement& part =
+        bending.elements()[PlateBending::kPerFace * static_cast<std::size_t>(f) + k];
     for (int i = 0; i < part.count; ++i) {
       const auto at = static_cast<std::size_t>(i);
-      element.weight[indexOf(part.vertex[at], element)][k] = part.weight[at];
+      element.weight[indexOf(part.vertex[at], element)][static_cast<Eigen::Index>(k)] =
+          part.weight[at];
     }
   }
   return element;

@@ -54,7 +54,7 @@ class BendFriction {
     std::size_t face;     ///< index in `Particles::bendOffset`
     bool isHeld = false;  ///< whether a particle of it has prescribed motion
   };
-  /// What a projection gives to the particles of an element.
+  /// The impulses of a projection on the particles of an element.
   struct Impulse {
     SignedCurvature curvature;
     Vec3 multiplier = Vec3::Zero();  ///< [kg m^3]

@@ -31,8 +31,7 @@ std::vector<std::int32_t> sortedByFirstEnd(const std::vector<SpringEnds>& ends,
 
 }  // namespace
 
-// ---- the undamaged mesh
-// --------------------------------------------------------------------------
+// ---- the undamaged mesh -----------------------------------------------------------------------
 
 void SpringSchedule::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   truncate({});
@@ -143,8 +142,7 @@ void SpringSchedule::appendSpan(const SpringNetwork& springs, const EndsOf& ends
   spans_.push_back(span);
 }
 
-// ---- phases
-// --------------------------------------------------------------------------------------
+// ---- phases -----------------------------------------------------------------------------------
 
 std::vector<SpringSchedule::SlotRange> SpringSchedule::slotRanges() const {
   std::vector<SlotRange> ranges;
@@ -200,8 +198,7 @@ void SpringSchedule::buildPhases() {
   }
 }
 
-// ---- edits
-// ---------------------------------------------------------------------------------------
+// ---- edits ------------------------------------------------------------------------------------
 
 void SpringSchedule::applyChanges(const Model& model, const SpringChanges& changes,
                                   const std::vector<std::int32_t>& slotOf) {

@@ -21,8 +21,7 @@ std::optional<double> forceOf(double given) {
   return given > 0.0 ? std::optional<double>(given) : std::nullopt;
 }
 
-// ---- gripper
-// ---------------------------------------------------------------------------------------
+// ---- gripper ----------------------------------------------------------------------------------
 
 using Gripper = ClampActionServer<gripper_msgs::GripperCommandAction>;
 
@@ -53,8 +52,7 @@ Gripper::Feedback toGripFeedback(const ClampSnapshot& clamp) {
   return feedback;
 }
 
-// ---- grasp_cloth
-// -----------------------------------------------------------------------------------
+// ---- grasp_cloth ------------------------------------------------------------------------------
 
 using GraspCloth = ClampActionServer<GraspClothAction>;
 
@@ -105,8 +103,7 @@ GraspClothFeedback toGraspFeedback(const ClampSnapshot& clamp) {
   return feedback;
 }
 
-// ---- move
-// ------------------------------------------------------------------------------------------
+// ---- move -------------------------------------------------------------------------------------
 
 using Move = ClampActionServer<MoveClampAction>;
 
@@ -162,8 +159,7 @@ MoveClampFeedback toMoveFeedback(const ClampSnapshot& clamp, const Move::Work& w
   return feedback;
 }
 
-// ---- trajectory
-// ------------------------------------------------------------------------------------
+// ---- trajectory -------------------------------------------------------------------------------
 
 /// Follows a trajectory from a topic; one without points stops the clamp. Warns of a bad end.
 void follow(const std::string& clamp, const trajectory_msgs::MultiDOFJointTrajectory& message,

@@ -7,7 +7,7 @@ namespace cloth_sim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180.0;
+constexpr double kRadiansPerDegree = M_PI / 180.0;
 /// Margin of a box of pixels against rounding; the exact test is that of each pixel [pixels].
 constexpr double kPixelMargin = 1e-6;
 

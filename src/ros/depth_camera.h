@@ -18,7 +18,7 @@ struct CameraLens {
   double farthest = 10.0;     ///< largest depth that is seen [m], > nearest
 };
 
-/// What a pixel shows.
+/// The point that a pixel shows.
 struct SeenPoint {
   double depth = std::numeric_limits<double>::infinity();  ///< along the optical axis [m]
   FaceId face = kNone;  ///< of the cloth; kNone: no cloth, or something in front of it

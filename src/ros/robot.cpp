@@ -17,8 +17,7 @@ bool isIn(const std::string& name, const std::vector<std::string>& names) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// ---- choice of links
-// -------------------------------------------------------------------------------
+// ---- choice of links --------------------------------------------------------------------------
 
 std::vector<std::string> plateLinks(const RobotSettings& settings) {
   std::vector<std::string> links;
@@ -86,8 +85,7 @@ RobotGripper gripperOf(const RobotDescription& description, const std::string& c
   return gripper;
 }
 
-// ---- overrides
-// -------------------------------------------------------------------------------------
+// ---- overrides --------------------------------------------------------------------------------
 
 std::string yamlOf(double value) {
   char text[32];

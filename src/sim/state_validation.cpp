@@ -57,14 +57,17 @@ bool isElementOf(const Model& model, const PlateElement& element) {
 /// Tells whether the elements of a face have no more vertices together, with its corners, than one
 /// may have: those of the patch around the face. Friction in bending takes them together.
 bool areOfOnePatch(const Model& model, FaceId f) {
+  constexpr std::size_t kPerFace = PlateBending::kPerFace;
+  std::array<VertexId, 3 + kPerFace * PlateElement::kMostVertices> vertices;
   const Face& corners = model.mesh.face(f);
-  std::set<VertexId> vertices(corners.begin(), corners.end());
-  for (std::size_t k = 0; k < PlateBending::kPerFace; ++k) {
+  auto end = std::copy(corners.begin(), corners.end(), vertices.begin());
+  for (std::size_t k = 0; k < kPerFace; ++k) {
     const PlateElement& element =
-        model.bending.elements()[PlateBending::kPerFace * static_cast<std::size_t>(f) + k];
-    vertices.insert(element.vertex.begin(), element.vertex.begin() + element.count);
+        model.bending.elements()[kPerFace * static_cast<std::size_t>(f) + k];
+    end = std::copy_n(element.vertex.begin(), element.count, end);
   }
-  return vertices.size() <= static_cast<std::size_t>(PlateElement::kMostVertices);
+  std::sort(vertices.begin(), end);
+  return std::unique(vertices.begin(), end) - vertices.begin() <= PlateElement::kMostVertices;
 }
 
 std::string bendingError(const Model& model, const Model& undamaged) {
@@ -72,7 +75,8 @@ std::string bendingError(const Model& model, const Model& undamaged) {
   if (model.bending.empty() != undamaged.bending.empty()) return "bending is not as in the scene";
   const std::string slipError = model.bending.slipError(model.mesh.faceCount());
   if (model.bending.empty() || !slipError.empty()) return slipError;
-  if (elements.size() != 3 * static_cast<std::size_t>(model.mesh.faceCount())) {
+  if (elements.size() !=
+      PlateBending::kPerFace * static_cast<std::size_t>(model.mesh.faceCount())) {
     return "bending elements are not three for each face";
   }
   const bool isWhole = std::all_of(elements.begin(), elements.end(),

@@ -43,8 +43,7 @@ struct ConvergenceGoal {
 /// clamps are moved and phases begin once per step.) \throws std::runtime_error if every run fails.
 Reference convergeReference(const StudyScene& study, const ConvergenceGoal& goal);
 
-// ---- references in files
-// -------------------------------------------------------------------------
+// ---- references in files ----------------------------------------------------------------------
 
 /// Writes a reference with figures that identify its scene.
 void writeReference(std::ostream& out, const StudyScene& study, const Reference& reference);

@@ -46,8 +46,7 @@ void run(Simulation& simulation, int steps) {
   expect(validationError(simulation.model().mesh).empty(), "the mesh is not valid");
 }
 
-// ---- saved states
-// --------------------------------------------------------------------------------
+// ---- saved states -----------------------------------------------------------------------------
 
 /// A scene whose states are saved: after cuts and tears, with clamps that hold.
 struct StateScene {
@@ -135,8 +134,7 @@ std::vector<std::string> stateSeeds() {
   return seeds;
 }
 
-// ---- scenes
-// --------------------------------------------------------------------------------------
+// ---- scenes -----------------------------------------------------------------------------------
 
 bool isSmall(const Scene& scene) {
   std::size_t particles = 0;
@@ -181,8 +179,7 @@ std::vector<std::string> sceneSeeds() {
   return seeds;
 }
 
-// ---- meshes
-// --------------------------------------------------------------------------------------
+// ---- meshes -----------------------------------------------------------------------------------
 
 bool feedObj(const std::string& bytes) {
   try {
@@ -206,8 +203,7 @@ std::vector<std::string> objSeeds() {
       "v 0 0 0\nv 1e-3 0 0\nv 0 1e3 0\nvt 0 0\nvt 0 1\nvt 1 0\nf -3/-3 -2/-2 -1/-1\n"};
 }
 
-// ---- meshes of obstacles
-// --------------------------------------------------------------------------
+// ---- meshes of obstacles ----------------------------------------------------------------------
 
 /// Asks for distances and sweeps near a surface: all finite, and no path ends too far away.
 void probe(const TriangleSurface& surface) {
@@ -270,8 +266,7 @@ std::vector<std::string> surfaceSeeds() {
           "o# open\nv 0 0 0\nv 1e-3 0 0\nv 0 1e3 0\nv 2 2 2\nf 1/1/1 2//2 3\nf -1 -2 -3\n"};
 }
 
-// ---- strokes and commands
-// ------------------------------------------------------------------------
+// ---- strokes and commands ---------------------------------------------------------------------
 
 Scene flatScene() {
   return parseScene(

@@ -30,7 +30,7 @@ NUMBERED = ('/cloth/frame', '/cloth/state', '/cloth/topology', '/cloth/broken_sp
 
 
 def record_arguments():
-    """What cloth.launch gives to rosbag record, but for the file; with compact:=false."""
+    """The arguments of rosbag record in cloth.launch with compact:=false, but for the file."""
     with open(LAUNCH) as file:
         text = file.read()
     text = text.replace('$(arg record_form)', '').replace('$(arg record_frames)', '/cloth/frame')

@@ -149,8 +149,7 @@ TEST(WorkPrecision, EveryMethodHasEveryRowWhateverItMayCost) {
   EXPECT_EQ(skipped[1].run.outcome, Outcome::kSkipped);
 }
 
-// ---- stability
-// -----------------------------------------------------------------------------------
+// ---- stability --------------------------------------------------------------------------------
 
 TEST(VibratingSystems, HaveTheFrequenciesOfTheirModels) {
   // Two masses on a spring: omega^2 = k (1/m0 + 1/m1).

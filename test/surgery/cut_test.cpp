@@ -58,8 +58,7 @@ std::vector<Vec2> polygon(const Vec2& middle, double radius, int corners) {
   return points;
 }
 
-// ---- on another division of the cells
-// ------------------------------------------------------------
+// ---- on another division of the cells ---------------------------------------------------------
 
 TEST(Cut, GoesThroughAlternatingDiagonals) {
   for (const double angle : {0.0, 0.3, M_PI / 4, 1.2, M_PI / 2, 2.0, 3 * M_PI / 4}) {

@@ -116,8 +116,8 @@ TEST_P(JoinedStrokes, OfClothAtRestCutWhatOneStrokeCuts) {
 }
 
 TEST_P(JoinedStrokes, OfMovingClothSeparateIt) {
-  // What has been cut off sags meanwhile, in the end by several cells: the cut lies higher, by less
-  // than a cell on average.
+  // The part below the cut sags meanwhile, in the end by several cells: the cut lies higher, by
+  // less than a cell on average.
   compare(kStepsBetweenStrokes, kEdge);
 }
 

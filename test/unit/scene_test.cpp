@@ -62,8 +62,7 @@ phases:
     timeout: 3
 )";
 
-// ---- what is there by default
-// --------------------------------------------------------------------
+// ---- what is there by default -----------------------------------------------------------------
 
 TEST(Scene, SaysHowCellsAreDivided) {
   EXPECT_EQ(parse("cloth: {}").cloths[0].diagonals, Diagonals::kOneWay);
@@ -329,8 +328,7 @@ TEST(Scene, ConditionsAndTimeouts) {
   EXPECT_EQ(phase.onTimeout, OnTimeout::kContinue);
 }
 
-// ---- shipped scenes
-// ------------------------------------------------------------------------------
+// ---- shipped scenes ---------------------------------------------------------------------------
 
 TEST(ShippedScenes, AllLoad) {
   for (const char* name : {"tear_seam", "tear_seam_explicit", "hang", "drape_sphere", "table_edge",
@@ -408,8 +406,7 @@ TEST(ShippedScenes, ExplicitTearSeamHasThePublishedConstants) {
   EXPECT_EQ(scene.obstacles[0].tangentialDecay, 2.0);
 }
 
-// ---- overrides
-// -----------------------------------------------------------------------------------
+// ---- overrides --------------------------------------------------------------------------------
 
 TEST(Overrides, ReplaceAddAndRemove) {
   const Scene scene =
@@ -455,8 +452,7 @@ TEST(Overrides, AreValidatedLikeTheFile) {
   EXPECT_THAT(complaint(yaml, {"drag=[1"}), testing::HasSubstr("not valid YAML"));
 }
 
-// ---- bad input
-// -----------------------------------------------------------------------------------
+// ---- bad input --------------------------------------------------------------------------------
 
 struct BadScene {
   const char* yaml;
@@ -801,8 +797,7 @@ TEST(Scene, FilesThatCannotBeRead) {
   EXPECT_THAT(message("/"), testing::StartsWith("/: "));
 }
 
-// ---- documentation
-// -------------------------------------------------------------------------------
+// ---- documentation ----------------------------------------------------------------------------
 
 /// Keys of the tables of docs/scene.md, by the heading that they stand under.
 std::map<std::string, std::set<std::string>> documentedKeys() {

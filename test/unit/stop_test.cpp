@@ -56,7 +56,7 @@ std::vector<std::string> overridesOf(const LongStep& step) {
   return overrides;
 }
 
-/// What a user sees of a simulation.
+/// The part of a simulation that a user sees.
 struct Sight {
   explicit Sight(const Simulation& simulation)
       : hash(stateHash(simulation.model(), simulation.state())),

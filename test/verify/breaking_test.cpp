@@ -57,8 +57,7 @@ const char* toString(Fate fate) {
   return "?";
 }
 
-// ---- how trials are run
-// --------------------------------------------------------------------------
+// ---- how trials are run -----------------------------------------------------------------------
 
 /// Returns whether the positions in a snapshot are finite, and none of its figures is NaN. A figure
 /// may be infinite in the step before a method fails: the square of 1e200 m/s overflows.
@@ -122,8 +121,7 @@ void pinUpperRow(Scene& scene) {
   }
 }
 
-// ---- the trials
-// ----------------------------------------------------------------------------------
+// ---- the trials -------------------------------------------------------------------------------
 
 /// Warp a million times as stiff as weft: a strain of 1e-6 in the stiff springs is right.
 Outcome stiffnessRatio(const std::string& method) {
@@ -333,8 +331,7 @@ const std::vector<Trial>& trials() {
   return all;
 }
 
-// ---- the known outcomes
-// ---------------------------------------------------------------------------
+// ---- the known outcomes -----------------------------------------------------------------------
 
 /// Trial and method.
 using Pairing = std::pair<std::string, std::string>;

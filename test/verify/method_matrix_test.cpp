@@ -50,8 +50,7 @@ constexpr int kFewestSteps = 6;
 constexpr double kLongestRun = 0.5;  ///< of a pair of scene and method when recording [s]
 constexpr int kReferenceSubsteps = 200;
 
-// ---- scenes
-// --------------------------------------------------------------------------------------
+// ---- scenes -----------------------------------------------------------------------------------
 
 /// The moment of a scene at which methods are compared.
 struct Start {
@@ -114,8 +113,7 @@ double sideOf(const Scene& scene) {
   return std::sqrt(Simulation(scene).model().mesh.totalRestArea());
 }
 
-// ---- runs
-// ----------------------------------------------------------------------------------------
+// ---- runs -------------------------------------------------------------------------------------
 
 /// A run from the start, or what came of it.
 struct Course {
@@ -184,8 +182,7 @@ double rmsDistance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   return std::sqrt(sum / static_cast<double>(count));
 }
 
-// ---- the table
-// -----------------------------------------------------------------------------------
+// ---- the table --------------------------------------------------------------------------------
 
 /// Scene, method, and `default` or `stable`.
 using MatrixKey = std::array<std::string, 3>;

@@ -175,8 +175,7 @@ TEST(Robot, RefusesNamesOfTheSceneAndUnknownClamps) {
   EXPECT_THROW(checkNames(robot, {"table"}, {"left"}), RobotError);
 }
 
-// ---- clamps between fingers
-// ------------------------------------------------------------------------
+// ---- clamps between fingers -------------------------------------------------------------------
 
 TEST(GripperPlates, TheClampIsBetweenTheirInnerSides) {
   RobotSettings settings;
