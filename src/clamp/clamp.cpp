@@ -7,6 +7,7 @@
 
 #include "cloth_sim/validation.h"
 #include "motion_limiter.h"
+#include "support/rotation.h"
 
 namespace cloth_sim {
 namespace {

@@ -26,12 +26,4 @@ double brakingSpeed(double distance, double acceleration, double dt);
 Vec3 limitedVelocity(const Vec3& toTarget, const Vec3& velocity, const MotionLimits& limits,
                      double dt);
 
-/// Returns axis times angle of the shortest rotation that `q` (or -q, the same one) stands for
-/// [rad].
-Vec3 rotationVector(const Quat& q);
-
-/// Returns `orientation` after turning at `angularVelocity` [rad/s], in the axes of the world, for
-/// `dt` [s].
-Quat turned(const Quat& orientation, const Vec3& angularVelocity, double dt);
-
 }  // namespace cloth_sim

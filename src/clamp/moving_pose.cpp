@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cloth_sim/validation.h"
-#include "motion_limiter.h"
+#include "support/rotation.h"
 
 namespace cloth_sim {
 

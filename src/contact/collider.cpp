@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "support/rotation.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -48,12 +50,7 @@ double Collider::margin() const {
 Pose Collider::poseAt(double time) const {
   Pose pose = obstacle_.pose;
   pose.position += obstacle_.velocity * (time - referenceTime_);
-  if (turns()) {
-    const double speed = obstacle_.angularVelocity.norm();
-    const Eigen::AngleAxisd turn(speed * (time - referenceTime_),
-                                 obstacle_.angularVelocity / speed);
-    pose.orientation = (Quat(turn) * pose.orientation).normalized();
-  }
+  pose.orientation = turned(pose.orientation, obstacle_.angularVelocity, time - referenceTime_);
   return pose;
 }
 

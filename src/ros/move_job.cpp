@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "clamp/motion_limiter.h"
+#include "support/rotation.h"
 #include "cloth_sim/validation.h"
 
 namespace cloth_sim {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "support/rotation.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -17,8 +19,7 @@ bool isNear(const Pose& a, const Pose& b) {
 /// world [rad/s].
 Vec3 turnSpeed(const Quat& from, const Quat& to, double dt) {
   if (from.coeffs() == to.coeffs()) return Vec3::Zero();
-  const Eigen::AngleAxisd turn(to * from.conjugate());
-  return turn.angle() / dt * turn.axis();
+  return rotationVector(to * from.conjugate()) / dt;
 }
 
 }  // namespace
