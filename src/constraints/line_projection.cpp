@@ -20,17 +20,12 @@ constexpr float kLeastSquare = 1e-24F;
 /// Springs that are worth a thread of their own.
 constexpr std::int32_t kGrain = 2048;
 
-/// Makes the compiler read back what it has stored. GCC 12 vectorises x - double(float(x)) to
-/// x - x.
-[[gnu::always_inline]] inline void keepRounded() { asm volatile("" ::: "memory"); }
-
 /// Time for which impulses of bend springs are collected, at most [s].
 constexpr double kBendPeriod = 1.0 / 600.0;
 
 }  // namespace
 
-void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs,
-                             const std::vector<std::int32_t>& slotOf) {
+void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs) {
   sources_.clear();
   firstParameters_.clear();
   bool isDamped = false;
@@ -49,7 +44,7 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
   }
   parameters_.resize(sources_.size());
   gamma_.resize(isDamped ? kWidth * sources_.size() : 0);
-  findOffsets(lines, slotOf);
+  findOffsets(lines);
 }
 
 LineProjection::Source LineProjection::sourceOf(const SpringLines::Slots& slots,
@@ -66,19 +61,12 @@ LineProjection::Source LineProjection::sourceOf(const SpringLines::Slots& slots,
   return source;
 }
 
-void LineProjection::findOffsets(const SpringLines& lines,
-                                 const std::vector<std::int32_t>& slotOf) {
-  std::vector<std::uint32_t> placeOfSlot;
-  for (std::size_t v = 0; v < slotOf.size(); ++v) {
-    const auto slot = static_cast<std::size_t>(slotOf[v]);
-    if (slot >= placeOfSlot.size()) placeOfSlot.resize(slot + 1);
-    placeOfSlot[slot] = placeOf(static_cast<VertexId>(v));
-  }
+void LineProjection::findOffsets(const SpringLines& lines) {
   offsets_.resize(lines.slots().size());
   for (std::size_t k = 0; k < offsets_.size(); ++k) {
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
-      offsets_[k][lane] =
-          placeOfSlot[lines.slots()[k][lane]] * static_cast<std::uint32_t>(sizeof(Body));
+      offsets_[k][lane] = LineBodies::placeOf(lines.slots()[k][lane]) *
+                          static_cast<std::uint32_t>(sizeof(LineBodies::Body));
     }
   }
 }
@@ -145,10 +133,10 @@ struct LineProjection::Kernel {
   /// Kept of each step from the pass forwards for the one back. The multiplier is
   /// `own` - `factor` of the next step * multiplier of the next step.
   struct Row {
-    Vectors d;          ///< from begin to end of each spring [m]
-    Vectors end;        ///< `Body::offset` of the particles at the end of the springs [m]
-    FloatLanes w;       ///< their inverse masses
-    FloatLanes moved;   ///< their `Body::moved`, if measured
+    Vectors d;     ///< from begin to end of each spring [m]
+    Vectors end;   ///< `LineBodies::Body::offset` of the particles at the end of the springs [m]
+    FloatLanes w;  ///< their inverse masses
+    FloatLanes moved;   ///< their `LineBodies::Body::moved`, if measured
     FloatLanes own;     ///< right side over pivot
     FloatLanes factor;  ///< of the elimination of the step before
   };
@@ -189,8 +177,8 @@ struct LineProjection::Kernel {
   }
   [[gnu::always_inline]] static void load(const Arrays& m, const Offsets& at, Bodies& all) {
     loadFours(m.bodies, at, all.near.x, all.near.y, all.near.z, all.w);
-    loadFours(m.bodies + offsetof(Body, offset), at, all.offset.x, all.offset.y, all.offset.z,
-              all.moved);
+    loadFours(m.bodies + offsetof(LineBodies::Body, offset), at, all.offset.x, all.offset.y,
+              all.offset.z, all.moved);
   }
   /// Stores what changes. Lanes without a line name the same particles as the lane before, which
   /// is written last.
@@ -198,7 +186,7 @@ struct LineProjection::Kernel {
                                            const Vectors& offset, const FloatLanes& moved) {
     FloatLanes a = offset.x, b = offset.y, c = offset.z, d = moved;
     transposeHalves(a, b, c, d);
-    char* const base = m.bodies + offsetof(Body, offset);
+    char* const base = m.bodies + offsetof(LineBodies::Body, offset);
     const auto four = [&](int lane) -> FloatHalf& {
       return *reinterpret_cast<FloatHalf*>(base + at[lane]);
     };
@@ -216,7 +204,8 @@ struct LineProjection::Kernel {
                                                      const Vectors& offset) {
     Offsets places;
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
-      places[lane] = at[lane] / static_cast<std::uint32_t>(sizeof(Body) / sizeof(Start));
+      places[lane] = at[lane] / static_cast<std::uint32_t>(sizeof(LineBodies::Body) /
+                                                           sizeof(LineBodies::Start));
     }
     Vectors start;
     FloatLanes unused;
@@ -268,7 +257,7 @@ struct LineProjection::Kernel {
   }
 
   /// Moves particles by the pull of the springs on both sides.
-  /// \param offset  where they are, less `Body::near`.
+  /// \param offset  where they are, less `LineBodies::Body::near`.
   template <bool kMeasured>
   [[gnu::always_inline]] static void move(const Arrays& m, const Offsets& at, const Vectors& offset,
                                           const FloatLanes& w, const FloatLanes& moved,
@@ -389,19 +378,12 @@ struct LineProjection::Kernel {
 template <bool kMeasured>
 void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                          const Particles& p, VectorArray& pull) {
-  loadBodies(inverseMass, p);
-  if (!gamma_.empty()) loadStarts(p);
-  const Kernel::Arrays arrays{lines.batches().data(),
-                              lines.slots().data(),
-                              parameters_.data(),
-                              gamma_.data(),
-                              firstParameters_.data(),
-                              offsets_.data(),
-                              reinterpret_cast<char*>(bodies_.data()),
-                              reinterpret_cast<const char*>(starts_.data()),
-                              pull.x.data(),
-                              pull.y.data(),
-                              pull.z.data()};
+  bodies_.load(p.x, inverseMass);
+  if (!gamma_.empty()) bodies_.loadStarts(p.start);
+  const Kernel::Arrays arrays{
+      lines.batches().data(),  lines.slots().data(), parameters_.data(), gamma_.data(),
+      firstParameters_.data(), offsets_.data(),      bodies_.bodies(),   bodies_.starts(),
+      pull.x.data(),           pull.y.data(),        pull.z.data()};
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
     if (colour.kind == SpringKind::kBend && !bends) continue;
@@ -417,84 +399,17 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
   }
 }
 
-Vec3 LineProjection::positionOf(const Body& body) {
-  Vec3 x;
-  for (int axis = 0; axis < 3; ++axis) {
-    x[axis] = static_cast<double>(body.near[axis]) + static_cast<double>(body.offset[axis]);
-  }
-  return x;
-}
-
-/// Calls `visit(k, place)` for the slot of each particle and its place.
-template <typename Visit>
-void LineProjection::forBodies(const Particles& p, const Visit& visit) {
-  forParts(p.slotOf.size(), [&](std::size_t first, std::size_t count) {
-    for (std::size_t v = first; v < first + count; ++v) {
-      visit(static_cast<std::size_t>(p.slotOf[v]), placeOf(static_cast<VertexId>(v)));
-    }
-  });
-}
-
-void LineProjection::loadBodies(const ScalarArray& inverseMass, const Particles& p) {
-  bodies_.resize(static_cast<std::size_t>(placeOf(p.count())) + 1);
-  forBodies(p, [&](std::size_t k, std::uint32_t place) {
-    Body& body = bodies_[place];
-    const Vec3 x = p.x.at(k);
-    for (int axis = 0; axis < 3; ++axis) body.near[axis] = static_cast<float>(x[axis]);
-    keepRounded();
-    for (int axis = 0; axis < 3; ++axis) {
-      body.offset[axis] = static_cast<float>(x[axis] - static_cast<double>(body.near[axis]));
-    }
-    body.w = static_cast<float>(inverseMass[k]);
-    body.moved = 0.0F;
-  });
-}
-
-void LineProjection::loadStarts(const Particles& p) {
-  starts_.resize(bodies_.size());
-  forBodies(p, [&](std::size_t k, std::uint32_t place) {
-    const Vec3 start = p.start.at(k);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto near = static_cast<double>(bodies_[place].near[axis]);
-      starts_[place].offset[axis] = static_cast<float>(start[axis] - near);
-    }
-  });
-}
-
-/// Adds displacements to positions, which keep all their digits.
-void LineProjection::storeBodies(Particles& p) const {
-  forBodies(p, [&](std::size_t k, std::uint32_t place) {
-    const Body& body = bodies_[place];
-    Vec3 x = p.x.at(k);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto before = static_cast<float>(x[axis] - static_cast<double>(body.near[axis]));
-      x[axis] += static_cast<double>(body.offset[axis]) - static_cast<double>(before);
-    }
-    p.x.set(k, x);
-  });
-}
-
-/// Cancelled displacements, of particles that are not stored yet.
-void LineProjection::findCancelled(const Particles& p, ScalarArray& cancelled) const {
-  forBodies(p, [&](std::size_t k, std::uint32_t place) {
-    const Body& body = bodies_[place];
-    const double net = (positionOf(body) - p.x.at(k)).norm();
-    cancelled[k] = 0.5 * (static_cast<double>(body.moved) - net);
-  });
-}
-
 void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                              Particles& particles, VectorArray& pull) {
   run<false>(lines, inverseMass, bends, particles, pull);
-  storeBodies(particles);
+  bodies_.store(particles.x);
 }
 
 void LineProjection::projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass,
                                        bool bends, Particles& particles, VectorArray& pull,
                                        ScalarArray& cancelled) {
   run<true>(lines, inverseMass, bends, particles, pull);
-  findCancelled(particles, cancelled);
-  storeBodies(particles);
+  bodies_.store(particles.x, cancelled);
 }
 
 }  // namespace cloth_sim

@@ -1,6 +1,7 @@
 #pragma once
 /// \file Projection of springs line by line: each line at once, by a direct solve.
 
+#include "line_bodies.h"
 #include "particles.h"
 #include "spring_lines.h"
 
@@ -23,18 +24,16 @@ namespace cloth_sim {
 /// known from rods (Deul et al. 2018); taking one family of lines after the other is line
 /// Gauss-Seidel.
 ///
-/// The arithmetic is in single precision, eight lines at a time, on pairs of floats: a position is
-/// the float nearest to it and a small rest, so that a displacement is exact to 6e-8 of itself and
-/// the vector along a spring to 6e-8 of its length, wherever the cloth is. So strains have a noise
-/// of about 1e-7, and the impulses of a line add up to zero to about 1e-7 of the largest.
+/// The arithmetic is in single precision, eight lines at a time, on pairs of floats (LineBodies).
+/// So strains have a noise of about 1e-7, and the impulses of a line add up to zero to about 1e-7
+/// of the largest.
 class LineProjection {
  public:
   /// Substeps from one projection of bend springs to the next, at most.
   static constexpr int kLongestBendInterval = 2;
 
-  /// Prepares for springs. \param slotOf  particle slot by vertex.
-  void prepare(const SpringLines& lines, const SpringNetwork& springs,
-               const std::vector<std::int32_t>& slotOf);
+  /// Prepares for springs.
+  void prepare(const SpringLines& lines, const SpringNetwork& springs);
   /// Prepares for substeps of length h [s]. Allocates no memory.
   void setStep(double h);
 
@@ -71,37 +70,10 @@ class LineProjection {
     float restLength[kWidth];  ///< [m]
     float compliance[kWidth];  ///< alpha / (1 + gamma) [1/kg]
   };
-  /// A particle while lines are projected; its position is `near` + `offset`.
-  struct alignas(32) Body {
-    float near[3];    ///< the position, rounded [m]
-    float w;          ///< inverse inertia [1/kg]
-    float offset[3];  ///< [m]
-    float moved;      ///< sum of the lengths by which lines moved it [m], if measured
-  };
-  /// Position at the start of the substep, less `near` [m].
-  struct alignas(16) Start {
-    float offset[3];
-    float unused;
-  };
   struct Kernel;
 
-  /// Index of a vertex in `bodies_`: in the order of vertices, neighbours in a row of a grid share
-  /// cache lines. Four unused entries after every 128 keep the rows of a grid, whose length is
-  /// often a power of two, out of each other's cache sets.
-  static std::uint32_t placeOf(VertexId vertex) {
-    const auto k = static_cast<std::uint32_t>(vertex);
-    return k + k / 128 * 4;
-  }
-
   static Source sourceOf(const SpringLines::Slots& slots, const SpringNetwork& springs);
-  void findOffsets(const SpringLines& lines, const std::vector<std::int32_t>& slotOf);
-  void loadBodies(const ScalarArray& inverseMass, const Particles& particles);
-  void loadStarts(const Particles& particles);
-  void storeBodies(Particles& particles) const;
-  void findCancelled(const Particles& particles, ScalarArray& cancelled) const;
-  static Vec3 positionOf(const Body& body);
-  template <typename Visit>
-  static void forBodies(const Particles& particles, const Visit& visit);
+  void findOffsets(const SpringLines& lines);
   template <bool kMeasured>
   void run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
            const Particles& particles, VectorArray& pull);
@@ -113,8 +85,7 @@ class LineProjection {
   std::vector<std::int32_t> firstParameters_;  ///< by batch: index in `parameters_`
   /// By place of the lines, as `SpringLines::slots`: where in `bodies_` particles are [bytes].
   std::vector<std::array<std::uint32_t, kWidth>> offsets_;
-  CacheAlignedVector<Body> bodies_;
-  CacheAlignedVector<Start> starts_;  ///< by place in `bodies_`; empty without dashpots
+  LineBodies bodies_;
 };
 
 }  // namespace cloth_sim

@@ -162,7 +162,7 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   Particles expected = cloth.particles;
   const ScalarArray& w = cloth.particles.inverseMass;
   LineProjection projection;
-  projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf);
+  projection.prepare(lines, cloth.model.springs);
   projection.setStep(kStep);
   EXPECT_EQ(projection.bendInterval(), 2);
   forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBatch>& all) {
@@ -202,7 +202,7 @@ TEST(LineProjection, LeavesHeldParticlesWhereTheyAre) {
   SpringLines lines;
   lines.build(cloth.model, cloth.particles.slotOf);
   LineProjection projection;
-  projection.prepare(lines, cloth.model.springs, cloth.particles.slotOf);
+  projection.prepare(lines, cloth.model.springs);
   projection.setStep(kStep);
   VectorArray pull;
   pull.resize(cloth.particles.mass.size());
