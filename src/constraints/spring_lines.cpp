@@ -10,23 +10,23 @@ namespace {
 /// than 25 degrees.
 constexpr double kStraight = -0.9;
 
-/// The ends of a spring at one of its vertices, by vertex, in compressed form.
+using Ends = std::array<VertexId, 2>;  ///< a and b of a spring
+
+/// The springs at each vertex, in compressed form.
 struct Incidence {
   std::vector<std::int32_t> first;    ///< by vertex: index in `springs`; and one more
   std::vector<std::int32_t> springs;  ///< slots of the network
 
-  Incidence(const std::vector<Spring>& all, const std::vector<std::int32_t>& slots,
+  Incidence(const std::vector<Ends>& ends, const std::vector<std::int32_t>& slots,
             std::int32_t vertices)
       : first(static_cast<std::size_t>(vertices) + 1, 0), springs(2 * slots.size()) {
     for (const std::int32_t s : slots) {
-      ++first[all[s].a + 1];
-      ++first[all[s].b + 1];
+      for (const VertexId v : ends[s]) ++first[v + 1];
     }
     std::partial_sum(first.begin(), first.end(), first.begin());
     std::vector<std::int32_t> next(first.begin(), first.end() - 1);
     for (const std::int32_t s : slots) {
-      springs[next[all[s].a]++] = s;
-      springs[next[all[s].b]++] = s;
+      for (const VertexId v : ends[s]) springs[next[v]++] = s;
     }
   }
 };
@@ -34,18 +34,22 @@ struct Incidence {
 /// How springs of one kind continue each other.
 class Continuation {
  public:
-  Continuation(const TriangleMesh& mesh, const std::vector<Spring>& springs,
+  Continuation(const TriangleMesh& mesh, const std::vector<Ends>& ends,
                const std::vector<std::int32_t>& slots)
-      : mesh_(mesh),
-        springs_(springs),
-        at_(springs, slots, mesh.vertexCount()),
-        next_(springs.size(), {kNone, kNone}) {
+      : ends_(ends),
+        at_(ends, slots, mesh.vertexCount()),
+        next_(ends.size(), {kNone, kNone}),
+        direction_(ends.size()) {
+    const std::vector<Vec2>& material = mesh.material();
+    for (const std::int32_t s : slots) {
+      direction_[s] = (material[ends[s][1]] - material[ends[s][0]]).normalized();
+    }
     for (VertexId v = 0; v < mesh.vertexCount(); ++v) joinAt(v);
   }
 
   /// The spring that goes on from `spring` at its end v, or kNone. The relation is mutual.
   std::int32_t next(std::int32_t spring, VertexId v) const {
-    return next_[spring][springs_[spring].a == v ? 0 : 1];
+    return next_[spring][ends_[spring][0] == v ? 0 : 1];
   }
 
  private:
@@ -53,37 +57,39 @@ class Continuation {
   void joinAt(VertexId v) {
     const std::int32_t* const springs = at_.springs.data() + at_.first[v];
     const auto count = static_cast<std::size_t>(at_.first[v + 1] - at_.first[v]);
-    directions_.clear();
-    for (std::size_t i = 0; i < count; ++i) directions_.push_back(directionFrom(v, springs[i]));
+    away_.clear();
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t j = straightest(i);
-      if (j != i && straightest(j) == i) {
-        next_[springs[i]][springs_[springs[i]].a == v ? 0 : 1] = springs[j];
+      const Vec2& direction = direction_[springs[i]];
+      away_.push_back(ends_[springs[i]][0] == v ? direction : Vec2(-direction));
+    }
+    straightest_.clear();
+    for (std::size_t i = 0; i < count; ++i) straightest_.push_back(straightest(i));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = straightest_[i];
+      if (j != i && straightest_[j] == i) {
+        next_[springs[i]][ends_[springs[i]][0] == v ? 0 : 1] = springs[j];
       }
     }
   }
-  /// The straightest continuation of `directions_[i]`; i if there is none.
+  /// The straightest continuation of `away_[i]`; i if there is none.
   std::size_t straightest(std::size_t i) const {
     std::size_t best = i;
     double least = kStraight;
-    for (std::size_t j = 0; j < directions_.size(); ++j) {
-      const double cosine = directions_[i].dot(directions_[j]);
+    for (std::size_t j = 0; j < away_.size(); ++j) {
+      const double cosine = away_[i].dot(away_[j]);
       if (j == i || cosine >= least) continue;
       least = cosine;
       best = j;
     }
     return best;
   }
-  Vec2 directionFrom(VertexId v, std::int32_t spring) const {
-    const VertexId other = springs_[spring].a == v ? springs_[spring].b : springs_[spring].a;
-    return (mesh_.material(other) - mesh_.material(v)).normalized();
-  }
 
-  const TriangleMesh& mesh_;
-  const std::vector<Spring>& springs_;
+  const std::vector<Ends>& ends_;
   Incidence at_;
   std::vector<std::array<std::int32_t, 2>> next_;  ///< by spring, at its ends a and b
-  std::vector<Vec2> directions_;                   ///< of the springs at a vertex, away from it
+  std::vector<Vec2> direction_;                    ///< by spring, from a to b
+  std::vector<Vec2> away_;                         ///< of the springs at a vertex, away from it
+  std::vector<std::size_t> straightest_;           ///< continuation of each of these
 };
 
 }  // namespace
@@ -94,16 +100,25 @@ void SpringLines::build(const Model& model, const std::vector<std::int32_t>& slo
   slots_.clear();
   springs_.clear();
   longest_ = 0;
-  all_.assign(model.springs.slots().begin(), model.springs.slots().end());
+  listSprings(model.springs);
   for (const SpringKind kind : {SpringKind::kBend, SpringKind::kShear, SpringKind::kStructural}) {
-    findLines(model.mesh, kind);
+    findLines(model.mesh, ofKind_[static_cast<std::size_t>(kind)]);
     appendColours(kind, slotOf);
   }
-  all_ = {};
+}
+
+void SpringLines::listSprings(const SpringNetwork& springs) {
+  ends_.clear();
+  for (std::vector<std::int32_t>& slots : ofKind_) slots.clear();
+  for (const Spring spring : springs.slots()) {
+    const auto slot = static_cast<std::int32_t>(ends_.size());
+    ends_.push_back({spring.a, spring.b});
+    if (spring.exists()) ofKind_[static_cast<std::size_t>(spring.kind)].push_back(slot);
+  }
 }
 
 VertexId SpringLines::otherEnd(std::int32_t spring, VertexId v) const {
-  return all_[spring].a == v ? all_[spring].b : all_[spring].a;
+  return ends_[spring][0] == v ? ends_[spring][1] : ends_[spring][0];
 }
 
 template <typename Visit>
@@ -117,15 +132,11 @@ void SpringLines::forParticles(const Line& line, const Visit& visit) const {
 }
 
 /// Finds the lines of one kind: each begins at the end of a chain, or anywhere on a closed one.
-void SpringLines::findLines(const TriangleMesh& mesh, SpringKind kind) {
+void SpringLines::findLines(const TriangleMesh& mesh, const std::vector<std::int32_t>& ofKind) {
   lines_.clear();
   lineSprings_.clear();
-  std::vector<std::int32_t> ofKind;
-  for (std::size_t s = 0; s < all_.size(); ++s) {
-    if (all_[s].exists() && all_[s].kind == kind) ofKind.push_back(static_cast<std::int32_t>(s));
-  }
-  const Continuation continuation(mesh, all_, ofKind);
-  std::vector<bool> isTaken(all_.size(), false);
+  const Continuation continuation(mesh, ends_, ofKind);
+  std::vector<bool> isTaken(ends_.size(), false);
   const auto follow = [&](std::int32_t spring, VertexId start) {
     Line line{static_cast<std::int32_t>(lineSprings_.size()), 0, start};
     VertexId v = start;
@@ -140,12 +151,12 @@ void SpringLines::findLines(const TriangleMesh& mesh, SpringKind kind) {
   };
   for (const std::int32_t s : ofKind) {
     if (isTaken[s]) continue;
-    for (const VertexId end : {all_[s].a, all_[s].b}) {
+    for (const VertexId end : ends_[s]) {
       if (!isTaken[s] && continuation.next(s, end) == kNone) follow(s, end);
     }
   }
   for (const std::int32_t s : ofKind) {
-    if (!isTaken[s]) follow(s, all_[s].a);
+    if (!isTaken[s]) follow(s, ends_[s][0]);
   }
 }
 

@@ -59,7 +59,9 @@ class SpringLines {
     VertexId start = kNone;
   };
 
-  void findLines(const TriangleMesh& mesh, SpringKind kind);
+  void listSprings(const SpringNetwork& springs);
+  /// \param ofKind  slots of the network of all springs of a kind, ascending.
+  void findLines(const TriangleMesh& mesh, const std::vector<std::int32_t>& ofKind);
   void appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf);
   void appendBatch(const std::vector<std::int32_t>& slotOf, const Line* lines, std::size_t count);
   /// Calls `visit(v)` for every particle of a line, from its start on.
@@ -72,8 +74,9 @@ class SpringLines {
   std::vector<Slots> slots_;
   std::vector<Slots> springs_;
   std::int32_t longest_ = 0;
-  std::vector<Spring> all_;                ///< by slot of the network; empty after `build`
-  std::vector<Line> lines_;                ///< of the kind that is being built
+  std::vector<std::array<VertexId, 2>> ends_;  ///< a and b of springs, by slot of the network
+  std::array<std::vector<std::int32_t>, kSpringKinds> ofKind_;  ///< slots of the network by kind
+  std::vector<Line> lines_;                                     ///< of the kind that is being built
   std::vector<std::int32_t> lineSprings_;  ///< slots of the network, line after line
 };
 
