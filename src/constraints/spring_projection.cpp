@@ -61,9 +61,11 @@ bool haveSameWeights(const Span& s, const Span& t, const ScalarArray& inverseMas
 }  // namespace
 
 void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
+  overflow_.setMasses(schedule, inverseMass);
   const std::vector<Span>& spans = schedule.spans();
+  const std::size_t count = schedule.firstOverflow();
   keys_.clear();
-  for (std::size_t s = 0; s < spans.size(); ++s) {
+  for (std::size_t s = 0; s < count; ++s) {
     const auto span = static_cast<std::int32_t>(s);
     if (spans[s].sharesParameters) keys_.push_back({hashOf(spans[s], inverseMass), span});
   }
@@ -71,7 +73,7 @@ void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArr
     return a.hash != b.hash ? a.hash < b.hash : a.span < b.span;
   });
   // Spans of one hash stand together; the first of them owns the blocks.
-  firstBlock_.assign(spans.size(), kNone);
+  firstBlock_.assign(count, kNone);
   std::vector<std::int32_t>& ownerOf = firstBlock_;
   for (std::size_t k = 0, first = 0; k < keys_.size(); ++k) {
     if (keys_[k].hash != keys_[first].hash) first = k;
@@ -82,7 +84,7 @@ void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArr
   }
   owners_.clear();
   std::int32_t blocks = 0;
-  for (std::size_t s = 0; s < spans.size(); ++s) {
+  for (std::size_t s = 0; s < count; ++s) {
     if (ownerOf[s] != kNone) {
       firstBlock_[s] = firstBlock_[static_cast<std::size_t>(ownerOf[s])];
       continue;
@@ -91,8 +93,8 @@ void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArr
     firstBlock_[s] = blocks;
     blocks += blockCount(spans[s]);
   }
-  symmetric_.resize(spans.size());
-  for (std::size_t k = 0; k < spans.size(); ++k) {
+  symmetric_.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
     symmetric_[k] = symmetricBlocks(schedule, k, inverseMass);
   }
   blocks_.assign(static_cast<std::size_t>(blocks), {});
@@ -119,6 +121,7 @@ SpringProjection::BlockRange SpringProjection::symmetricBlocks(const SpringSched
 
 void SpringProjection::setStep(const SpringSchedule& schedule, const ScalarArray& inverseMass,
                                double h) {
+  overflow_.setStep(schedule, inverseMass, h);
   for (const std::int32_t owner : owners_) {
     const Span& span = schedule.spans()[static_cast<std::size_t>(owner)];
     for (std::int32_t n = 0; n < blockCount(span); ++n) {
@@ -308,7 +311,7 @@ struct SpringProjection::Kernel {
   }
 };
 
-void SpringProjection::project(const SpringSchedule& schedule, Particles& p) const {
+void SpringProjection::project(const SpringSchedule& schedule, Particles& p) {
   const Span* const spans = schedule.spans().data();
   const Kernel::Arrays arrays{spans,
                               schedule.endA.data(),
@@ -327,9 +330,10 @@ void SpringProjection::project(const SpringSchedule& schedule, Particles& p) con
                               &p};
   const auto projectSpans =
       schedule.parameters.damped() ? Kernel::projectDamped : Kernel::projectElastic;
-  schedule.sweepSpans([&](const Span* begin, const Span* end) {
+  schedule.sweepOriginals([&](const Span* begin, const Span* end) {
     projectSpans(arrays, begin - spans, end - spans);
   });
+  overflow_.project(schedule, p);
 }
 
 }  // namespace cloth_sim

@@ -44,6 +44,21 @@ void expectAnyPlaceWillDo() {
   }
 }
 
+void expectMatrixIsTransposed() {
+  std::array<std::array<double, kLanes>, kLanes> before{};
+  Lanes rows[kLanes] = {};
+  for (int r = 0; r < kLanes; ++r) {
+    for (int c = 0; c < kLanes; ++c) {
+      before[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] = 10.0 * r + c;
+    }
+    rows[r] = lanesAt(before[static_cast<std::size_t>(r)].data());
+  }
+  transpose(rows[0], rows[1], rows[2], rows[3]);
+  for (int r = 0; r < kLanes; ++r) {
+    for (int c = 0; c < kLanes; ++c) EXPECT_EQ(rows[r][c], 10.0 * c + r);
+  }
+}
+
 void expectHalvesAreTransposed() {
   std::array<std::array<float, kFloatLanes>, 4> before{};
   FloatLanes rows[4] = {};  // a template would forget their alignment
