@@ -109,11 +109,6 @@ void addTriangles(const DrawnPart& part, Marker& marker) {
   }
 }
 
-/// Without points there is nothing to draw, and some versions of rviz crash on it.
-void deleteIfEmpty(Marker& marker) {
-  if (marker.points.empty()) marker.action = Marker::DELETE;
-}
-
 }  // namespace
 
 std::string statusLine(const Snapshot& snapshot, const Figures& figures) {
