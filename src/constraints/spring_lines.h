@@ -22,11 +22,11 @@ class SpringLines {
  public:
   static constexpr std::int32_t kWidth = kFloatLanes;  ///< lines in a SIMD block
 
-  /// Lines that are solved at once. Line k has its spring number s at `springs()[firstStep + s]`, lane k,
-  /// between the particles `slots()[firstPlace + s]` and `slots()[firstPlace + s + 1]`, lane k.
-  /// A line that is shorter than `steps` repeats its last particle, with springs that pull nothing;
-  /// a lane without a line does so with the particles of the lane before, which is to be written
-  /// last.
+  /// Lines that are solved at once. Line k has its spring number s at `springs()[firstStep + s]`,
+  /// lane k, between the particles `slots()[firstPlace + s]` and `slots()[firstPlace + s + 1]`,
+  /// lane k. A line that is shorter than `steps` repeats its last particle, with springs that pull
+  /// nothing; a lane without a line does so with the particles of the lane before, which is to be
+  /// written last.
   struct SimdBlock {
     std::int32_t steps = 0;       ///< springs of the longest line
     std::int32_t firstStep = 0;   ///< index in `springs`

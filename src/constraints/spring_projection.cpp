@@ -62,6 +62,29 @@ bool haveSameWeights(const Span& s, const Span& t, const ScalarArray& inverseMas
 
 void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
   overflow_.setMasses(schedule, inverseMass);
+  findOwners(schedule, inverseMass);
+  const std::vector<Span>& spans = schedule.spans();
+  owners_.clear();
+  std::int32_t blocks = 0;
+  for (std::size_t s = 0; s < firstBlock_.size(); ++s) {
+    if (firstBlock_[s] != kNone) {
+      firstBlock_[s] = firstBlock_[static_cast<std::size_t>(firstBlock_[s])];
+      continue;
+    }
+    owners_.push_back(static_cast<std::int32_t>(s));
+    firstBlock_[s] = blocks;
+    blocks += blockCount(spans[s]);
+  }
+  symmetric_.resize(firstBlock_.size());
+  for (std::size_t k = 0; k < symmetric_.size(); ++k) {
+    symmetric_[k] = symmetricBlocks(schedule, k, inverseMass);
+  }
+  blocks_.assign(static_cast<std::size_t>(blocks), {});
+  gamma_.assign(schedule.parameters.damped() ? kLanes * blocks_.size() : 0, 0.0);
+}
+
+/// Sets `firstBlock_` to the span whose blocks a span shares, or to kNone if it has its own.
+void SpringProjection::findOwners(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
   const std::vector<Span>& spans = schedule.spans();
   const std::size_t count = schedule.firstOverflow();
   keys_.clear();
@@ -74,31 +97,13 @@ void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArr
   });
   // Spans of one hash stand together; the first of them owns the blocks.
   firstBlock_.assign(count, kNone);
-  std::vector<std::int32_t>& ownerOf = firstBlock_;
   for (std::size_t k = 0, first = 0; k < keys_.size(); ++k) {
     if (keys_[k].hash != keys_[first].hash) first = k;
     const auto owner = static_cast<std::size_t>(keys_[first].span);
     const auto span = static_cast<std::size_t>(keys_[k].span);
     const bool isShared = k != first && haveSameWeights(spans[owner], spans[span], inverseMass);
-    if (isShared) ownerOf[span] = keys_[first].span;
+    if (isShared) firstBlock_[span] = keys_[first].span;
   }
-  owners_.clear();
-  std::int32_t blocks = 0;
-  for (std::size_t s = 0; s < count; ++s) {
-    if (ownerOf[s] != kNone) {
-      firstBlock_[s] = firstBlock_[static_cast<std::size_t>(ownerOf[s])];
-      continue;
-    }
-    owners_.push_back(static_cast<std::int32_t>(s));
-    firstBlock_[s] = blocks;
-    blocks += blockCount(spans[s]);
-  }
-  symmetric_.resize(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    symmetric_[k] = symmetricBlocks(schedule, k, inverseMass);
-  }
-  blocks_.assign(static_cast<std::size_t>(blocks), {});
-  gamma_.assign(schedule.parameters.damped() ? kLanes * blocks_.size() : 0, 0.0);
 }
 
 /// The longest sequence of full blocks with equal masses at both ends; none in gathered spans.

@@ -40,6 +40,7 @@ class SpringProjection {
   };
   struct Kernel;
 
+  void findOwners(const SpringSchedule& schedule, const ScalarArray& inverseMass);
   static BlockRange symmetricBlocks(const SpringSchedule& schedule, std::size_t span,
                                     const ScalarArray& inverseMass);
 

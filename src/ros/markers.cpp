@@ -9,6 +9,7 @@
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
+#include "delete_if_empty.h"
 #include "vertex_normals.h"
 
 namespace cloth_sim {

@@ -102,17 +102,8 @@ void stopListening() {
   setDeadline(0);
 }
 
-/// Adds the options of the command line, whose values go to `options`.
-void addOptions(CLI::App& app, Options& options) {
-  auto* scene = app.add_option("SCENE", options.scene,
-                               "scene file, or the name of one of the package's config/scenes");
-  auto* overrides = app.add_option("--set", options.overrides,
-                                   "override of the scene, dotted.key=value (may be given again)")
-                        ->allow_extra_args(false);
-  auto* duration =
-      app.add_option("--duration", options.duration,
-                     "simulated time to run [s] (default: until the phases end; 10 without phases)")
-          ->check(numberIn(0.0, 1e6));
+/// Adds the options of the bag that a run writes.
+void addBagOptions(CLI::App& app, Options& options) {
   auto* bag = app.add_option("--bag", options.bag, "rosbag to write");
   auto* rate =
       app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
@@ -127,6 +118,20 @@ void addOptions(CLI::App& app, Options& options) {
                "frames in steps of 0.1 mm, and the bag compressed: a sixth of the size\n"
                "(~compact_frame instead of ~frame)")
       ->needs(bag);
+}
+
+/// Adds the options of the command line, whose values go to `options`.
+void addOptions(CLI::App& app, Options& options) {
+  auto* scene = app.add_option("SCENE", options.scene,
+                               "scene file, or the name of one of the package's config/scenes");
+  auto* overrides = app.add_option("--set", options.overrides,
+                                   "override of the scene, dotted.key=value (may be given again)")
+                        ->allow_extra_args(false);
+  auto* duration =
+      app.add_option("--duration", options.duration,
+                     "simulated time to run [s] (default: until the phases end; 10 without phases)")
+          ->check(numberIn(0.0, 1e6));
+  addBagOptions(app, options);
   app.add_option("--summary", options.summary, "JSON summary to write; - for standard output");
   auto* load =
       app.add_option("--load-state", options.loadState, "saved state of this scene to go on from");
