@@ -358,7 +358,7 @@ struct LineProjection::Kernel {
     for (std::ptrdiff_t k = begin; k < end; ++k) solve<kDamped, kMeasured>(m, k, rows);
   }
 
-  // Not templates: GCC makes no clones of those.
+  // These are no templates: GCC makes no clones of templates.
   CLOTH_SIM_VECTOR_CLONES
   static void solveElastic(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end,
                            Row* rows) {

@@ -31,7 +31,7 @@ struct Incidence {
   }
 };
 
-/// How springs of one kind continue each other.
+/// Finds which spring of a kind continues another one.
 class Continuation {
  public:
   Continuation(const TriangleMesh& mesh, const std::vector<Spring>& springs,

@@ -190,7 +190,7 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   // Well-conditioned systems of at most a dozen unknowns, in single precision.
   EXPECT_LT(error, 5e-6 * largest);
   EXPECT_GT(largest, 1e-4);
-  // What particles gain, holders lose.
+  // The momentum of particles and holders together is conserved.
   EXPECT_LT((momentum + onHolders).norm(), 1e-6 * impulses);
 }
 

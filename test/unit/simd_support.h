@@ -1,6 +1,6 @@
 #pragma once
-/// \file What the shuffles of support/simd.h do, by index. Included by two files of tests, one for
-/// each way in which simd.h has them.
+/// \file Expectations of the shuffles of support/simd.h, by index. Included by two files of tests,
+/// one for each way in which simd.h has them.
 
 #include <gtest/gtest.h>
 
