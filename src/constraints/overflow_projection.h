@@ -10,7 +10,7 @@ namespace cloth_sim {
 ///
 /// The particles of these springs lie anywhere in memory, so a sweep works on copies that have x, y
 /// and z side by side: an end costs one load and one store instead of three gathers and three
-/// scatters. A step of a cloth refined along a slit takes a fifth less time.
+/// scatters. A step of a cloth with a refined strip takes 0.9 of the time.
 class OverflowProjection {
  public:
   /// Finds springs and particles. To be called when springs or masses have changed, and then
