@@ -1,5 +1,5 @@
 #pragma once
-/// \file What the benchmark of contact between layers simulates, in all engines alike.
+/// \file The scene of the benchmark of contact between layers, the same for all engines.
 
 #include <memory>
 #include <string>

@@ -170,7 +170,7 @@ void Clamp::moveGap(double dt) {
 }
 
 void Clamp::holdBack(const State& state, double dt) {
-  double missing = 0.0;  // share of the motion
+  double missing = 0.0;  // fraction of the motion
   for (const Grip& grip : grips_) {
     const Vec3 arm = pose_.orientation * grip.local;
     const Vec3 motion = dt * (linearVelocity_ + angularVelocity_.cross(arm));

@@ -49,7 +49,7 @@ VertexId biasCorner(const TriangleMesh& mesh, FaceId f) {
 /// along threads and one bias edge. A face with two bias edges divides itself between these, counts
 /// for both threads on its third edge, and has no thread at the corner between them; docs/model.md
 /// has the derivation.
-double shareOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
+double fractionOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
   const VertexId corner = biasCorner(mesh, f);
   if (corner == kNone) return 1.0;
   switch (spring.kind) {
@@ -70,7 +70,7 @@ double representedArea(const TriangleMesh& mesh, const Faces& faces, const Sprin
   double area = 0.0;
   double whole = 0.0;
   for (FaceId f : faces) {
-    area += shareOf(mesh, f, spring) * mesh.restArea(f);
+    area += fractionOf(mesh, f, spring) * mesh.restArea(f);
     whole += mesh.restArea(f);
   }
   return area > 0.0 ? area : whole;

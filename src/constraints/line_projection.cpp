@@ -29,15 +29,15 @@ void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& spri
   sources_.clear();
   firstParameters_.clear();
   bool isDamped = false;
-  std::unordered_map<std::string, std::int32_t> known;  // contents of a batch -> its first source
-  for (const SpringLines::Batch& batch : lines.batches()) {
+  std::unordered_map<std::string, std::int32_t> known;  // contents of a block -> its first source
+  for (const SpringLines::SimdBlock& block : lines.blocks()) {
     const auto first = static_cast<std::int32_t>(sources_.size());
-    for (std::int32_t s = 0; s < batch.steps; ++s) {
-      sources_.push_back(sourceOf(lines.springs()[batch.firstStep + s], springs));
+    for (std::int32_t s = 0; s < block.steps; ++s) {
+      sources_.push_back(sourceOf(lines.springs()[block.firstStep + s], springs));
       for (const double damping : sources_.back().damping) isDamped |= damping > 0.0;
     }
     const std::string content(reinterpret_cast<const char*>(sources_.data() + first),
-                              sizeof(Source) * static_cast<std::size_t>(batch.steps));
+                              sizeof(Source) * static_cast<std::size_t>(block.steps));
     const auto [entry, isNew] = known.emplace(content, first);
     firstParameters_.push_back(entry->second);
     if (!isNew) sources_.resize(static_cast<std::size_t>(first));
@@ -91,13 +91,13 @@ void LineProjection::setStep(double h) {
   }
 }
 
-/// The direct solves of the lines of a batch at once. The unknowns are nu = mu / l, and each row of
+/// The direct solves of the lines of a block at once. The unknowns are nu = mu / l, and each row of
 /// the system is multiplied by l: then its entries are products of d, the vectors between the ends
 /// of springs, instead of unit vectors, and no spring needs a division besides that of its pivot.
 struct LineProjection::Kernel {
   using Slots = SpringLines::Slots;
   using Offsets = std::array<std::uint32_t, kWidth>;
-  using Batch = SpringLines::Batch;
+  using SimdBlock = SpringLines::SimdBlock;
 
   /// Copied coordinate by coordinate: GCC copies the whole in halves of vectors, which then wait
   /// for each other.
@@ -142,7 +142,7 @@ struct LineProjection::Kernel {
   };
   /// Arrays that it reads and writes; passed by value, so that they stay in registers.
   struct Arrays {
-    const Batch* batches;
+    const SimdBlock* blocks;
     const Slots* slots;
     const Parameters* parameters;
     const float* gamma;
@@ -290,14 +290,14 @@ struct LineProjection::Kernel {
   /// Finds the multipliers from the last step to the first, and moves the particles.
   /// \param kHolds  some particles are held.
   template <bool kMeasured, bool kHolds>
-  [[gnu::always_inline]] static void substitute(const Arrays& m, const Batch& batch,
+  [[gnu::always_inline]] static void substitute(const Arrays& m, const SimdBlock& block,
                                                 const Bodies& first, const Row* rows) {
-    const Slots* const slots = m.slots + batch.firstPlace;
-    const Offsets* const offsets = m.offsets + batch.firstPlace;
+    const Slots* const slots = m.slots + block.firstPlace;
+    const Offsets* const offsets = m.offsets + block.firstPlace;
     const FloatLanes zero{};
     Vectors after(zero, zero, zero);  // pull of the springs beyond the particle, mu n
     FloatLanes factor = zero, nu = zero;
-    for (std::ptrdiff_t s = batch.steps; s-- > 0;) {
+    for (std::ptrdiff_t s = block.steps; s-- > 0;) {
       const Row& row = rows[s];
       nu = row.own - factor * nu;
       factor = row.factor;
@@ -311,14 +311,14 @@ struct LineProjection::Kernel {
     if (kHolds && hasZero(first.w)) recordPull(m, slots[0], first.w, after);
   }
 
-  /// Solves the lines of a batch.
+  /// Solves the lines of a block.
   template <bool kDamped, bool kMeasured>
   [[gnu::always_inline]] static void solve(const Arrays& m, std::ptrdiff_t index, Row* rows) {
-    const Batch& batch = m.batches[index];
-    const Offsets* const offsets = m.offsets + batch.firstPlace;
+    const SimdBlock& block = m.blocks[index];
+    const Offsets* const offsets = m.offsets + block.firstPlace;
     const Parameters* const parameters = m.parameters + m.firstParameters[index];
     const float* const gamma = m.gamma + (kDamped ? kWidth * m.firstParameters[index] : 0);
-    const std::ptrdiff_t steps = batch.steps;
+    const std::ptrdiff_t steps = block.steps;
     const FloatLanes zero{};
     Bodies first;
     load(m, offsets[0], first);
@@ -334,9 +334,9 @@ struct LineProjection::Kernel {
                                     rows[s]);
     }
     if (hasZero(f.leastW)) {
-      substitute<kMeasured, true>(m, batch, first, rows);
+      substitute<kMeasured, true>(m, block, first, rows);
     } else {
-      substitute<kMeasured, false>(m, batch, first, rows);
+      substitute<kMeasured, false>(m, block, first, rows);
     }
   }
 
@@ -347,7 +347,7 @@ struct LineProjection::Kernel {
     for (std::ptrdiff_t k = begin; k < end; ++k) solve<kDamped, kMeasured>(m, k, rows);
   }
 
-  // Not templates: GCC makes no clones of those.
+  // These are no templates: GCC makes no clones of templates.
   CLOTH_SIM_VECTOR_CLONES
   static void solveElastic(const Arrays& arrays, std::ptrdiff_t begin, std::ptrdiff_t end,
                            Row* rows) {
@@ -381,20 +381,20 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
   bodies_.load(p.x, inverseMass);
   if (!gamma_.empty()) bodies_.loadStarts(p.start);
   const Kernel::Arrays arrays{
-      lines.batches().data(),  lines.slots().data(), parameters_.data(), gamma_.data(),
+      lines.blocks().data(),   lines.slots().data(), parameters_.data(), gamma_.data(),
       firstParameters_.data(), offsets_.data(),      bodies_.bodies(),   bodies_.starts(),
       pull.x.data(),           pull.y.data(),        pull.z.data()};
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
     if (colour.kind == SpringKind::kBend && !bends) continue;
-    const std::int32_t batches = colour.endBatch - colour.firstBatch;
+    const std::int32_t blocks = colour.endBlock - colour.firstBlock;
     const auto grain =
-        static_cast<std::int32_t>(std::int64_t{kGrain} * batches / std::max(1, colour.springs)) + 1;
-    parallelFor(batches, grain, [&](std::int32_t begin, std::int32_t end) {
+        static_cast<std::int32_t>(std::int64_t{kGrain} * blocks / std::max(1, colour.springs)) + 1;
+    parallelFor(blocks, grain, [&](std::int32_t begin, std::int32_t end) {
       thread_local std::vector<Kernel::Row> rows;
       if (rows.size() < longest) rows.resize(longest);
-      Kernel::solver<kMeasured>(!gamma_.empty())(arrays, colour.firstBatch + begin,
-                                                 colour.firstBatch + end, rows.data());
+      Kernel::solver<kMeasured>(!gamma_.empty())(arrays, colour.firstBlock + begin,
+                                                 colour.firstBlock + end, rows.data());
     });
   }
 }

@@ -58,7 +58,7 @@ class LineProjection {
  private:
   static constexpr std::int32_t kWidth = SpringLines::kWidth;
 
-  /// The springs of a step of a batch, as the model has them; zero where there is none.
+  /// The springs of a step of a block, as the model has them; zero where there is none.
   struct Source {
     double restLength[kWidth];  ///< [m]
     double stiffness[kWidth];   ///< [N/m]
@@ -79,10 +79,10 @@ class LineProjection {
            const Particles& particles, VectorArray& pull);
 
   int bendInterval_ = 1;
-  std::vector<Source> sources_;  ///< of the batches that differ: many rows of a grid share theirs
+  std::vector<Source> sources_;  ///< of the blocks that differ: many rows of a grid share theirs
   std::vector<Parameters> parameters_;  ///< by source
   std::vector<float> gamma_;  ///< shape (as `parameters_`, kWidth); empty without dashpots
-  std::vector<std::int32_t> firstParameters_;  ///< by batch: index in `parameters_`
+  std::vector<std::int32_t> firstParameters_;  ///< by block: index in `parameters_`
   /// By place of the lines, as `SpringLines::slots`: where in `bodies_` particles are [bytes].
   std::vector<std::array<std::uint32_t, kWidth>> offsets_;
   LineBodies bodies_;

@@ -18,9 +18,10 @@ namespace cloth_sim {
 ///                                   and the damping ratio gamma = c / (k h)    [-]
 /// in a substep of length h. With the unit direction n from a to b, the inverse masses w and the
 /// displacement d - d_start of b against a since the start of the substep,
-///     lambda = (C + gamma n . (d - d_start)) / ((1 + gamma) (w_a + w_b) + alpha)       (eqs. 18,
-///     26) x_a += w_a lambda n,   x_b -= w_b lambda n,
-/// which conserves momentum. The denominator depends on masses, spring and h only, so the weights
+///     lambda = (C + gamma n . (d - d_start)) / ((1 + gamma) (w_a + w_b) + alpha),
+///     x_a += w_a lambda n,   x_b -= w_b lambda n
+/// (equations 18 and 26), which conserves momentum. The denominator depends on masses, spring and h
+/// only, so the weights
 ///     W_a = w_a / ((1 + gamma) (w_a + w_b) + alpha),   W_b likewise,
 /// are found once, and the projection is x_a += W_a (C + ...) n, x_b -= W_b (C + ...) n.
 struct ProjectionWeights {

@@ -35,7 +35,7 @@ class SpringConstraints {
     projection_.setStep(schedule_, inverseMass, h);
   }
   /// Projects every spring once (one Gauss-Seidel sweep). Moves `particles.x`.
-  void project(Particles& particles) const { projection_.project(schedule_, particles); }
+  void project(Particles& particles) { projection_.project(schedule_, particles); }
 
   // Forces (spring_forces.h):
 

@@ -31,7 +31,7 @@ struct Incidence {
   }
 };
 
-/// How springs of one kind continue each other.
+/// Finds which spring of a kind continues another one.
 class Continuation {
  public:
   Continuation(const TriangleMesh& mesh, const std::vector<Ends>& ends,
@@ -96,7 +96,7 @@ class Continuation {
 
 void SpringLines::build(const Model& model, const std::vector<std::int32_t>& slotOf) {
   colours_.clear();
-  batches_.clear();
+  blocks_.clear();
   slots_.clear();
   springs_.clear();
   longest_ = 0;
@@ -160,12 +160,16 @@ void SpringLines::findLines(const TriangleMesh& mesh, const std::vector<std::int
   }
 }
 
-/// Colours the lines found, and appends them in batches of lines of similar lengths. A line that
-/// crosses itself, or lines of every colour, is divided into its springs.
 void SpringLines::appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf) {
-  std::vector<std::uint64_t> usedAt(slotOf.size(), 0);
-  std::vector<std::int32_t> lastVisit(slotOf.size(), kNone);
-  std::vector<std::vector<Line>> coloured;
+  for (std::vector<Line>& lines : coloured(slotOf.size())) appendColour(kind, slotOf, lines);
+}
+
+/// Colours the lines found. A line that crosses itself, or lines of every colour, is divided into
+/// its springs.
+std::vector<std::vector<SpringLines::Line>> SpringLines::coloured(std::size_t vertices) const {
+  std::vector<std::uint64_t> usedAt(vertices, 0);
+  std::vector<std::int32_t> lastVisit(vertices, kNone);
+  std::vector<std::vector<Line>> colours;
   std::vector<std::vector<Line>> alone;  // springs at a vertex with more than 64 of a kind
   std::int32_t visits = 0;
   const auto place = [&](const Line& line) {
@@ -181,8 +185,8 @@ void SpringLines::appendColours(SpringKind kind, const std::vector<std::int32_t>
     std::size_t colour = 0;
     while ((used >> colour & 1U) != 0) ++colour;
     forParticles(line, [&](VertexId v) { usedAt[v] |= std::uint64_t{1} << colour; });
-    if (colour == coloured.size()) coloured.emplace_back();
-    coloured[colour].push_back(line);
+    if (colour == colours.size()) colours.emplace_back();
+    colours[colour].push_back(line);
     return true;
   };
   for (const Line& line : lines_) {
@@ -193,49 +197,53 @@ void SpringLines::appendColours(SpringKind kind, const std::vector<std::int32_t>
       single.start = otherEnd(lineSprings_[single.first], single.start);
     }
   }
-  coloured.insert(coloured.end(), alone.begin(), alone.end());
-  for (std::vector<Line>& lines : coloured) {
-    std::sort(lines.begin(), lines.end(), [&](const Line& a, const Line& b) {
-      constexpr std::int32_t kSimilar = 16;  // lengths that may stand side by side
-      const std::int32_t classA = a.count / kSimilar, classB = b.count / kSimilar;
-      return classA != classB ? classA > classB : a.start < b.start;
-    });
-    Colour colour{static_cast<std::int32_t>(batches_.size()), 0, 0, kind};
-    for (std::size_t k = 0; k < lines.size(); k += kWidth) {
-      appendBatch(slotOf, lines.data() + k, std::min<std::size_t>(kWidth, lines.size() - k));
-    }
-    for (const Line& line : lines) colour.springs += line.count;
-    colour.endBatch = static_cast<std::int32_t>(batches_.size());
-    colours_.push_back(colour);
+  colours.insert(colours.end(), alone.begin(), alone.end());
+  return colours;
+}
+
+/// Appends the lines of a colour in SIMD blocks of lines of similar lengths.
+void SpringLines::appendColour(SpringKind kind, const std::vector<std::int32_t>& slotOf,
+                               std::vector<Line>& lines) {
+  std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
+    constexpr std::int32_t kSimilar = 16;  // lengths that may stand side by side
+    const std::int32_t classA = a.count / kSimilar, classB = b.count / kSimilar;
+    return classA != classB ? classA > classB : a.start < b.start;
+  });
+  Colour colour{static_cast<std::int32_t>(blocks_.size()), 0, 0, kind};
+  for (std::size_t k = 0; k < lines.size(); k += kWidth) {
+    appendBlock(slotOf, lines.data() + k, std::min<std::size_t>(kWidth, lines.size() - k));
   }
+  for (const Line& line : lines) colour.springs += line.count;
+  colour.endBlock = static_cast<std::int32_t>(blocks_.size());
+  colours_.push_back(colour);
 }
 
 /// Appends up to kWidth lines.
-void SpringLines::appendBatch(const std::vector<std::int32_t>& slotOf, const Line* lines,
+void SpringLines::appendBlock(const std::vector<std::int32_t>& slotOf, const Line* lines,
                               std::size_t count) {
-  Batch batch;
-  batch.firstStep = static_cast<std::int32_t>(springs_.size());
-  batch.firstPlace = static_cast<std::int32_t>(slots_.size());
+  SimdBlock block;
+  block.firstStep = static_cast<std::int32_t>(springs_.size());
+  block.firstPlace = static_cast<std::int32_t>(slots_.size());
   for (std::size_t lane = 0; lane < count; ++lane) {
-    batch.steps = std::max(batch.steps, lines[lane].count);
+    block.steps = std::max(block.steps, lines[lane].count);
   }
   Slots none;
   none.fill(kNone);
-  springs_.resize(springs_.size() + static_cast<std::size_t>(batch.steps), none);
-  slots_.resize(slots_.size() + static_cast<std::size_t>(batch.steps) + 1, none);
-  Slots* const at = slots_.data() + batch.firstPlace;
+  springs_.resize(springs_.size() + static_cast<std::size_t>(block.steps), none);
+  slots_.resize(slots_.size() + static_cast<std::size_t>(block.steps) + 1, none);
+  Slots* const at = slots_.data() + block.firstPlace;
   for (std::size_t lane = 0; lane < kWidth; ++lane) {
     const Line& line = lines[std::min(lane, count - 1)];
     std::int32_t place = 0;
     forParticles(line, [&](VertexId v) { at[place++][lane] = slotOf[v]; });
-    for (; place <= batch.steps; ++place) at[place][lane] = at[place - 1][lane];
+    for (; place <= block.steps; ++place) at[place][lane] = at[place - 1][lane];
     if (lane >= count) continue;
     for (std::int32_t s = 0; s < line.count; ++s) {
-      springs_[batch.firstStep + s][lane] = lineSprings_[line.first + s];
+      springs_[block.firstStep + s][lane] = lineSprings_[line.first + s];
     }
   }
-  longest_ = std::max(longest_, batch.steps);
-  batches_.push_back(batch);
+  longest_ = std::max(longest_, block.steps);
+  blocks_.push_back(block);
 }
 
 }  // namespace cloth_sim

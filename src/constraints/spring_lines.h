@@ -8,7 +8,7 @@
 
 namespace cloth_sim {
 
-/// All springs of a model as lines, eight lines to a batch, for LineProjection.
+/// All springs of a model as lines, eight lines to a SIMD block, for LineProjection.
 ///
 /// A line is a chain of springs of one kind that continue each other nearly straight in the
 /// material plane: along a thread (structural springs), across the cells (shear springs), or over
@@ -20,22 +20,22 @@ namespace cloth_sim {
 /// Lines follow from the springs of the model alone, whatever edits made them.
 class SpringLines {
  public:
-  static constexpr std::int32_t kWidth = kFloatLanes;  ///< lines in a batch
+  static constexpr std::int32_t kWidth = kFloatLanes;  ///< lines in a SIMD block
 
-  /// Lines side by side. Line k has its spring number s at `springs()[firstStep + s]`, lane k,
-  /// between the particles `slots()[firstPlace + s]` and `slots()[firstPlace + s + 1]`, lane k.
-  /// A line that is shorter than `steps` repeats its last particle, with springs that pull nothing;
-  /// a lane without a line does so with the particles of the lane before, which is to be written
-  /// last.
-  struct Batch {
+  /// Lines that are solved at once. Line k has its spring number s at `springs()[firstStep + s]`,
+  /// lane k, between the particles `slots()[firstPlace + s]` and `slots()[firstPlace + s + 1]`,
+  /// lane k. A line that is shorter than `steps` repeats its last particle, with springs that pull
+  /// nothing; a lane without a line does so with the particles of the lane before, which is to be
+  /// written last.
+  struct SimdBlock {
     std::int32_t steps = 0;       ///< springs of the longest line
     std::int32_t firstStep = 0;   ///< index in `springs`
     std::int32_t firstPlace = 0;  ///< index in `slots`
   };
-  /// Consecutive batches that share no particle.
+  /// Consecutive blocks that share no particle.
   struct Colour {
-    std::int32_t firstBatch = 0;
-    std::int32_t endBatch = 0;
+    std::int32_t firstBlock = 0;
+    std::int32_t endBlock = 0;
     std::int32_t springs = 0;
     SpringKind kind = SpringKind::kStructural;
   };
@@ -45,11 +45,11 @@ class SpringLines {
   void build(const Model& model, const std::vector<std::int32_t>& slotOf);
 
   const std::vector<Colour>& colours() const { return colours_; }  ///< in the order of a sweep
-  const std::vector<Batch>& batches() const { return batches_; }
+  const std::vector<SimdBlock>& blocks() const { return blocks_; }
   const std::vector<Slots>& slots() const { return slots_; }
-  /// Slots of the network, shape (steps of all batches, kWidth); kNone where a line has ended.
+  /// Slots of the network, shape (steps of all blocks, kWidth); kNone where a line has ended.
   const std::vector<Slots>& springs() const { return springs_; }
-  std::int32_t longest() const { return longest_; }  ///< most steps of a batch
+  std::int32_t longest() const { return longest_; }  ///< most steps of a block
 
  private:
   /// A line while it is built: indices into `lineSprings_`; its particles follow from these.
@@ -63,14 +63,17 @@ class SpringLines {
   /// \param ofKind  slots of the network of all springs of a kind, ascending.
   void findLines(const TriangleMesh& mesh, const std::vector<std::int32_t>& ofKind);
   void appendColours(SpringKind kind, const std::vector<std::int32_t>& slotOf);
-  void appendBatch(const std::vector<std::int32_t>& slotOf, const Line* lines, std::size_t count);
+  std::vector<std::vector<Line>> coloured(std::size_t vertices) const;
+  void appendColour(SpringKind kind, const std::vector<std::int32_t>& slotOf,
+                    std::vector<Line>& lines);
+  void appendBlock(const std::vector<std::int32_t>& slotOf, const Line* lines, std::size_t count);
   /// Calls `visit(v)` for every particle of a line, from its start on.
   template <typename Visit>
   void forParticles(const Line& line, const Visit& visit) const;
   VertexId otherEnd(std::int32_t spring, VertexId v) const;
 
   std::vector<Colour> colours_;
-  std::vector<Batch> batches_;
+  std::vector<SimdBlock> blocks_;
   std::vector<Slots> slots_;
   std::vector<Slots> springs_;
   std::int32_t longest_ = 0;

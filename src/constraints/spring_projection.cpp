@@ -61,9 +61,34 @@ bool haveSameWeights(const Span& s, const Span& t, const ScalarArray& inverseMas
 }  // namespace
 
 void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
+  overflow_.setMasses(schedule, inverseMass);
+  findOwners(schedule, inverseMass);
   const std::vector<Span>& spans = schedule.spans();
+  owners_.clear();
+  std::int32_t blocks = 0;
+  for (std::size_t s = 0; s < firstBlock_.size(); ++s) {
+    if (firstBlock_[s] != kNone) {
+      firstBlock_[s] = firstBlock_[static_cast<std::size_t>(firstBlock_[s])];
+      continue;
+    }
+    owners_.push_back(static_cast<std::int32_t>(s));
+    firstBlock_[s] = blocks;
+    blocks += blockCount(spans[s]);
+  }
+  symmetric_.resize(firstBlock_.size());
+  for (std::size_t k = 0; k < symmetric_.size(); ++k) {
+    symmetric_[k] = symmetricBlocks(schedule, k, inverseMass);
+  }
+  blocks_.assign(static_cast<std::size_t>(blocks), {});
+  gamma_.assign(schedule.parameters.damped() ? kLanes * blocks_.size() : 0, 0.0);
+}
+
+/// Sets `firstBlock_` to the span whose blocks a span shares, or to kNone if it has its own.
+void SpringProjection::findOwners(const SpringSchedule& schedule, const ScalarArray& inverseMass) {
+  const std::vector<Span>& spans = schedule.spans();
+  const std::size_t count = schedule.firstOverflow();
   keys_.clear();
-  for (std::size_t s = 0; s < spans.size(); ++s) {
+  for (std::size_t s = 0; s < count; ++s) {
     const auto span = static_cast<std::int32_t>(s);
     if (spans[s].sharesParameters) keys_.push_back({hashOf(spans[s], inverseMass), span});
   }
@@ -71,32 +96,14 @@ void SpringProjection::setMasses(const SpringSchedule& schedule, const ScalarArr
     return a.hash != b.hash ? a.hash < b.hash : a.span < b.span;
   });
   // Spans of one hash stand together; the first of them owns the blocks.
-  firstBlock_.assign(spans.size(), kNone);
-  std::vector<std::int32_t>& ownerOf = firstBlock_;
+  firstBlock_.assign(count, kNone);
   for (std::size_t k = 0, first = 0; k < keys_.size(); ++k) {
     if (keys_[k].hash != keys_[first].hash) first = k;
     const auto owner = static_cast<std::size_t>(keys_[first].span);
     const auto span = static_cast<std::size_t>(keys_[k].span);
     const bool isShared = k != first && haveSameWeights(spans[owner], spans[span], inverseMass);
-    if (isShared) ownerOf[span] = keys_[first].span;
+    if (isShared) firstBlock_[span] = keys_[first].span;
   }
-  owners_.clear();
-  std::int32_t blocks = 0;
-  for (std::size_t s = 0; s < spans.size(); ++s) {
-    if (ownerOf[s] != kNone) {
-      firstBlock_[s] = firstBlock_[static_cast<std::size_t>(ownerOf[s])];
-      continue;
-    }
-    owners_.push_back(static_cast<std::int32_t>(s));
-    firstBlock_[s] = blocks;
-    blocks += blockCount(spans[s]);
-  }
-  symmetric_.resize(spans.size());
-  for (std::size_t k = 0; k < spans.size(); ++k) {
-    symmetric_[k] = symmetricBlocks(schedule, k, inverseMass);
-  }
-  blocks_.assign(static_cast<std::size_t>(blocks), {});
-  gamma_.assign(schedule.parameters.damped() ? kLanes * blocks_.size() : 0, 0.0);
 }
 
 /// The longest sequence of full blocks with equal masses at both ends; none in gathered spans.
@@ -119,6 +126,7 @@ SpringProjection::BlockRange SpringProjection::symmetricBlocks(const SpringSched
 
 void SpringProjection::setStep(const SpringSchedule& schedule, const ScalarArray& inverseMass,
                                double h) {
+  overflow_.setStep(schedule, inverseMass, h);
   for (const std::int32_t owner : owners_) {
     const Span& span = schedule.spans()[static_cast<std::size_t>(owner)];
     for (std::int32_t n = 0; n < blockCount(span); ++n) {
@@ -308,7 +316,7 @@ struct SpringProjection::Kernel {
   }
 };
 
-void SpringProjection::project(const SpringSchedule& schedule, Particles& p) const {
+void SpringProjection::project(const SpringSchedule& schedule, Particles& p) {
   const Span* const spans = schedule.spans().data();
   const Kernel::Arrays arrays{spans,
                               schedule.endA.data(),
@@ -327,9 +335,10 @@ void SpringProjection::project(const SpringSchedule& schedule, Particles& p) con
                               &p};
   const auto projectSpans =
       schedule.parameters.damped() ? Kernel::projectDamped : Kernel::projectElastic;
-  schedule.sweepSpans([&](const Span* begin, const Span* end) {
+  schedule.sweepOriginals([&](const Span* begin, const Span* end) {
     projectSpans(arrays, begin - spans, end - spans);
   });
+  overflow_.project(schedule, p);
 }
 
 }  // namespace cloth_sim

@@ -1,6 +1,7 @@
 #pragma once
 /// \file Gauss-Seidel projection of all springs of a schedule.
 
+#include "overflow_projection.h"
 #include "particles.h"
 #include "spring_schedule.h"
 
@@ -12,6 +13,7 @@ namespace cloth_sim {
 /// masses, as nearly all rows of a grid do, share their blocks, which then stay in the first-level
 /// cache. Where the number of springs in a span is no multiple of four, the first block of the span
 /// covers its last four springs; weights of zero leave those alone that later blocks project.
+/// Springs that edits made or moved follow, by OverflowProjection.
 class SpringProjection {
  public:
   /// Finds which spans share weights. To be called when springs or masses have changed, and then
@@ -22,7 +24,7 @@ class SpringProjection {
   /// \param inverseMass  as in `setMasses`.
   void setStep(const SpringSchedule& schedule, const ScalarArray& inverseMass, double h);
   /// Projects every spring once, in the order of the schedule.
-  void project(const SpringSchedule& schedule, Particles& particles) const;
+  void project(const SpringSchedule& schedule, Particles& particles);
 
  private:
   /// Weights of four springs.
@@ -38,10 +40,11 @@ class SpringProjection {
   };
   struct Kernel;
 
+  void findOwners(const SpringSchedule& schedule, const ScalarArray& inverseMass);
   static BlockRange symmetricBlocks(const SpringSchedule& schedule, std::size_t span,
                                     const ScalarArray& inverseMass);
 
-  std::vector<std::int32_t> firstBlock_;  ///< by span of the schedule: index in `blocks_`
+  std::vector<std::int32_t> firstBlock_;  ///< by span of the undamaged mesh: index in `blocks_`
   /// By span: where both ends of each spring have the same weight, as nearly everywhere on a grid.
   /// There both move by the same vector, which saves a tenth of a step of a large cloth.
   std::vector<BlockRange> symmetric_;
@@ -54,6 +57,7 @@ class SpringProjection {
     std::int32_t span = 0;
   };
   std::vector<Key> keys_;
+  OverflowProjection overflow_;
 };
 
 }  // namespace cloth_sim

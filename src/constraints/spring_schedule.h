@@ -77,7 +77,16 @@ class SpringSchedule {
   /// Calls `visitor(first, end)` for consecutive spans in the order of the sweep, on several
   /// threads where that pays.
   template <typename SpansVisitor>
-  void sweepSpans(const SpansVisitor& visitor) const;
+  void sweepSpans(const SpansVisitor& visitor) const {
+    sweepOriginals(visitor);
+    sweepOverflow(visitor);
+  }
+  /// The first part of it: spans of the undamaged mesh ...
+  template <typename SpansVisitor>
+  void sweepOriginals(const SpansVisitor& visitor) const;
+  /// ... and the second part: spans from `firstOverflow` on.
+  template <typename SpansVisitor>
+  void sweepOverflow(const SpansVisitor& visitor) const;
   /// The same with `visitSpan(span)` for contiguous spans and `visitor(element)` for all other
   /// springs.
   template <typename SpanVisitor, typename Visitor>
@@ -173,7 +182,7 @@ class SpringSchedule {
   template <typename SpansVisitor>
   void sweepPhase(const Phase& phase, const SpansVisitor& visitor) const;
   template <typename SpansVisitor>
-  void sweepOverflow(const ColourGroup& group, const SpansVisitor& visitor) const;
+  void sweepOverflowGroup(const ColourGroup& group, const SpansVisitor& visitor) const;
   /// Visits the spans of blocks [block, end).
   template <typename SpansVisitor>
   void visitBlocks(std::int32_t block, std::int32_t end, const SpansVisitor& visitor) const {
@@ -191,10 +200,15 @@ class SpringSchedule {
 };
 
 template <typename SpansVisitor>
-void SpringSchedule::sweepSpans(const SpansVisitor& visitor) const {
+void SpringSchedule::sweepOriginals(const SpansVisitor& visitor) const {
   for (const Phase& phase : phases_) sweepPhase(phase, visitor);
-  for (std::size_t k = original_.groups; k < groups_.size(); ++k)
-    sweepOverflow(groups_[k], visitor);
+}
+
+template <typename SpansVisitor>
+void SpringSchedule::sweepOverflow(const SpansVisitor& visitor) const {
+  for (std::size_t k = original_.groups; k < groups_.size(); ++k) {
+    sweepOverflowGroup(groups_[k], visitor);
+  }
 }
 
 template <typename SpansVisitor>
@@ -210,7 +224,8 @@ void SpringSchedule::sweepPhase(const Phase& phase, const SpansVisitor& visitor)
 }
 
 template <typename SpansVisitor>
-void SpringSchedule::sweepOverflow(const ColourGroup& group, const SpansVisitor& visitor) const {
+void SpringSchedule::sweepOverflowGroup(const ColourGroup& group,
+                                        const SpansVisitor& visitor) const {
   const std::int32_t blocks = group.endBlock - group.firstBlock;
   const auto grain =
       static_cast<std::int32_t>(std::int64_t{kGrain / 2} * blocks / group.springs) + 1;

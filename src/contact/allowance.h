@@ -1,6 +1,6 @@
 #pragma once
-/// \file How far vertices may move, and gradients of faces turn, until pairs of faces near each
-/// other are searched again.
+/// \file The motion of vertices and the turn of gradients of faces that are allowed until pairs of
+/// faces near each other are searched again.
 
 #include <array>
 #include <vector>

@@ -103,7 +103,7 @@ bool FacePairs::hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& 
          std::any_of(pair.b.begin(), pair.b.end(), isTruncated);
 }
 
-/// How far face a is beyond face b along the direction of the pair [m].
+/// Returns the distance of face a beyond face b along the direction of the pair [m].
 double FacePairs::separationOf(const Pair& pair, const std::vector<Vec3>& x) {
   const Vec3& n = pair.direction;
   if (pair.shared == 0) return leastOf(pair.a, n, x) - mostOf(pair.b, n, x);

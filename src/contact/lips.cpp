@@ -81,7 +81,7 @@ std::vector<Lip> listLips(const MeshChanges& changes, const TriangleMesh& mesh,
   return lips;
 }
 
-/// How far each copy moves, by vertex [m].
+/// Returns the displacement of each copy, by vertex [m].
 std::map<VertexId, Vec3> movesOf(const std::vector<Lip>& lips) {
   std::map<VertexId, Vec3> move;
   for (const Lip& lip : lips) move[lip.a] = move[lip.b] = Vec3::Zero();

@@ -89,9 +89,9 @@ void GradientBall::add(const GradientBall& other) {
     return;
   }
   const double grown = 0.5 * (apart + radius + other.radius);
-  const double share = (grown - radius) / apart;
-  centre.u += share * to.u;
-  centre.v += share * to.v;
+  const double fraction = (grown - radius) / apart;
+  centre.u += fraction * to.u;
+  centre.v += fraction * to.v;
   radius = grown;
 }
 

@@ -35,6 +35,16 @@ Incidence incidence(const PlateBending& bending, const Particles& particles) {
   return result;
 }
 
+/// The weight of a particle in an element [1/m^2], or 0 if it is not one of the element's.
+double weightOf(const PlateElement& element, const Particles& particles, std::size_t slot) {
+  double weight = 0.0;
+  for (std::size_t j = 0; j < static_cast<std::size_t>(element.count); ++j) {
+    const bool isOwn = static_cast<std::size_t>(particles.slotOf[element.vertex[j]]) == slot;
+    if (isOwn) weight = element.weight[j];
+  }
+  return weight;
+}
+
 }  // namespace
 
 void BendMatrix::build(const Model& model, const Particles& particles) {
@@ -66,11 +76,7 @@ void BendMatrix::buildWith(const Model& model, const Particles& particles,
     for (std::size_t k = incident.start[slot]; k < incident.start[slot + 1]; ++k) {
       const PlateElement& element = bending.elements()[incident.element[k]];
       const auto count = static_cast<std::size_t>(element.count);
-      double own = 0.0;
-      for (std::size_t j = 0; j < count; ++j) {
-        const bool isOwn = static_cast<std::size_t>(particles.slotOf[element.vertex[j]]) == slot;
-        if (isOwn) own = element.weight[j];
-      }
+      const double own = weightOf(element, particles, slot);
       for (std::size_t j = 0; j < count; ++j) {
         const std::int32_t column = particles.slotOf[element.vertex[j]];
         columns.push_back(column);

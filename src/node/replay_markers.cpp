@@ -6,6 +6,7 @@
 
 #include "cloth_sim/ClothFrame.h"
 #include "cloth_sim/ClothTopology.h"
+#include "ros/delete_if_empty.h"
 #include "ros/surface.h"
 
 namespace cloth_sim {
@@ -31,11 +32,6 @@ Marker makeMarker(const char* space, const std_msgs::Header& header) {
   marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
   marker.color = makeColour(0.90f, 0.05f, 0.25f);
   return marker;
-}
-
-/// Without points there is nothing to draw, and some versions of rviz crash on it.
-void deleteIfEmpty(Marker& marker) {
-  if (marker.points.empty()) marker.action = Marker::DELETE;
 }
 
 Marker clothMarker(const Surface& surface, const std_msgs::Header& header) {

@@ -49,7 +49,7 @@ struct BagWriter::Impl {
         active(place.target() + ".active"),
         scene(std::move(text)),
         format(frames) {
-    // Nothing else than a bag that was not completed may stand there either.
+    // The only file that may stand there is a bag that was not completed.
     [[maybe_unused]] const OutputFile refusesOthers(active, {Links::kRefused, true});
     errno = 0;
     try {

@@ -8,7 +8,7 @@
 namespace cloth_sim {
 namespace {
 
-/// How long tf may not know the camera without a warning: it needs a moment at the start.
+/// Time for which tf may lack the camera without a warning: it needs a moment at the start.
 constexpr std::chrono::seconds kCameraPatience{1};
 
 }  // namespace

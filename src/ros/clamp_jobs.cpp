@@ -2,24 +2,20 @@
 
 #include <algorithm>
 
+#include "clamp/find_clamp.h"
 #include "scene/names.h"
 
 namespace cloth_sim {
 
 const Clamp* ClampJobs::find(const std::string& clamp) const {
-  for (const Clamp& it : simulation_.clamps()) {
-    if (it.spec().name == clamp) return &it;
-  }
-  return nullptr;
+  return findClamp(simulation_.clamps(), clamp);
 }
 
 void ClampJobs::start(const std::shared_ptr<ClampJob>& job) {
   if (simulation_.failed()) return refuse(*job, "the simulation has failed; reset it");
   const Clamp* clamp = find(job->clamp());
   if (clamp == nullptr) {
-    std::vector<std::string> known;
-    for (const Clamp& it : simulation_.clamps()) known.push_back(it.spec().name);
-    return refuse(*job, unknownName("clamp", job->clamp(), known));
+    return refuse(*job, unknownName("clamp", job->clamp(), namesOf(simulation_.clamps())));
   }
   const ClampJob::Turn turn = job->begin(*clamp, simulation_);
   if (turn.end) return refuse(*job, turn.message);

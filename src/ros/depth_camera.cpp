@@ -182,8 +182,8 @@ DepthCamera::PixelBox DepthCamera::pixelsOf(const std::array<Vec3, 3>& corners) 
     const Vec3& b = corners[(k + 1) % 3];
     if (a.z() >= lens_.nearest) add(project(a));
     if ((a.z() >= lens_.nearest) == (b.z() >= lens_.nearest)) continue;
-    const double share = (lens_.nearest - a.z()) / (b.z() - a.z());
-    add((a + share * (b - a)).head<2>() / lens_.nearest);
+    const double fraction = (lens_.nearest - a.z()) / (b.z() - a.z());
+    add((a + fraction * (b - a)).head<2>() / lens_.nearest);
   }
   return pixelsBetween(low, high);
 }

@@ -9,6 +9,7 @@
 
 #include "cloth_sim/ros/conversions.h"
 #include "cloth_sim/ros/shading.h"
+#include "delete_if_empty.h"
 #include "vertex_normals.h"
 
 namespace cloth_sim {
@@ -107,11 +108,6 @@ void addTriangles(const DrawnPart& part, Marker& marker) {
     if (surface.isClosed()) continue;
     addTriangle({corners[0], corners[2], corners[1]}, kSideOfSheet, marker);
   }
-}
-
-/// Without points there is nothing to draw, and some versions of rviz crash on it.
-void deleteIfEmpty(Marker& marker) {
-  if (marker.points.empty()) marker.action = Marker::DELETE;
 }
 
 }  // namespace

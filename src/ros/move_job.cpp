@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "support/rotation.h"
 #include "cloth_sim/validation.h"
+#include "support/rotation.h"
+#include "support/short_number.h"
 
 namespace cloth_sim {
 namespace {
@@ -23,11 +23,7 @@ std::string ofWaypoint(std::size_t index, const std::string& what) {
 
 double distance(const Pose& a, const Pose& b) { return (b.position - a.position).norm(); }
 
-std::string shortText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string shortText(double value) { return shortNumber(value, 4); }
 
 /// Returns the time from rest to rest over a way, within limits on speed and acceleration [s].
 double timeFor(double way, double speed, double acceleration) {

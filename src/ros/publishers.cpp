@@ -41,6 +41,29 @@ std::string joinTexts(const std::vector<ResultWarning>& warnings) {
   return all;
 }
 
+/// Reports the worst of what is the matter.
+void summarise(const Observation& observation,
+               diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  const Snapshot& snapshot = *observation.snapshot;
+  const double asked = observation.realTimeFactorAsked;
+  if (snapshot.failed) {
+    status.summary(DiagnosticStatus::ERROR, "failed: " + snapshot.failure);
+  } else if (observation.paused) {
+    status.summary(DiagnosticStatus::OK, "paused");
+  } else if (observation.realTimeFactor < kSlowFraction * asked && observation.stepTime > 0.0) {
+    status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
+  } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
+    status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
+  } else if (snapshot.layers && snapshot.layers->blocked > 0) {
+    status.summary(DiagnosticStatus::WARN, "layers of cloth keep held particles from following");
+  } else if (!snapshot.warnings.empty()) {
+    status.summary(DiagnosticStatus::WARN, joinTexts(snapshot.warnings));
+  } else {
+    status.summary(DiagnosticStatus::OK, "running");
+  }
+}
+
 }  // namespace
 
 Publishers::Publishers(ros::NodeHandle& node, ros::NodeHandle& privateNode,
@@ -360,27 +383,11 @@ void Publishers::diagnoseTrackers(diagnostic_updater::DiagnosticStatusWrapper& s
 }
 
 void Publishers::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
-  using diagnostic_msgs::DiagnosticStatus;
   const Snapshot& snapshot = *diagnosed_.snapshot;
   const Figures& figures = *diagnosed_.whole->figures;
-  const double asked = diagnosed_.realTimeFactorAsked;
-  if (snapshot.failed) {
-    status.summary(DiagnosticStatus::ERROR, "failed: " + snapshot.failure);
-  } else if (diagnosed_.paused) {
-    status.summary(DiagnosticStatus::OK, "paused");
-  } else if (diagnosed_.realTimeFactor < kSlowFraction * asked && diagnosed_.stepTime > 0.0) {
-    status.summary(DiagnosticStatus::WARN, "slower than the pace asked for");
-  } else if (snapshot.guard.redone > 0 && snapshot.time - snapshot.guard.lastRedone < kRecent) {
-    status.summary(DiagnosticStatus::WARN, "steps had to be redone with more substeps");
-  } else if (snapshot.layers && snapshot.layers->blocked > 0) {
-    status.summary(DiagnosticStatus::WARN, "layers of cloth keep held particles from following");
-  } else if (!snapshot.warnings.empty()) {
-    status.summary(DiagnosticStatus::WARN, joinTexts(snapshot.warnings));
-  } else {
-    status.summary(DiagnosticStatus::OK, "running");
-  }
+  summarise(diagnosed_, status);
   status.add("real-time factor", diagnosed_.realTimeFactor);
-  status.add("real-time factor asked for", asked);
+  status.add("real-time factor asked for", diagnosed_.realTimeFactorAsked);
   status.add("step time [s]", diagnosed_.stepTime);
   status.add("CPU time of steps [s]", diagnosed_.stepCpuTime);
   status.add("simulated time [s]", snapshot.time);

@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-/// How long a link may be unknown to tf at the start, until a warning names it [s].
+/// Time for which tf may lack a link at the start, until a warning names it [s].
 constexpr double kFirstSight = 5.0;
 /// Period at which a reset of the simulation is looked for [s].
 constexpr double kResetPeriod = 0.1;

@@ -57,9 +57,22 @@ ClothDisplay::ClothDisplay() {
     reset();
     subscribe();
   });
-  const auto restyle = [this](rviz::Property* property) {
-    connect(property, &rviz::Property::changed, this, [this] { applyStyle(); });
-  };
+  addSurfaceProperties();
+  showContacts_ = new rviz::BoolProperty(
+      "Contacts", false, "Show where layers of cloth carry load, in the colour of the force.",
+      this);
+  contactLength_ =
+      new rviz::FloatProperty("Length", static_cast<float>(2.0 * kContactReach),
+                              "Length of the line across the layers [m].", showContacts_);
+  contactLength_->setMin(0.0f);
+  framesScene_ = new rviz::BoolProperty(
+      "Frame Scene", false, "Move the camera to show the whole scene when a node begins with it.",
+      this);
+  connect(framesScene_, &rviz::Property::changed, this, [this] { subscribeFraming(); });
+  connect(showContacts_, &rviz::Property::changed, this, [this] { subscribeContacts(); });
+}
+
+void ClothDisplay::addSurfaceProperties() {
   mode_ = new rviz::EnumProperty("Style", "Surface", "Parts of the cloth that are drawn.", this);
   mode_->addOption("Surface", kSurface);
   mode_->addOption("Surface and wireframe", kSurfaceAndWireframe);
@@ -82,22 +95,10 @@ ClothDisplay::ClothDisplay() {
   tornWidth_ = new rviz::FloatProperty("Torn Width", 0.005f,
                                        "Width of the edges made by tears and cuts [m].", this);
   tornWidth_->setMin(0.0f);
-  showContacts_ = new rviz::BoolProperty(
-      "Contacts", false, "Show where layers of cloth carry load, in the colour of the force.",
-      this);
-  contactLength_ =
-      new rviz::FloatProperty("Length", static_cast<float>(2.0 * kContactReach),
-                              "Length of the line across the layers [m].", showContacts_);
-  contactLength_->setMin(0.0f);
-  framesScene_ = new rviz::BoolProperty(
-      "Frame Scene", false, "Move the camera to show the whole scene when a node begins with it.",
-      this);
-  connect(framesScene_, &rviz::Property::changed, this, [this] { subscribeFraming(); });
-  connect(showContacts_, &rviz::Property::changed, this, [this] { subscribeContacts(); });
   for (rviz::Property* property : std::initializer_list<rviz::Property*>{
            mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
            wireColour_, tornColour_, tornWidth_}) {
-    restyle(property);
+    connect(property, &rviz::Property::changed, this, [this] { applyStyle(); });
   }
 }
 

@@ -63,6 +63,7 @@ class ClothDisplay : public rviz::Display {
   void subscribeFraming();
   void frameScene();
   bool placeInScene(const std::string& frame);
+  void addSurfaceProperties();
   void applyStyle();
   SurfaceStyle style() const;
   SurfaceParts parts() const;

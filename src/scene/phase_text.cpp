@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "cloth_sim/scene/phase_script.h"
-#include "scene/scene_node.h"
+#include "support/short_number.h"
 
 namespace cloth_sim {
 

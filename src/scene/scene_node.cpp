@@ -255,11 +255,4 @@ void SceneNode::read(const std::string& name, Vec2& out, const Range& range) con
   if (const auto node = find(name)) out = node->vector<2>(range);
 }
 
-std::string shortNumber(double value) {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream << value;
-  return stream.str();
-}
-
 }  // namespace cloth_sim

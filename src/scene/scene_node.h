@@ -10,6 +10,7 @@
 
 #include "cloth_sim/types.h"
 #include "names.h"
+#include "support/short_number.h"
 #include "yaml_tree.h"
 
 namespace cloth_sim {
@@ -118,8 +119,5 @@ class SceneNode {
   std::string path_;
   std::string file_;
 };
-
-/// Formats a number for messages, such as "0.12".
-std::string shortNumber(double value);
 
 }  // namespace cloth_sim

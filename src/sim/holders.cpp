@@ -4,6 +4,8 @@
 #include <numeric>
 #include <utility>
 
+#include "clamp/find_clamp.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -46,15 +48,11 @@ Holders::Holders(std::vector<KinematicTarget> pins, const std::vector<ClampSpec>
     : pins_(std::move(pins)), clamps_(clamps.begin(), clamps.end()) {}
 
 Clamp* Holders::find(const std::string& clamp) {
-  const auto named = [&](const Clamp& it) { return it.spec().name == clamp; };
-  const auto found = std::find_if(clamps_.begin(), clamps_.end(), named);
-  return found != clamps_.end() ? &*found : nullptr;
+  return findClamp(clamps_, clamp);
 }
 
 std::vector<std::string> Holders::clampNames() const {
-  std::vector<std::string> names;
-  for (const Clamp& clamp : clamps_) names.push_back(clamp.spec().name);
-  return names;
+  return namesOf(clamps_);
 }
 
 void Holders::add(const ClampSpec& spec, const Model& model) {

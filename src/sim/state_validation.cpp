@@ -16,7 +16,7 @@ constexpr double kFastest = 1e5;     ///< of a particle: ten times what ends a s
 constexpr double kMostCurved = 1e9;  ///< where a slider of bending friction is [1/m]
 constexpr double kRounding = 1e-6;   ///< of sums of masses [-]
 constexpr std::size_t kLongestText = 1000;
-/// How far material coordinates may be outside of those of the undamaged cloth, over its size.
+/// Largest distance of material coordinates from those of the undamaged cloth, over its size [-].
 constexpr double kOutside = 1e-6;
 
 bool isVertexOf(const Model& model, VertexId v) { return v >= 0 && v < model.particleCount(); }

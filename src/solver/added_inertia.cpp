@@ -42,7 +42,7 @@ struct AddedInertia::Kernel {
   static constexpr double kStill = 1e-3;
   /// Time in which added inertia fades by a factor of e when it is no longer needed [s].
   static constexpr double kMemory = 0.0275;
-  /// As `kTolerance` and `kMost`, while motion is declared to be quasi-static.
+  /// The values of `kTolerance` and `kMost` while motion is declared to be quasi-static.
   static constexpr double kQuasiStaticTolerance = 0.002;
   static constexpr double kQuasiStaticMost = 1e4;
   /// Time over which inertia is averaged then [s].

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "contact_warm_start.h"
+#include "constraints/contact_warm_start.h"
 #include "linalg/bend_matrix.h"
 #include "linalg/updatable_factor.h"
 #include "linalg/vector_operations.h"

@@ -1,8 +1,8 @@
 #pragma once
 /// \file The substep context: the cloth's arrays, prescribed motion, loads and contacts.
 
+#include "constraints/kinematic_particles.h"
 #include "constraints/spring_constraints.h"
-#include "kinematic_particles.h"
 
 namespace cloth_sim {
 

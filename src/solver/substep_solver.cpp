@@ -87,7 +87,7 @@ SubstepSolver::Division SubstepSolver::divide(const StepLength& length) const {
   const double left = 1.0 - length.done;
   const int wanted = method_->substepsOfStep(length.dt, substeps_);
   const int substeps = stepCount(left * wanted * length.substepFactor);
-  // If substeps are as long as those of a whole step, then to the bit: matrices depend on h.
+  // Substeps as long as those of a whole step have the same h to the bit: matrices depend on it.
   const double all = std::round(substeps / left);
   const bool isAsLong = std::abs(all * left - substeps) < kRounding;
   return {length.left(), substeps, isAsLong ? length.dt / all : length.left() / substeps};

@@ -73,6 +73,17 @@ using FloatHalf = float __attribute__((vector_size(16), aligned(4), may_alias));
 [[gnu::always_inline]] inline FloatHalf highHalf(const FloatLanes& of) {
   return __builtin_shufflevector(of, of, 4, 5, 6, 7);
 }
+/// Transposes the 4 x 4 matrix whose rows are a, b, c and d.
+[[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+  const Lanes ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Lanes cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+  const Lanes cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab02, cd02, 0, 1, 4, 5);
+  b = __builtin_shufflevector(ab13, cd13, 0, 1, 4, 5);
+  c = __builtin_shufflevector(ab02, cd02, 2, 3, 6, 7);
+  d = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
+}
 /// Transposes the two 4 x 4 matrices whose rows are the halves of a, b, c and d.
 [[gnu::always_inline]] inline void transposeHalves(FloatLanes& a, FloatLanes& b, FloatLanes& c,
                                                    FloatLanes& d) {
@@ -96,6 +107,13 @@ using FloatHalf = float __attribute__((vector_size(16), aligned(4), may_alias));
 }
 [[gnu::always_inline]] inline FloatHalf highHalf(const FloatLanes& of) {
   return FloatHalf{of[4], of[5], of[6], of[7]};
+}
+[[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes p = a, q = b, r = c, s = d;
+  a = Lanes{p[0], q[0], r[0], s[0]};
+  b = Lanes{p[1], q[1], r[1], s[1]};
+  c = Lanes{p[2], q[2], r[2], s[2]};
+  d = Lanes{p[3], q[3], r[3], s[3]};
 }
 [[gnu::always_inline]] inline void transposeHalves(FloatLanes& a, FloatLanes& b, FloatLanes& c,
                                                    FloatLanes& d) {

@@ -67,7 +67,7 @@ VertexData<Vec3> inMaterialPlane(const TriangleMesh& mesh) {
 }
 
 double sideOf(const MaterialPath& path, const Vec2& point) {
-  // Beyond a corner, two segments are equally near. Then the one whose line is farther decides.
+  // Two segments are equally near beyond a corner. Then the one whose line is farther decides.
   double nearest = std::numeric_limits<double>::infinity();
   double side = 0.0;
   for (std::size_t k = 0; k + 1 < path.size(); ++k) {

@@ -3,65 +3,27 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <iostream>
 #include <optional>
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
-#include "cloth_sim/sim/fabric_list.h"
 #include "cloth_sim/sim/real_time.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
 #include "cloth_sim/threads/thread_limit.h"
-#include "number_option.h"
-#include "ros/bag_writer.h"
+#include "end_of_run.h"
 #include "ros/recording.h"
 #include "ros/scene_path.h"
-#include "status_line.h"
+#include "run_options.h"
+#include "run_progress.h"
+#include "run_recorder.h"
 #include "support/input_file.h"
 #include "support/output_file.h"
 
 namespace cloth_sim {
 namespace {
-
-enum ExitCode {
-  kDone = 0,
-  kOutputLost = 1,
-  kBadInput = 2,
-  kFailed = 3,
-  kDiffers = 4,
-  kSignalBase = 128
-};
-
-constexpr double kDefaultDuration = 10.0;  ///< of a scene without an end of its own [s]
-constexpr double kLinePeriod = 10.0;       ///< between two lines in a log, wall time [s]
-
-struct Options {
-  std::string scene;
-  std::vector<std::string> overrides;
-  std::optional<double> duration;  ///< [s]
-  std::optional<std::string> bag;
-  bool compactBag = false;
-  double bagRate = 30.0;                    ///< of simulated time [Hz]
-  std::optional<std::uint64_t> frameEvery;  ///< steps from frame to frame, instead of the rate
-  std::optional<std::string> summary;
-  std::optional<std::string> loadState;
-  std::optional<std::string> saveState;
-  std::optional<std::string> replay;
-  int threads = 0;         ///< 0: one per processor
-  bool calibrate = false;  ///< measure again what `solver.budget: real_time` means
-  bool fabrics = false;    ///< print the built-in fabrics and do nothing else
-};
-
-/// A wrong command line or scene, or an output that cannot be written.
-class BadInput : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 volatile std::sig_atomic_t caughtSignal = 0;
 StopFlag isStopped{false};  ///< set by a signal: the step under way ends early
@@ -102,229 +64,6 @@ void stopListening() {
   setDeadline(0);
 }
 
-/// Adds the options of the command line, whose values go to `options`.
-void addOptions(CLI::App& app, Options& options) {
-  auto* scene = app.add_option("SCENE", options.scene,
-                               "scene file, or the name of one of the package's config/scenes");
-  auto* overrides = app.add_option("--set", options.overrides,
-                                   "override of the scene, dotted.key=value (may be given again)")
-                        ->allow_extra_args(false);
-  auto* duration =
-      app.add_option("--duration", options.duration,
-                     "simulated time to run [s] (default: until the phases end; 10 without phases)")
-          ->check(numberIn(0.0, 1e6));
-  auto* bag = app.add_option("--bag", options.bag, "rosbag to write");
-  auto* rate =
-      app.add_option("--bag-rate", options.bagRate, "frames in the bag per simulated second [Hz]")
-          ->capture_default_str()
-          ->check(numberIn(0.1, 1000.0));
-  app.add_option("--frame-every", options.frameEvery,
-                 "steps from one frame in the bag to the next, instead of --bag-rate")
-      ->needs(bag)
-      ->excludes(rate)
-      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1000000000}));
-  app.add_flag("--compact-bag", options.compactBag,
-               "frames in steps of 0.1 mm, and the bag compressed: a sixth of the size\n"
-               "(~compact_frame instead of ~frame)")
-      ->needs(bag);
-  app.add_option("--summary", options.summary, "JSON summary to write; - for standard output");
-  auto* load =
-      app.add_option("--load-state", options.loadState, "saved state of this scene to go on from");
-  app.add_option("--save-state", options.saveState, "file for the state at the end");
-  auto* replayed =
-      app.add_option("--replay", options.replay,
-                     "bag of the node or of cloth_run: its scene, with its commands, once more; "
-                     "exit\nstatus 4 unless it leads to the recorded states, to the bit")
-          ->excludes(scene)
-          ->excludes(overrides)
-          ->excludes(duration)
-          ->excludes(load);
-  app.add_option("--threads", options.threads, "0: one per processor")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
-  app.add_flag("--calibrate", options.calibrate,
-               "measure the cost of a step again, for a scene with solver.budget real_time")
-      ->excludes(replayed);
-  app.add_flag("--fabrics", options.fabrics,
-               "print the built-in fabrics as JSON, with source and spread of each value, and end");
-  app.footer(
-      "Exit status: 0 done; 2 bad input; 3 the simulation failed, and the summary says how;\n"
-      "4 a replay came to other states than the recorded ones;\n"
-      "1 the disk did not take the output; 128 + signal number if it was interrupted.");
-}
-
-/// Parses the command line. \return an exit code if the program ends here.
-std::optional<int> parse(int argc, char** argv, Options& options) {
-  CLI::App app("Runs a cloth_sim scene headless, without a ROS master, as fast as it can.",
-               "cloth_run");
-  addOptions(app, options);
-  try {
-    app.parse(argc, argv);
-    if (options.fabrics) {
-      std::cout << fabricListJson() << std::endl;
-      return kDone;
-    }
-    if (options.scene.empty() && !options.replay) throw CLI::RequiredError("SCENE");
-  } catch (const CLI::CallForHelp& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    throw BadInput(std::string(error.what()) + " (see cloth_run --help)");
-  }
-  return std::nullopt;
-}
-
-/// Shows how far a run has come.
-class Progress {
- public:
-  explicit Progress(std::optional<double> duration) : duration_(duration) {}
-
-  /// Returns the time since the start [s].
-  double wallTime() const { return line_.wallTime(); }
-
-  void update(const Simulation& simulation) {
-    const std::string phase = phaseOf(simulation);
-    if (phase == shownPhase_ && !line_.isDue()) return;
-    shownPhase_ = phase;
-    show(simulation);
-  }
-
-  void finish(const Simulation& simulation) {
-    show(simulation);
-    line_.keep();
-  }
-
-  static std::string phaseOf(const Simulation& simulation) {
-    const auto& history = simulation.script().history();
-    return history.empty() ? "" : history.back().name;
-  }
-
- private:
-  void show(const Simulation& simulation) {
-    const std::string phase = phaseOf(simulation);
-    const double wall = wallTime();
-    char text[200];
-    std::snprintf(text, sizeof(text),
-                  "%-10s t %6.2f s  real-time factor %5.2f  broken %d  pieces %d",
-                  phase.empty() ? "-" : phase.c_str(), simulation.time(),
-                  wall > 0.0 ? simulation.time() / wall : 0.0, simulation.broken().total,
-                  simulation.pieces());
-    line_.show(fractionDone(simulation), text);
-  }
-
-  /// Returns the fraction of the time, or of the phases if the run has no duration.
-  double fractionDone(const Simulation& simulation) const {
-    if (duration_) return *duration_ > 0.0 ? simulation.time() / *duration_ : 1.0;
-    const PhaseScript& script = simulation.script();
-    if (script.status() == ScriptStatus::kDone) return 1.0;
-    if (script.history().empty()) return 0.0;
-    return (static_cast<double>(script.history().size()) - 1.0) /
-           static_cast<double>(simulation.scene().phases.size());
-  }
-
-  std::optional<double> duration_;
-  StatusLine line_{kLinePeriod};
-  std::string shownPhase_;
-};
-
-/// Writes frames to a bag, at their rate or every few steps, and at every change of phase.
-class Recorder {
- public:
-  Recorder(const Options& options, const std::string& scene)
-      : writer_(*options.bag, scene,
-                options.compactBag ? FrameFormat::kCompact : FrameFormat::kFull),
-        every_(options.frameEvery),
-        period_(1.0 / options.bagRate) {}
-
-  void update(Simulation& simulation, double wallTime) {
-    append(simulation.takeEvents(), events_);
-    append(simulation.takeGripEvents(), grips_);
-    if (written_ == simulation.stepCount()) return;  // the step was stopped
-    const std::string phase = Progress::phaseOf(simulation);
-    if (!isDue(simulation) && phase == phase_) return;
-    phase_ = phase;
-    write(simulation, wallTime);
-  }
-
-  void note(const CommandRecord& command) { writer_.write(command); }
-
-  void finish(Simulation& simulation, double wallTime) {
-    const bool told = events_.empty() && grips_.empty();
-    if (written_ != simulation.stepCount() || !told) write(simulation, wallTime);
-    writer_.close();
-  }
-
- private:
-  /// Tells whether it is time for a frame. \post the next one is due later.
-  bool isDue(const Simulation& simulation) {
-    if (every_) return simulation.stepCount() % *every_ == 0;
-    const double half = 0.5 * simulation.scene().solver.dt;
-    if (simulation.time() + half < next_) return false;
-    while (next_ <= simulation.time() + half) next_ += period_;
-    return true;
-  }
-
-  void write(Simulation& simulation, double wallTime) {
-    Observation observation;
-    observation.whole = observation.snapshot = simulation.snapshot();
-    observation.phases = simulation.script().history();
-    const auto steps = static_cast<double>(simulation.stepCount());
-    observation.realTimeFactor = wallTime > 0.0 ? simulation.time() / wallTime : 0.0;
-    observation.stepTime = steps > 0.0 ? wallTime / steps : 0.0;
-    writer_.write(observation, events_, grips_);
-    events_.clear();
-    grips_.clear();
-    written_ = simulation.stepCount();
-  }
-
-  template <typename Event>
-  static void append(const std::vector<Event>& more, std::vector<Event>& events) {
-    events.insert(events.end(), more.begin(), more.end());
-  }
-
-  BagWriter writer_;
-  std::optional<std::uint64_t> every_;  ///< steps; absent: `period_` counts
-  double period_;                       ///< [s]
-  double next_ = 0.0;                   ///< simulated time of the next frame [s]
-  std::string phase_;
-  std::vector<FailureEvent> events_;
-  std::vector<GripEvent> grips_;
-  std::optional<std::uint64_t> written_;  ///< step of the last frame
-};
-
-/// Decides when a run is over.
-class EndOfRun {
- public:
-  /// \param start  simulated time at which the run begins [s].
-  EndOfRun(std::optional<double> duration, double start) {
-    if (duration) end_ = start + *duration;
-  }
-
-  bool reached(const Simulation& simulation) {
-    const PhaseScript& script = simulation.script();
-    if (caughtSignal != 0 || simulation.failed()) return true;
-    if (script.status() == ScriptStatus::kFailed) return true;
-    if (end_) return passed(simulation, *end_);
-    if (script.status() == ScriptStatus::kDone) return true;
-    if (script.status() == ScriptStatus::kIdle && !simulation.scene().phases.empty()) return false;
-    return isEndless(script) && passed(simulation, phaseStart(script) + kDefaultDuration);
-  }
-
- private:
-  static bool passed(const Simulation& simulation, double time) {
-    return simulation.time() >= time - 0.5 * simulation.scene().solver.dt;
-  }
-  /// Tells whether there is no script, or a phase that only a command ends.
-  static bool isEndless(const PhaseScript& script) {
-    const PhaseSpec* phase = script.current();
-    return phase == nullptr || (phase->until.none() && !phase->timeout);
-  }
-  static double phaseStart(const PhaseScript& script) {
-    return script.history().empty() ? 0.0 : script.history().back().start;
-  }
-
-  std::optional<double> end_;  ///< [s]
-};
-
 /// Finds out before a long run whether an output can be written.
 /// \param file  null if the user named none.
 std::optional<OutputFile> placeFor(const std::optional<std::string>& file) {
@@ -348,7 +87,7 @@ int report(const Options& options, const Simulation& simulation) {
     return kFailed;
   }
   if (simulation.script().status() == ScriptStatus::kFailed) {
-    std::cerr << "cloth_run: " << options.scene << ": phase " << Progress::phaseOf(simulation)
+    std::cerr << "cloth_run: " << options.scene << ": phase " << phaseOf(simulation)
               << " ran into its time-out" << std::endl;
     return kFailed;
   }
@@ -480,7 +219,7 @@ class Run {
       outcome = replay(*recording_, *simulation_, afterStep);
     } else {
       EndOfRun end(options_.duration, simulation_->time());
-      while (!end.reached(*simulation_)) {
+      while (caughtSignal == 0 && !end.reached(*simulation_)) {
         simulation_->step();
         afterStep();
       }

@@ -113,7 +113,7 @@ class BagTest(ServiceTest):
         self.accepted('cut', self.stroke())
         self.move_and_step(30)
         end = self.state()
-        # It is sent once a second while nothing changes: who has the second has the first.
+        # The state is sent once a second while nothing changes: with the second, the first came.
         wait_until(lambda: sum(s.state_hash == end.state_hash for s in states.messages) > 1,
                    'the last state')
         recording.stop()

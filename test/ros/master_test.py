@@ -102,7 +102,7 @@ class MasterTest(unittest.TestCase):
         self.assertEqual(self.known(), {})
         wait_until(lambda: set(self.known()) >= set(before), 'all names')
         self.assertEqual({name: self.known()[name] for name in before}, before)
-        # And who comes now is served: a service, a topic out of the node, a topic into it.
+        # Clients that come now are served: a service, a topic out of the node, a topic into it.
         self.call('step', '3')
         echo = subprocess.run(['rostopic', 'echo', '-n', '1', '/cloth/state/step'], text=True,
                               capture_output=True, env=self.environment, timeout=30)

@@ -89,8 +89,8 @@ TEST(Seam, AlongEdgesAndThroughVerticesTearsThroughToo) {
 }
 
 TEST(Seam, PastACornerNearerThanTheShortestEdgeBendsToIt) {
-  // It meets the borders 2 mm from two corners, where the shortest edge is 2.5 mm, and corners
-  // stay.
+  // The seam meets the borders 2 mm from two corners, where the shortest edge is 2.5 mm, and
+  // corners stay.
   const MaterialPath seam{{1.098, -0.1}, {-0.1, 1.098}};
   const Model model = tearThrough(squareSpec(21), seam);
   EXPECT_EQ(validationError(model.mesh), "");

@@ -60,7 +60,7 @@ class TearingRunTest(ScratchTest):
         self.assertEqual(len(events), summary['broken']['total'])
         structural = [event for event in events if event.kind == TearEvent.STRUCTURAL]
         self.assertEqual(len(structural), summary['broken']['structural'])
-        # It runs between columns 63 and 64, and each row has one structural spring across it.
+        # The tear runs between columns 63 and 64, and each row has one structural spring across it.
         for event in structural:
             self.assertAlmostEqual(event.material[0], 0.5, delta=1e-9)
         self.assertEqual(sorted(round(event.material[1] * 127) for event in structural),

@@ -1,4 +1,4 @@
-#include "solver/contact_warm_start.h"
+#include "constraints/contact_warm_start.h"
 
 #include <gtest/gtest.h>
 

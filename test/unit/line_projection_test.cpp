@@ -17,21 +17,21 @@ using namespace testing_support;
 
 constexpr double kStep = 1.0 / 1200.0;  // [s]
 
-/// The springs of one lane of a batch, in their order, with the slots of their particles.
-struct LineOfBatch {
+/// The springs of one lane of a block, in their order, with the slots of their particles.
+struct LineOfBlock {
   std::vector<std::int32_t> springs, slots;
 };
 
-std::vector<LineOfBatch> linesOf(const SpringLines& lines, const SpringLines::Batch& batch) {
-  std::vector<LineOfBatch> result;
+std::vector<LineOfBlock> linesOf(const SpringLines& lines, const SpringLines::SimdBlock& block) {
+  std::vector<LineOfBlock> result;
   for (std::size_t lane = 0; lane < SpringLines::kWidth; ++lane) {
-    LineOfBatch line;
-    for (std::int32_t s = 0; s < batch.steps; ++s) {
-      const std::int32_t spring = lines.springs()[batch.firstStep + s][lane];
+    LineOfBlock line;
+    for (std::int32_t s = 0; s < block.steps; ++s) {
+      const std::int32_t spring = lines.springs()[block.firstStep + s][lane];
       if (spring == kNone) break;
-      if (s == 0) line.slots.push_back(lines.slots()[batch.firstPlace][lane]);
+      if (s == 0) line.slots.push_back(lines.slots()[block.firstPlace][lane]);
       line.springs.push_back(spring);
-      line.slots.push_back(lines.slots()[batch.firstPlace + s + 1][lane]);
+      line.slots.push_back(lines.slots()[block.firstPlace + s + 1][lane]);
     }
     if (!line.springs.empty()) result.push_back(line);
   }
@@ -41,9 +41,9 @@ std::vector<LineOfBatch> linesOf(const SpringLines& lines, const SpringLines::Ba
 template <typename Visit>
 void forColours(const SpringLines& lines, const Visit& visit) {
   for (const SpringLines::Colour& colour : lines.colours()) {
-    std::vector<LineOfBatch> all;
-    for (std::int32_t b = colour.firstBatch; b < colour.endBatch; ++b) {
-      for (const LineOfBatch& line : linesOf(lines, lines.batches()[b])) all.push_back(line);
+    std::vector<LineOfBlock> all;
+    for (std::int32_t b = colour.firstBlock; b < colour.endBlock; ++b) {
+      for (const LineOfBlock& line : linesOf(lines, lines.blocks()[b])) all.push_back(line);
     }
     visit(colour, all);
   }
@@ -52,11 +52,11 @@ void forColours(const SpringLines& lines, const Visit& visit) {
 /// Checks that lines hold every spring once, join its ends, and share no particle within a colour.
 void expectHoldsEverySpringOnce(const Scheduled& cloth, const SpringLines& lines) {
   std::multiset<std::int32_t> seen;
-  forColours(lines, [&](const SpringLines::Colour& colour, const std::vector<LineOfBatch>& all) {
+  forColours(lines, [&](const SpringLines::Colour& colour, const std::vector<LineOfBlock>& all) {
     std::set<std::int32_t> particles;
     std::size_t places = 0;
     std::int32_t springs = 0;
-    for (const LineOfBatch& line : all) {
+    for (const LineOfBlock& line : all) {
       for (std::size_t s = 0; s < line.springs.size(); ++s) {
         const Spring spring = cloth.model.springs[line.springs[s]];
         const std::set<std::int32_t> ends{cloth.particles.slotOf[spring.a],
@@ -82,9 +82,9 @@ TEST(SpringLines, OfAGridAreItsRowsColumnsAndDiagonals) {
   expectHoldsEverySpringOnce(cloth, lines);
   ASSERT_EQ(lines.colours().size(), 6U);  // two directions for each of three kinds
   std::vector<std::set<std::size_t>> lengths;
-  forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBatch>& all) {
+  forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBlock>& all) {
     std::set<std::size_t> of;
-    for (const LineOfBatch& line : all) of.insert(line.springs.size());
+    for (const LineOfBlock& line : all) of.insert(line.springs.size());
     lengths.push_back(of);
   });
   // Structural springs come last: nine columns of six springs, seven rows of eight.
@@ -106,7 +106,7 @@ TEST(SpringLines, HoldEverySpringOnceAfterCutsAndRefinement) {
 
 /// Solves the system of line_projection.h for one line, and moves its particles.
 /// \param bendInterval  substeps whose impulse a bend spring gives at once.
-void projectDensely(const Scheduled& cloth, const LineOfBatch& line, const ScalarArray& w,
+void projectDensely(const Scheduled& cloth, const LineOfBlock& line, const ScalarArray& w,
                     int bendInterval, Particles& p) {
   const auto n = static_cast<Eigen::Index>(line.springs.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
@@ -165,8 +165,8 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   projection.prepare(lines, cloth.model.springs);
   projection.setStep(kStep);
   EXPECT_EQ(projection.bendInterval(), 2);
-  forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBatch>& all) {
-    for (const LineOfBatch& line : all) {
+  forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBlock>& all) {
+    for (const LineOfBlock& line : all) {
       projectDensely(cloth, line, w, projection.bendInterval(), expected);
     }
   });
@@ -190,7 +190,7 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   // Well-conditioned systems of at most a dozen unknowns, in single precision.
   EXPECT_LT(error, 5e-6 * largest);
   EXPECT_GT(largest, 1e-4);
-  // What particles gain, holders lose.
+  // The momentum of particles and holders together is conserved.
   EXPECT_LT((momentum + onHolders).norm(), 1e-6 * impulses);
 }
 

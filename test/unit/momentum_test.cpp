@@ -98,7 +98,7 @@ TEST(RestoreMomentum, OfRandomParticlesToRounding) {
 }
 
 TEST(RestoreMomentum, OfFlatOnesFarFromTheOrigin) {
-  // As the faces around an edit are: a few centimetres across, metres away.
+  // Points like those of the faces around an edit: a few centimetres across, metres away.
   Generator random(4);
   for (int trial = 0; trial < 200; ++trial) {
     Particles p(whole(random, 4, 12), random);

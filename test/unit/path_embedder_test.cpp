@@ -400,7 +400,7 @@ TEST(EmbedPath, InsideAFaceWithRoomIsExact) {
 }
 
 TEST(EmbedPath, KeepsTheAreaIfAnEndIsJustBesideTheBorder) {
-  // As far off as rounding of what made the point may leave it, and farther.
+  // Distances that rounding may leave between point and edge, and larger ones.
   for (double beside : {1e-16, 1e-13, 1e-12, 1e-11, 9e-11}) {
     for (double sign : {-1.0, 1.0}) {
       TriangleMesh mesh = makeGridMesh({11, 11, 1.0, 1.0});

@@ -52,7 +52,7 @@ TEST_F(Record, TheGreatestForceIsAtLeastTheWeight) {
   run(150);
   ASSERT_EQ(record_.peaks.size(), 1U);
   EXPECT_EQ(record_.peaks[0].clamp, "hand");
-  // What is grasped swings out under its weight, and pulls less than a fall of the whole would.
+  // The cloth swings out under its weight, and pulls less than if all of it fell.
   const double weight = 9.81 * record_.initialMass;
   EXPECT_GE(record_.peaks[0].force, weight);
   EXPECT_LT(record_.peaks[0].force, 5.0 * weight);

@@ -8,6 +8,7 @@ namespace {
 
 TEST(SimdOfOldCompilers, JoinsHalves) { expectHalvesAreJoined(); }
 TEST(SimdOfOldCompilers, TakesNumbersFromAnyPlace) { expectAnyPlaceWillDo(); }
+TEST(SimdOfOldCompilers, Transposes) { expectMatrixIsTransposed(); }
 TEST(SimdOfOldCompilers, TransposesHalves) { expectHalvesAreTransposed(); }
 
 }  // namespace

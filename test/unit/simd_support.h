@@ -1,6 +1,6 @@
 #pragma once
-/// \file What the shuffles of support/simd.h do, by index. Included by two files of tests, one for
-/// each way in which simd.h has them.
+/// \file Expectations of the shuffles of support/simd.h, by index. Included by two files of tests,
+/// one for each way in which simd.h has them.
 
 #include <gtest/gtest.h>
 
@@ -41,6 +41,21 @@ void expectAnyPlaceWillDo() {
   for (std::size_t k = 1; k < 5; ++k) {
     EXPECT_EQ(doubles[k], static_cast<double>(2 * k + 6));
     EXPECT_EQ(floats[k], static_cast<float>(2 * k + 6));
+  }
+}
+
+void expectMatrixIsTransposed() {
+  std::array<std::array<double, kLanes>, kLanes> before{};
+  Lanes rows[kLanes] = {};
+  for (int r = 0; r < kLanes; ++r) {
+    for (int c = 0; c < kLanes; ++c) {
+      before[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] = 10.0 * r + c;
+    }
+    rows[r] = lanesAt(before[static_cast<std::size_t>(r)].data());
+  }
+  transpose(rows[0], rows[1], rows[2], rows[3]);
+  for (int r = 0; r < kLanes; ++r) {
+    for (int c = 0; c < kLanes; ++c) EXPECT_EQ(rows[r][c], 10.0 * c + r);
   }
 }
 

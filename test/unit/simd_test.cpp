@@ -7,6 +7,7 @@ namespace {
 
 TEST(Simd, JoinsHalves) { expectHalvesAreJoined(); }
 TEST(Simd, TakesNumbersFromAnyPlace) { expectAnyPlaceWillDo(); }
+TEST(Simd, Transposes) { expectMatrixIsTransposed(); }
 TEST(Simd, TransposesHalves) { expectHalvesAreTransposed(); }
 
 }  // namespace

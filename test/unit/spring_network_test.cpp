@@ -195,7 +195,7 @@ INSTANTIATE_TEST_SUITE_P(All, PresetStiffness, testing::ValuesIn(fabricPresetNam
                          [](const auto& test) { return test.param; });
 
 TEST(SpringStiffness, BendSpringsAddNoTension) {
-  // What bend springs add in tension is taken from the structural ones. The bend springs of a row
+  // The tension of bend springs is taken from the structural ones. The bend springs of a row
   // of n stand for n - 2 of its n - 1 spacings, so a patch lacks C_b / (n - 1), where C_b =
   // 4 l^2 * 16 B / (l^4 theta^2), theta = 50 l (docs/model.md). Without shear the energy is exactly
   // quadratic, so only rounding remains: 1e-16 / e of a length, relative to e.
@@ -762,7 +762,7 @@ TEST(SpringNetworkClear, TheyStayAwayWhenTheSurfaceOpensNearby) {
       springs.applyChanges(mesh, changes);
       whole.applyChanges(mesh, changes);
       expectSupportsAgree(mesh, springs);
-      // What is there is what would be there otherwise, without what was cleared.
+      // The springs are those of a cloth without the key, except for those that were cleared.
       std::vector<Row> expected;
       for (const Spring& s : whole.slots()) {
         if (s.exists() && gone.count(kindAndEnds(mesh, s)) == 0) expected.push_back(rowOf(s));

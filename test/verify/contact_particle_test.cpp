@@ -265,7 +265,8 @@ TEST(ContactFriction, AMovingTableTakesTheParticleAlong) {
   const double h = 1.0 / 600.0;
   for (int k = 0; k < 600; ++k) substep(particle, contacts, h);
   EXPECT_NEAR(particle.v.x(), 0.5, 1e-10);
-  // It lags by what it slid until it was as fast, v^2 / (2 mu g), to the first order in h.
+  // The particle lags by what it slid until it was as fast, v^2 / (2 mu g), to the first order in
+  // h.
   EXPECT_NEAR(particle.x.x(), 0.5 - 0.25 / (2.0 * 0.3 * kGravity), 0.5 * h);
 }
 

@@ -1,5 +1,5 @@
 /// \file `projective` with one solve per frame on obstacles. Obstacles act after the solve; the
-/// load that they bore in the last substep takes part in it (src/solver/contact_warm_start.h).
+/// load that they bore in the last substep takes part in it (src/constraints/contact_warm_start.h).
 
 #include <gtest/gtest.h>
 

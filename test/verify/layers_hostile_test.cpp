@@ -118,7 +118,7 @@ TEST(HostileLayers, TheCertificateChangesLittleMomentum) {
 
 // ---- obstacles
 
-/// How deep particles are in an obstacle at most [m].
+/// Returns the largest depth of a particle in an obstacle [m].
 double deepestIn(const Simulation& simulation, const std::string& obstacle) {
   double deepest = 0.0;
   for (const Vec3& x : simulation.state().x) {
@@ -158,7 +158,7 @@ TEST_P(Shot, ThroughAHangingStackMakesNoIntersection) {
 }
 
 TEST(HostileLayers, ABallShotDownOntoAStackOnATableMakesNoIntersection) {
-  // It goes into the table with the cloth between, which no cloth can follow.
+  // The obstacle goes into the table with the cloth between, which no cloth can follow.
   Simulation simulation(parseScene(
       stackAt(0.0005, 3) +
           "drag: 0.5\nobstacles:\n  table: {type: board, size: [1, 1, 0.1], position: [0, 0, "

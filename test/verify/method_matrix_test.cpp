@@ -147,7 +147,7 @@ void stepOn(Simulation& simulation, int steps, double longest, Course& course) {
   course.reason = simulation.failure();
 }
 
-/// How a run takes over the state.
+/// The state that a run takes over: positions and velocities, or the memory of the method, too.
 enum class Memory { kNone, kOfMethod };
 
 Course runFrom(const std::string& state, const Scene& scene, Memory memory, int steps,

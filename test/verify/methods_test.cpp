@@ -221,7 +221,7 @@ TEST_P(Methods, TwoMassesOnASpringOscillate) {
   for (const double a : {0.05, 0.1, 0.2}) {
     const Advance measured = measureOscillator(info(), a);
     RecordProperty("phase_error_at_" + std::to_string(a), std::to_string(measured.phase / a - 1.0));
-    // What any consistent method of order one or more may do: a^2/2 in phase, a^2 in amplitude.
+    // A consistent method of order one or more keeps a^2/2 in phase, a^2 in amplitude.
     EXPECT_NEAR(measured.phase / a, 1.0, 0.5 * a * a);
     EXPECT_NEAR(measured.amplitude, 1.0, a * a);
     if (const auto predicted = predictedOscillator(GetParam(), a)) {

@@ -64,8 +64,8 @@ TEST_P(Oscillators, PhaseAndAmplitudeAfterAPeriod) {
 }
 
 TEST_P(Oscillators, ErrorScalesWithTheOrder) {
-  // Not at a whole period, where symplectic Euler happens to be of second order. The next term of
-  // the error is a part a = 0.03 of this one, with a factor of up to 2: 0.1 in the order.
+  // The time is no whole period, where symplectic Euler happens to be of second order. The next
+  // term of the error is a part a = 0.03 of this one, with a factor of up to 2: 0.1 in the order.
   if (!isConsistent(info())) GTEST_SKIP() << "its stiffness is not the spring's";
   const auto error = [&](int perPeriod) {
     const Phase end = swing(info(), perPeriod, perPeriod * 9 / 8);

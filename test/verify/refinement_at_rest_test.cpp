@@ -16,7 +16,7 @@ using namespace verify_support;
 constexpr int kClothSide = 65;       ///< particles of a side
 constexpr double kAfterwards = 0.5;  ///< [s]
 
-/// How a cloth is computed, and how finely it is refined.
+/// The method of a hanging cloth, and how finely it is refined.
 struct HangingRun {
   std::string method = "line_xpbd";
   SolverParameters parameters{{"substeps", 20.0}};

@@ -126,8 +126,8 @@ Vec3 meanForce(Simulation& simulation, double seconds) {
 }
 
 TEST_P(Resting, ATableBearsTheWeightOfTheClothOnIt) {
-  // Nothing moves, so only rounding is left: a particle's impulse is m dx / h, with dx to 1e-16 m
-  // over h^2 g = 1e-5 m.
+  // The cloth does not move, so only rounding is left: a particle's impulse is m dx / h, with dx to
+  // 1e-16 m over h^2 g = 1e-5 m.
   Scene scene = sceneOf(clothOf(5, 5, 0.05, sheet()), kDt);
   layOnTable(scene, 0.0);
   Simulation simulation(scene);
@@ -157,7 +157,7 @@ TEST_P(Resting, ATableBearsTheTorqueOfAClothBesideItsMiddle) {
 }
 
 TEST_P(Resting, ASphereBearsTheWeightOfTheClothDrapedOverIt) {
-  // What swings (at 10 rad/s or so, against a drag of 10/s) has died away as exp(-15) after 3 s; of
+  // Swinging (at 10 rad/s or so, against a drag of 10/s) has died away as exp(-15) after 3 s; of
   // what creeps on, the drag bears M v drag: 1e-3 of the weight at 1 mm/s. Methods that let the
   // drag act on a velocity that gravity has changed already lose up to drag h of the weight at
   // rest.

@@ -49,7 +49,7 @@ drag: 3.0
 )";
 
 TEST_P(Scenes, PinsBearTheWeightOfAHangingCloth) {
-  // What swings at first has died away as exp(-drag t / 2) = exp(-9) = 1e-4 of the weight.
+  // The first swing has died away as exp(-drag t / 2) = exp(-9) = 1e-4 of the weight.
   Simulation simulation = simulate(kHanging, {"cloth.pins=[corner_01, corner_11]"});
   run(simulation, 6.0);
   const double weight = totalMass(simulation.model()) * kGravity;

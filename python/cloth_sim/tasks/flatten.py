@@ -84,9 +84,9 @@ class Flatten(Task):
         places = {name: corners[u, v] for name, v in ends.items()}
         away = max(np.linalg.norm((script.target(name) - place)[:2])
                    for name, place in places.items())
-        share = min(1.0, away / FAR)
-        lift = np.array([0.0, 0.0, LIFT[0] + share * (LIFT[1] - LIFT[0])])
-        inwards = lift - (share * corners[u, 0][0], 0.0, 0.0)
+        fraction = min(1.0, away / FAR)
+        lift = np.array([0.0, 0.0, LIFT[0] + fraction * (LIFT[1] - LIFT[0])])
+        inwards = lift - (fraction * corners[u, 0][0], 0.0, 0.0)
         yield from script.move_by(lift, 0.2)
         yield from script.move({name: (place + inwards, None)
                                 for name, place in places.items()}, 0.2)

@@ -111,8 +111,8 @@ def carry_over(script, corners, way, level, distance):
     corners = {name: np.append(place[:2], LEVEL) for name, place in corners.items()}
     height = 0.26 * distance
 
-    def at(share, z, turn):
-        return {name: (place + share * distance * way + np.array([0.0, 0.0, z]), turn)
+    def at(fraction, z, turn):
+        return {name: (place + fraction * distance * way + np.array([0.0, 0.0, z]), turn)
                 for name, place in corners.items()}
 
     yield from script.move({name: (place + np.array([0.0, 0.0, 0.05]), level)

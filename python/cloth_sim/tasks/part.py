@@ -9,13 +9,13 @@ class Part(Task):
     """The cloth shall become two pieces along a straight line in the material.
 
     line: its first and last point [m], on two opposite sides
-    share: of the rest area that the smaller piece shall have
+    fraction: of the rest area that the smaller piece shall have
     worst: error of the edge at which the score is 0 [m]
     strongest: force on a clamp below which a success stays [N]
     """
 
     line = (0.0, 0.0), (0.0, 0.0)
-    share = worst = 0.0
+    fraction = worst = 0.0
     largest_error = smallest_coverage = 0.0
     strongest = np.inf
 
@@ -26,7 +26,7 @@ class Part(Task):
         along = (edge - begin) @ way / length
         aside = (edge - begin) @ np.array([-way[1], way[0]]) / length
         areas = measures.piece_areas(surface)
-        wanted = self.share * measures.rest_area(surface)
+        wanted = self.fraction * measures.rest_area(surface)
         return {'coverage': areas[1] / wanted if len(areas) > 1 else 0.0,
                 'edge_error_m': measures.rms(aside),
                 'parted': float(np.ptp(along) / length) if len(edge) else 0.0,
@@ -48,7 +48,7 @@ class TearSeam(Part):
     size = 0.2, 0.2
     clamps = 'left', 'right'
     time_limit = 10.0
-    line, share, worst = ((0.11, 0.0), (0.09, 0.2)), 0.5, 0.012
+    line, fraction, worst = ((0.11, 0.0), (0.09, 0.2)), 0.5, 0.012
     largest_error, smallest_coverage, strongest = 0.006, 0.9, 30.0
     room = (-0.25, -0.25, 0.0), (0.25, 0.2, 0.1)
 
@@ -76,7 +76,7 @@ class CutStrip(Part):
     size = 0.2, 0.12
     blade = -0.15, -0.1, 0.03
     time_limit = 8.0
-    line, share, worst = ((0.0, 0.02), (0.2, 0.02)), 1.0 / 6.0, 0.02
+    line, fraction, worst = ((0.0, 0.02), (0.2, 0.02)), 1.0 / 6.0, 0.02
     largest_error, smallest_coverage = 0.001, 0.95
     room = (-0.15, -0.12, 0.0), (0.15, 0.12, 0.05)
 

@@ -216,7 +216,7 @@ TEST_F(ClampJobsTest, ANewGoalACommandAndACancelTakeItsPlace) {
   ASSERT_EQ(ends_.size(), 3u);
   EXPECT_EQ(ends_[2].outcome, Outcome::kCancelled);
   step(60);
-  // It brakes from 0.2 m/s with 10 m/s^2.
+  // The clamp brakes from 0.2 m/s with 10 m/s^2.
   EXPECT_NEAR(way(), before + 0.002, 0.004);
   EXPECT_TRUE(hand().atTarget());
 }

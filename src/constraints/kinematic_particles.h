@@ -41,7 +41,7 @@ class KinematicParticles {
   void addImpulseAt(std::size_t slot, const Vec3& impulse) {
     if (targetOf_[slot] != kNone) addImpulse(targetOf_[slot], impulse);
   }
-  /// Impulses so far [N s], by target, and taking a substep's share of them back.
+  /// Impulses so far [N s], by target, and taking a substep's part of them back.
   const std::vector<Vec3>& impulses() const { return impulses_; }
   void setImpulses(const std::vector<Vec3>& impulses) { impulses_ = impulses; }
   /// Adds what forces [N], by slot, do to the targets in the time h [s].
