@@ -62,12 +62,14 @@ class AddedInertia {
       }
     }
   }
-  /// Finds the inverse inertia of each particle; 0 if it is held.
-  void findInverse(const Particles& p) {
+  /// Finds the inertia of each particle; 0 if it is held.
+  void find(const Particles& p) {
     inverse_ = p.inverseMass;
+    whole_ = p.mass;
     heavier_.clear();
     for (std::size_t k = 0; k < inverse_.size(); ++k) {
       if (inverse_[k] == 0.0 || inertia_[k] <= p.mass[k]) continue;
+      whole_[k] = inertia_[k];
       inverse_[k] = 1.0 / inertia_[k];
       heavier_.push_back(static_cast<std::int32_t>(k));
     }
@@ -123,8 +125,10 @@ class AddedInertia {
     }
     return largest;
   }
-  /// [1/kg], by particle slot.
+  /// [1/kg], by particle slot; 0: held.
   const ScalarArray& inverse() const { return inverse_; }
+  /// The inertia of all particles, those without added inertia too [kg], by slot; 0: held.
+  const ScalarArray& whole() const { return whole_; }
   /// Tells whether there is a value for each slot, or for fewer: those of new particles follow.
   bool fits(std::size_t slots) const {
     return inertia_.size() <= slots && velocity_.size() == inertia_.size() &&
@@ -158,6 +162,7 @@ class AddedInertia {
   std::vector<Vec3> acceleration_;  ///< by particle slot, averaged [m/s^2]
   std::vector<double> shortest_;    ///< by particle slot: rest length [m]
   ScalarArray inverse_;
+  ScalarArray whole_;
   std::vector<std::int32_t> heavier_;
 };
 
@@ -191,6 +196,7 @@ class LineXpbd final : public SubstepMethod {
   void keepFall(Substep& now) const;
   void bend(Substep& now);
   void projectLines(Substep& now);
+  void projectContacts(Substep& now);
   void updateInertia(const Substep& now);
   void passOnPull(Substep& now);
 
@@ -251,7 +257,7 @@ void LineXpbd::layOut(Substep& now) {
 
 void LineXpbd::advance(Substep& now) {
   if (now.controls.quasiStatic || substep_ == 0 || substep_ % kMeasureEvery == 1) {
-    inertia_.findInverse(now.particles);
+    inertia_.find(now.particles);
   }
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
@@ -259,7 +265,7 @@ void LineXpbd::advance(Substep& now) {
   bend(now);
   projectLines(now);
   passOnPull(now);
-  now.contacts.project(now.particles.view(), now.time, now.h);
+  projectContacts(now);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
 }
 
@@ -291,6 +297,14 @@ void LineXpbd::projectLines(Substep& now) {
   projection_.projectAndMeasure(lines_, inertia_.inverse(), bends_, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
   updateInertia(now);
+}
+
+/// Contacts move particles by their inertia, as lines and bending do: the two sides of a contact
+/// would be out of balance otherwise, and layers under tension would drive themselves.
+void LineXpbd::projectContacts(Substep& now) {
+  ParticleView view = now.particles.view();
+  view.mass = inertia_.whole().data();
+  now.contacts.project(view, now.time, now.h);
 }
 
 void LineXpbd::updateInertia(const Substep& now) {
