@@ -14,7 +14,7 @@ import math
 import os
 import sys
 
-from reality import MEASURED_DRAPE, at_least_energy
+from reality import MEASURED_DRAPE, at_least_energy, over_density
 from tables import ERRORS, is_peer, judged_by, read
 
 try:
@@ -424,12 +424,17 @@ def drape_chart(folder, drapes, rim):
     for k, fabric in enumerate(fabrics):
         panels[-1].axhline(MEASURED_DRAPE[fabric], color=COLOURS[k], linestyle='--',
                            label=f'{fabric}, measured')
-        for j, shows in enumerate(('density', 'shear', 'hysteresis', 'mesh')):
-            of = at_least_energy([row for row in drapes
-                                  if (row['fabric'], row['shows']) == (fabric, shows)])
-            panels[-1].plot(column(of, 'density'), column(of, 'coefficient'), linestyle='',
+        for j, (shows, line) in enumerate((('density', '-'), ('hysteresis', ':'))):
+            of = over_density(at_least_energy(drapes), fabric, shows)
+            panels[-1].plot(column(of, 'density'), column(of, 'coefficient'), linestyle=line,
                             marker=MARKERS[j], color=COLOURS[k], markersize=5,
-                            label=f'{fabric}, {shows}')
+                            label=fabric + (', with friction' if shows == 'hysteresis' else ''))
+        for j, shows in enumerate(('shear', 'mesh')):
+            of = [row for row in at_least_energy(drapes)
+                  if (row['fabric'], row['shows']) == (fabric, shows)]
+            panels[-1].plot(column(of, 'density'), column(of, 'coefficient'), linestyle='',
+                            marker=MARKERS[j + 2], color=COLOURS[k], markersize=5,
+                            label=f'{fabric}, other {shows}')
     panels[-1].set_xlabel('density [kg/m²]')
     panels[-1].set_ylabel('drape coefficient [%]')
     panels[-1].set_title('What it depends on')

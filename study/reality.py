@@ -19,6 +19,16 @@ def at_least_energy(rows):
     return list(best.values())
 
 
+def over_density(drapes, fabric, shows):
+    """Drapes of a fabric by density, ascending, without friction ('density') or with it
+    ('hysteresis'); the chosen density is among those of the meshes."""
+    rows = [row for row in drapes if (row['fabric'], row['shows']) == (fabric, shows)]
+    if shows == 'density' and rows:
+        rows += [row for row in drapes if (row['fabric'], row['shows']) == (fabric, 'mesh') and
+                 row['side'] == rows[0]['side'] and float(row['turn']) == 0.0]
+    return sorted(rows, key=lambda row: float(row['density']))
+
+
 def misfit(text, simulated, measured, most=FARTHEST):
     """The text, in bold if the simulated value is off by more than `most` of the measured one."""
     good = math.isfinite(simulated) and abs(simulated / measured - 1.0) <= most
@@ -89,18 +99,54 @@ class Reality:
         for fabric, measured in MEASURED_DRAPE.items():
             for row in self.of_drapes(fabric, shows):
                 value = float(row['coefficient'])
-                starts = [float(other['coefficient']) for other in self.drape
-                          if all(other[name] == row[name] for name in
-                                 ('fabric', 'shows', 'bending', 'density', 'shear', 'side', 'turn'))]
-                rubs = [f"{1e3 * float(row['hysteresis']):.4g}"] if shows == 'hysteresis' else []
-                rows.append([fabric, f"{1e6 * float(row['bending']):.4g}", *rubs, row['density'],
+                rows.append([fabric, f"{1e6 * float(row['bending']):.4g}", row['density'],
                              row['shear'], f"{1e3 * float(row['side']):g}", row['turn'],
                              f'{measured:.1f}', misfit(f'{value:.1f}', value, measured),
-                             row['folds'], f'{min(starts):.1f} to {max(starts):.1f}'])
-        rubs = ['2HB [mN]'] if shows == 'hysteresis' else []
-        return markdown_table(['fabric', 'B [µN m]', *rubs, 'ρ [kg/m²]', 'G [N/m]', 'triangles [mm]',
+                             row['folds'], self.starts_of(row)])
+        return markdown_table(['fabric', 'B [µN m]', 'ρ [kg/m²]', 'G [N/m]', 'triangles [mm]',
                                'turn', 'measured [%]', 'simulated [%]', 'folds', 'all starts [%]'],
                               rows)
+
+    def starts_of(self, row):
+        """Range of the drapes from all starts."""
+        starts = [float(other['coefficient']) for other in self.drape
+                  if all(other[name] == row[name] for name in
+                         ('fabric', 'shows', 'bending', 'density', 'shear', 'side', 'turn'))]
+        return f'{min(starts):.1f} to {max(starts):.1f}'
+
+    def over_density(self, fabric, shows):
+        return over_density(self.drapes, fabric, shows)
+
+    def density_table(self):
+        """The drape over the density, without and with the friction of the yarns."""
+        rows = []
+        for fabric, measured in MEASURED_DRAPE.items():
+            for pair in zip(self.over_density(fabric, 'density'),
+                            self.over_density(fabric, 'hysteresis')):
+                cells = []
+                for row in pair:
+                    value = float(row['coefficient'])
+                    cells += [misfit(f'{value:.1f}', value, measured), row['folds'],
+                              self.starts_of(row)]
+                rows.append([fabric, pair[0]['density'], f'{measured:.1f}'] + cells)
+        return markdown_table(['fabric', 'ρ [kg/m²]', 'measured [%]', 'simulated [%]', 'folds',
+                               'all starts [%]', 'with friction [%]', 'folds', 'all starts [%]'],
+                              rows)
+
+    def drape_at(self, fabric, shows, density):
+        [row] = [row for row in self.over_density(fabric, shows) if float(row['density']) == density]
+        return float(row['coefficient'])
+
+    def density_of(self, fabric, shows):
+        """The density at which the fabric drapes as measured, between two of the table [kg/m^2];
+        NaN if there is none."""
+        points = [(float(row['density']), float(row['coefficient']))
+                  for row in self.over_density(fabric, shows)]
+        measured = MEASURED_DRAPE[fabric]
+        for (light, above), (heavy, below) in zip(points, points[1:]):
+            if below <= measured <= above:
+                return light + (heavy - light) * (above - measured) / (above - below)
+        return math.nan
 
     # ---- fling
 

@@ -10,6 +10,10 @@ namespace {
 
 /// Distance that counts as apart [m]: far above round-off, far below the thickness of cloth.
 constexpr double kApart = 1e-8;
+/// Distance to which sliding parts two faces that are nearer [m], and from which on faces with a
+/// common corner stay where they are if it cannot: they would lose a part of what is left in each
+/// substep, until round-off hides the direction between them.
+constexpr double kLeast = 1e-7;
 /// Factor by which the corners of two faces with a common edge are farther apart than the edge is
 /// tilted.
 constexpr double kMostTilt = 4.0;
@@ -250,7 +254,8 @@ bool FacePairs::slide(Pair& pair, const Truncation& now) const {
   if (!(before.distance > 0.0)) return false;
   const std::vector<Vec3>& end = now.motion.end;
   const Vec3 n = endDirection(pair, before.direction, end);
-  const double keep = std::max(kKeepSliding * before.distance, std::min(before.distance, least_));
+  const double keep =
+      std::max({kKeepSliding * before.distance, std::min(before.distance, least_), kLeast});
   if (pair.shared == 0) {
     const double high = leastOf(pair.a, n, end);
     const double low = mostOf(pair.b, n, end);
@@ -294,17 +299,18 @@ double FacePairs::shareOf(const Pair& pair, const std::vector<double>& mass) {
 
 /// Shortens the motion of the vertices of a pair that would not stay apart. It stays apart from
 /// then on in this substep, however motion is shortened further. \return whether it was apart at
-/// the start; if not, its vertices stay.
+/// the start; if not, or hardly so at a common corner, its vertices stay.
 bool FacePairs::shorten(std::size_t k, const Truncation& now) {
   Pair& pair = pairs_[k];
   due_[k] = 0.0;
   const SeparatingDirection before = bestDirection(pair, now.motion.start);
   pair.direction = before.direction;
-  if (!(before.distance > 0.0)) {
+  const bool isApart = before.distance > 0.0;
+  if (!isApart || (pair.shared > 0 && before.distance < kLeast)) {
     for (const Face* face : {&pair.a, &pair.b}) {
       for (const VertexId v : *face) moveBack(v, 0.0, now);
     }
-    return false;
+    return isApart;
   }
   if (pair.shared > 0) {
     shortenAtShared(pair, before.distance, now);

@@ -83,13 +83,14 @@ struct AddedInertia::Kernel {
 
   /// \return number of particles with added inertia.
   CLOTH_SIM_VECTOR_CLONES
-  static std::int64_t invert(const double* inertia, const double* mass, const double* inverseMass,
-                             std::size_t count, double* inverse) {
+  static std::int64_t find(const double* added, const double* mass, const double* inverseMass,
+                           std::size_t count, double* whole, double* inverse) {
     std::int64_t heavier = 0;
     CLOTH_SIM_NO_ALIAS_LOOP
     for (std::size_t k = 0; k < count; ++k) {
-      const bool isHeavier = inverseMass[k] != 0.0 && inertia[k] > mass[k];
-      inverse[k] = isHeavier ? 1.0 / inertia[k] : inverseMass[k];
+      const bool isHeavier = inverseMass[k] != 0.0 && added[k] > mass[k];
+      whole[k] = isHeavier ? added[k] : mass[k];
+      inverse[k] = isHeavier ? 1.0 / added[k] : inverseMass[k];
       heavier += isHeavier ? 1 : 0;
     }
     return heavier;
@@ -164,16 +165,16 @@ void AddedInertia::layOut(const Substep& now) {
   }
 }
 
-void AddedInertia::findInverse(const Particles& p) {
+void AddedInertia::find(const Particles& p) {
   const std::size_t n = p.mass.size();
   inverse_.resize(n);
+  whole_.resize(n);
   heavier_.clear();
-  if (Kernel::invert(inertia_.data(), p.mass.data(), p.inverseMass.data(), n, inverse_.data()) == 0)
-    return;
+  const std::int64_t heavier = Kernel::find(inertia_.data(), p.mass.data(), p.inverseMass.data(), n,
+                                            whole_.data(), inverse_.data());
+  if (heavier == 0) return;
   for (std::size_t k = 0; k < n; ++k) {
-    if (p.inverseMass[k] != 0.0 && inertia_[k] > p.mass[k]) {
-      heavier_.push_back(static_cast<std::int32_t>(k));
-    }
+    if (whole_[k] != p.mass[k]) heavier_.push_back(static_cast<std::int32_t>(k));
   }
 }
 

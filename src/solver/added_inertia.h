@@ -21,8 +21,8 @@ class AddedInertia {
  public:
   /// Follows the model: which particles there are, and their shortest springs.
   void layOut(const Substep& now);
-  /// Finds the inverse inertia of each particle; 0 if it is held.
-  void findInverse(const Particles& p);
+  /// Finds the inertia of each particle; 0 if it is held.
+  void find(const Particles& p);
   /// Updates the inertia that is needed, as far as it does not resist motion.
   /// \param h          length of the substep [s].
   /// \param duration   since the last update [s].
@@ -34,8 +34,10 @@ class AddedInertia {
   double addedFraction(const Particles& p) const;
   /// The largest displacement in vain of a free particle over its shortest spring [-].
   double largestFraction(const ScalarArray& cancelled) const;
-  /// [1/kg], by particle slot.
+  /// [1/kg], by particle slot; 0: held.
   const ScalarArray& inverse() const { return inverse_; }
+  /// The inertia of all particles, those without added inertia too [kg], by slot; 0: held.
+  const ScalarArray& whole() const { return whole_; }
   /// Slots of the particles with added inertia, ascending.
   const std::vector<std::int32_t>& heavier() const { return heavier_; }
   /// Tells whether there is a value for each slot, or for fewer: those of new particles follow.
@@ -53,6 +55,7 @@ class AddedInertia {
   VectorArray acceleration_;  ///< by particle slot, averaged [m/s^2]
   ScalarArray shortest_;      ///< by particle slot: rest length [m]
   ScalarArray inverse_;
+  ScalarArray whole_;
   std::vector<std::int32_t> heavier_;
 };
 

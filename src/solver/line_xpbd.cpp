@@ -46,6 +46,7 @@ class LineXpbd final : public SubstepMethod {
   void keepFall(Substep& now) const;
   void bend(Substep& now);
   void projectLines(Substep& now);
+  void projectContacts(Substep& now);
   void updateInertia(const Substep& now);
   void passOnPull(Substep& now);
 
@@ -112,7 +113,7 @@ void LineXpbd::layOut(Substep& now) {
 
 void LineXpbd::advance(Substep& now) {
   if (now.controls.quasiStatic || substep_ == 0 || substep_ % kMeasureEvery == 1) {
-    inertia_.findInverse(now.particles);
+    inertia_.find(now.particles);
   }
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
@@ -120,7 +121,7 @@ void LineXpbd::advance(Substep& now) {
   bend(now);
   projectLines(now);
   passOnPull(now);
-  now.contacts.project(now.particles.view(), now.time, now.h);
+  projectContacts(now);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
 }
 
@@ -152,6 +153,14 @@ void LineXpbd::projectLines(Substep& now) {
   projection_.projectAndMeasure(lines_, inertia_.inverse(), bends_, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
   updateInertia(now);
+}
+
+/// Contacts move particles by their inertia, as lines and bending do: the two sides of a contact
+/// would be out of balance otherwise, and layers under tension would drive themselves.
+void LineXpbd::projectContacts(Substep& now) {
+  ParticleView view = now.particles.view();
+  view.mass = inertia_.whole().data();
+  now.contacts.project(view, now.time, now.h);
 }
 
 void LineXpbd::updateInertia(const Substep& now) {

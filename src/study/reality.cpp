@@ -104,37 +104,42 @@ struct DrapeCase {
   DrapeMesh mesh;
 };
 
+constexpr double kUsualSide = 7.5e-3;  ///< of the triangles of a disc [m]
+
+/// Appends a fabric without and with the friction of its yarns over a range of densities, as none
+/// was published.
+void addDensities(const DrapeFabric& fabric, double hysteresis, std::vector<DrapeCase>& cases) {
+  DrapeFabric rubbing = fabric;
+  rubbing.hysteresis = hysteresis;
+  cases.push_back({"hysteresis", rubbing, {kUsualSide, 0.0}});
+  for (const double density : {0.07, 0.15, 0.2}) {
+    DrapeFabric other = fabric;
+    other.density = rubbing.density = density;
+    cases.push_back({"density", other, {kUsualSide, 0.0}});
+    cases.push_back({"hysteresis", rubbing, {kUsualSide, 0.0}});
+  }
+}
+
 std::vector<DrapeCase> drapeCases(bool quick) {
-  // Bending: Matsudaira et al. 2015. Densities and shear stiffnesses are chosen: they are not
-  // stated.
+  // Bending and hysteresis: Matsudaira et al. 2015. Densities and shear stiffnesses are chosen:
+  // they are not stated.
   const DrapeFabric broadcloth{"broadcloth", 11.57e-6, 0.12, 25.0};
   const DrapeFabric faille{"faille", 1.863e-6, 0.10, 25.0};
   if (quick) return {{"mesh", broadcloth, {0.012, 0.0}}};
-  constexpr double kUsual = 7.5e-3;  // [m]
   std::vector<DrapeCase> cases;
   for (const DrapeFabric& fabric : {broadcloth, faille}) {
-    for (const DrapeMesh mesh : {DrapeMesh{kUsual, 0.0}, DrapeMesh{kUsual, 0.5},
+    for (const DrapeMesh mesh : {DrapeMesh{kUsualSide, 0.0}, DrapeMesh{kUsualSide, 0.5},
                                  DrapeMesh{1e-2, 0.0}, DrapeMesh{5e-3, 0.0}}) {
       cases.push_back({"mesh", fabric, mesh});
-    }
-    for (const double density : {0.07, 0.2}) {
-      DrapeFabric other = fabric;
-      other.density = density;
-      cases.push_back({"density", other, {kUsual, 0.0}});
     }
     for (const double shear : {15.0, 100.0}) {
       DrapeFabric other = fabric;
       other.shear = shear;
-      cases.push_back({"shear", other, {kUsual, 0.0}});
+      cases.push_back({"shear", other, {kUsualSide, 0.0}});
     }
   }
-  // Hysteresis: Matsudaira et al. 2015, too.
-  DrapeFabric rubbing = broadcloth;
-  rubbing.hysteresis = 1.216e-3;
-  cases.push_back({"hysteresis", rubbing, {kUsual, 0.0}});
-  rubbing = faille;
-  rubbing.hysteresis = 6.86e-5;
-  cases.push_back({"hysteresis", rubbing, {kUsual, 0.0}});
+  addDensities(broadcloth, 1.216e-3, cases);
+  addDensities(faille, 6.86e-5, cases);
   return cases;
 }
 
@@ -155,8 +160,8 @@ void planDrapes(bool quick, RealityRuns& runs) {
 /// The rims of the two fabrics from one start, for a picture.
 void planRims(bool quick, RealityRuns& runs) {
   for (const DrapeCase& c : drapeCases(quick)) {
-    const bool isShown =
-        c.shows == "mesh" && c.mesh.turn == 0.0 && (quick || std::abs(c.mesh.side - 7.5e-3) < 1e-9);
+    const bool isShown = c.shows == "mesh" && c.mesh.turn == 0.0 &&
+                         (quick || std::abs(c.mesh.side - kUsualSide) < 1e-9);
     if (!isShown) continue;
     const int start = c.fabric.name == "faille" ? 7 : 5;
     runs.push_back({"rim, " + c.fabric.name, kRim, [c, start] {

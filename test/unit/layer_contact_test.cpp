@@ -156,6 +156,39 @@ TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
   EXPECT_LT(changed, 1500);
 }
 
+/// Corners that are held and pressed together for many substeps, and are then carried on. Without a
+/// least distance they approach by a part of what is left in each substep, until round-off hides
+/// the direction between them, and the pair stays where it is for ever.
+TEST_P(Certificate, FacesThatArePressedTogetherCanBeToldApartForEver) {
+  RandomPoints random(7);
+  const std::vector<VertexId> all{0, 1, 2, 3, 4, 5};
+  std::vector<std::uint8_t> truncated(6, 0);
+  for (int k = 0; k < 20; ++k) {
+    MovingPair pair = movingPair(GetParam(), random);
+    FacePairs pairs;
+    pairs.assign({{0, 1}}, {pair.a, pair.b}, 0.01);
+    const std::vector<double> held(6, 0.0);
+    for (int substep = 0; substep < 200; ++substep) {
+      Vec3 fromBToA = Vec3::Zero();
+      for (int v = 0; v < 3; ++v) fromBToA += pair.start[pair.a[v]] - pair.start[pair.b[v]];
+      const Vec3 push = 0.02 * fromBToA.normalized();
+      for (int v = GetParam(); v < 3; ++v) {
+        pair.end[pair.a[v]] = pair.start[pair.a[v]] - push;
+        pair.end[pair.b[v]] = pair.start[pair.b[v]] + push;
+      }
+      const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end, held, all}, truncated});
+      ASSERT_EQ(outcome.unproven, 0) << k << " in " << substep;
+      ASSERT_FALSE(meet(pair.a, pair.b, pair.end)) << k << " in " << substep;
+      pair.start = pair.end;
+    }
+    for (Vec3& x : pair.end) x.x() += 1.0;
+    const std::vector<Vec3> wanted = pair.end;
+    const std::vector<double> mass(6, 1.0);
+    pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
+    for (const VertexId v : all) EXPECT_NEAR(pair.end[v].x(), wanted[v].x(), 1e-6) << k;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(SharedCorners, Certificate, testing::Values(0, 1, 2));
 
 TEST(GradientBall, GrowsToContainBoth) {
