@@ -10,7 +10,8 @@ screen (Xvfb), which is saved when PHASE begins, or SECONDS of simulated time la
 packages first. rviz draws in software here, so the run is slow.
 
   --scene FILE   scene file, or the name of one in config/scenes (default: tear_seam)
-  --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2)
+  --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2);
+                 of a scene without phases: --at +2.0
   --out DIR      folder of the pictures rviz_<phase>.png (default: the current folder)
   --size WxH     size of the screen in pixels (default: 1600x1000)
   --speed F      simulated time over wall time (default: 0.5)

@@ -2,6 +2,8 @@
 """Saves the screen at given moments of a running cloth_node; see rviz_photo.sh.
 
 usage: photograph.py --size WxH --out DIR PHASE[+SECONDS]...
+
+Of a scene without phases, +SECONDS counts from its start.
 """
 import argparse
 import subprocess
@@ -63,7 +65,7 @@ def main():
     pause = rospy.ServiceProxy('/cloth/pause', Pause)
     phases = rospy.ServiceProxy('/cloth/get_state', GetState)().phases
     for moment in args.moments:
-        if moment.partition('+')[0] not in phases:
+        if moment.partition('+')[0] not in (phases or ['']):
             sys.exit(f"error: no phase '{moment.partition('+')[0]}' (there are: {', '.join(phases)})")
     wait(window_shown, deadline, 'rviz')
     time.sleep(3.0)  # until its window is drawn
@@ -73,7 +75,7 @@ def main():
         wait(lambda: watcher.reached(phase, float(later or 0)), deadline, moment)
         pause(True)
         time.sleep(1.5)  # until rviz has drawn the newest frame
-        path = f'{args.out}/rviz_{phase}.png'
+        path = f'{args.out}/rviz_{phase or "start"}.png'
         subprocess.run(['import', '-silent', '-window', 'root', '-trim', '+repage', path],
                        check=True)
         print(f'== wrote {path} (t = {watcher.state.time:.2f} s)', flush=True)

@@ -86,13 +86,6 @@ std::uint64_t packPair(VertexId p, VertexId q) {
   return (std::uint64_t{low} << 32U) | high;
 }
 
-std::array<VertexId, 4> unpack(const std::array<std::uint64_t, 2>& key) {
-  const auto low = [](std::uint64_t word) {
-    return static_cast<VertexId>(static_cast<std::uint32_t>(word));
-  };
-  return {low(key[0] >> 32U), low(key[0]), low(key[1] >> 32U), low(key[1])};
-}
-
 SpringKey makeKey(VertexId s, VertexId t, VertexId a, VertexId b) {
   return {packPair(s, t), packPair(a, b)};
 }
@@ -245,34 +238,6 @@ void SpringNetwork::measureRawBends(const TriangleMesh& mesh) {
   }
 }
 
-/// Extends the cleared keys by those between copies of their vertices, so that cleared springs do
-/// not return on a side of an opening.
-void SpringNetwork::copyCleared(const MeshChanges& changes) {
-  if (cleared_.empty()) return;
-  for (const VertexEdit& edit : changes.vertices) {
-    if (edit.kind != VertexEdit::Kind::kCopy) continue;
-    std::vector<SpringKey> more;
-    for (const SpringKey& key : cleared_) {
-      std::array<VertexId, 4> v = unpack(key);
-      if (std::find(v.begin(), v.end(), edit.from[0]) == v.end()) continue;
-      std::replace(v.begin(), v.end(), edit.from[0], edit.id);
-      more.push_back(makeKey(v[0], v[1], v[2], v[3]));
-    }
-    cleared_.insert(more.begin(), more.end());
-  }
-}
-
-/// Renumbers the vertices of the cleared keys.
-void SpringNetwork::renameCleared(const std::vector<VertexId>& newId) {
-  std::set<SpringKey> renamed;
-  for (const SpringKey& key : cleared_) {
-    std::array<VertexId, 4> v = unpack(key);
-    for (VertexId& id : v) id = id == kNone ? kNone : newId[id];
-    renamed.insert(makeKey(v[0], v[1], v[2], v[3]));
-  }
-  cleared_ = std::move(renamed);
-}
-
 /// Derives the spring along an edge and, if the edge is an inner diagonal, the one across it.
 template <typename Sink>
 void SpringNetwork::deriveOnEdge(const TriangleMesh& mesh, VertexId a, VertexId b,
@@ -415,7 +380,6 @@ SpringChanges SpringNetwork::applyChanges(const TriangleMesh& mesh, const MeshCh
   const auto vertices = static_cast<std::size_t>(mesh.vertexCount());
   for (std::size_t lists = supported().size(); lists < vertices; ++lists) supported_.addList();
   if (anyRaw_) rawFractions_.applyChanges(mesh, changes);
-  copyCleared(changes);
 
   std::vector<Keyed<std::int32_t>> old;
   for (std::int32_t slot : springsOnAny(changes.touched)) {
@@ -428,7 +392,6 @@ SpringChanges SpringNetwork::applyChanges(const TriangleMesh& mesh, const MeshCh
   after.reserve(derived.size());
   const Ancestors ancestors(changes);
   for (std::size_t k = 0; k < derived.size(); ++k) {
-    if (cleared_.count(keyOf(derived[k])) != 0) continue;
     after.push_back({ancestors.key(derived[k]), static_cast<std::int32_t>(k)});
   }
   return update(matchByKey(std::move(old), std::move(after)), derived);
@@ -462,22 +425,10 @@ SpringChanges SpringNetwork::update(const std::vector<SpringMatch>& matches,
   return result;
 }
 
-SpringChanges SpringNetwork::clear(const std::vector<std::int32_t>& slots) {
-  SpringChanges result;
-  for (std::int32_t slot : slots) {
-    result.removed.push_back(slot);
-    result.removedSprings.push_back(slots_[slot]);
-    cleared_.insert(keyOf(slots_[slot]));
-    erase(slot);
-  }
-  return result;
-}
-
 /// Renumbers the springs of what is left after connected components were removed.
 SpringChanges SpringNetwork::applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes) {
   const std::vector<VertexId> newId = newIdsAfter(changes, mesh.vertexCount());
   if (anyRaw_) rawFractions_.applyChanges(mesh, changes);
-  renameCleared(newId);
   SpringChanges result;
   for (std::int32_t slot = 0; slot < static_cast<std::int32_t>(slots_.size()); ++slot) {
     const Spring before = slots_[slot];

@@ -5,6 +5,7 @@
 #include <std_msgs/Float64.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "cloth_sim/ros/conversions.h"
 #include "submit.h"
@@ -53,6 +54,10 @@ void ClampPorts::update(const Observation& observation) {
   }
   for (const ClampSnapshot& clamp : clamps) {
     if (ports_.count(clamp.name) == 0) open(clamp.name);
+  }
+  if (std::exchange(resets_, observation.resets) == observation.resets) return;
+  for (const auto& [clamp, port] : ports_) {
+    if (port.tracker) port.tracker->repeat();
   }
 }
 

@@ -1,5 +1,7 @@
 #include "obstacle_trackers.h"
 
+#include <utility>
+
 #include "submit.h"
 
 namespace cloth_sim {
@@ -13,6 +15,11 @@ ObstacleTrackers::ObstacleTrackers(ros::NodeHandle& node, const NodeParameters& 
     trackers_.push_back(PoseTracker::track(node, "obstacle " + obstacle, source, world,
                                            parameters.rateTracking, sink));
   }
+}
+
+void ObstacleTrackers::update(const Observation& observation) {
+  if (std::exchange(resets_, observation.resets) == observation.resets) return;
+  for (const auto& tracker : trackers_) tracker->repeat();
 }
 
 std::vector<TrackingStatus> ObstacleTrackers::statuses() const {

@@ -17,9 +17,13 @@ class ObstacleTrackers {
   ObstacleTrackers(ros::NodeHandle& node, const NodeParameters& parameters, const WorldFrame& world,
                    SimulationThread& simulation);
 
+  /// Has obstacles follow their source again after a reset.
+  void update(const Observation& observation);
+
   std::vector<TrackingStatus> statuses() const;
 
  private:
+  std::uint64_t resets_ = 0;  ///< of the simulation, as last seen
   std::vector<std::shared_ptr<PoseTracker>> trackers_;
 };
 

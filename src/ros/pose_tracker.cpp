@@ -55,6 +55,15 @@ void PoseTracker::subscribe(ros::NodeHandle& node) {
   }
 }
 
+void PoseTracker::repeat() {
+  std::optional<MovingPose> rest;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    rest = motion_.rest();
+  }
+  if (rest) sink_(*rest);
+}
+
 TrackingStatus PoseTracker::status() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const bool tracking = state_ == TrackingStatus::State::kTracking;

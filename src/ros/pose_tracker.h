@@ -19,7 +19,8 @@ namespace cloth_sim {
 
 /// Turns the poses of a source into moving targets in the world frame. While the source is silent,
 /// unknown to tf, or sends invalid poses, the target stays at the last valid pose. The tracker
-/// warns once when the source is lost, and reports once when it is back.
+/// warns once when the source is lost, and reports once when it is back. After a reset, which puts
+/// what it moves back to where it began, its owner has it say its place again.
 ///
 /// roscpp does not wait for running callbacks when a timer or a subscriber goes (since 1.15), so
 /// callbacks share the ownership of the tracker while they run.
@@ -35,6 +36,9 @@ class PoseTracker : public std::enable_shared_from_this<PoseTracker> {
   static std::shared_ptr<PoseTracker> track(ros::NodeHandle& node, std::string name,
                                             const PoseSource& source, const WorldFrame& world,
                                             double rate, Sink sink);
+
+  /// Passes on the last valid pose again, at rest, if there is one.
+  void repeat();
 
   TrackingStatus status() const;
 

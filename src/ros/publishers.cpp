@@ -182,6 +182,8 @@ void Publishers::tick() {
   header_.stamp = stampOf(*observation.snapshot);
   header_.frame_id = parameters_.worldFrame;
   trackers_.clamps.update(observation);
+  trackers_.obstacles.update(observation);
+  trackers_.robot.update(observation);
   repeatLatched();
   sendCommands();
   sendTopology(observation);

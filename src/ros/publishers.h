@@ -30,8 +30,8 @@ namespace cloth_sim {
 /// The clamps, obstacles and camera that are moved from outside, for their topics and diagnostics.
 struct Trackers {
   ClampPorts& clamps;
-  const ObstacleTrackers& obstacles;
-  const RobotTrackers& robot;
+  ObstacleTrackers& obstacles;
+  RobotTrackers& robot;
   CameraTopic& camera;
 };
 

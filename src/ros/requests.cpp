@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <utility>
 
 #include "cloth_sim/ros/conversions.h"
@@ -216,6 +217,12 @@ Request RequestChecker::newClamp(const AddClamp::Request& message) const {
   const Request pose = clampPose(message.name, message.pose);
   if (const auto* refusal = std::get_if<Refusal>(&pose)) return *refusal;
   return CreateClamp{toClampSpec(message, std::get<SetClampTarget>(std::get<Command>(pose)).pose)};
+}
+
+Request RequestChecker::resolution(std::uint32_t columns) const {
+  // Numbers beyond those of the command are out of range, too.
+  constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
+  return SetResolution{static_cast<std::int32_t>(std::min(columns, kMost))};
 }
 
 Request RequestChecker::reset(std::uint8_t scope) const {

@@ -57,6 +57,7 @@ class RequestChecker {
   MoveRequest trajectory(const trajectory_msgs::MultiDOFJointTrajectory& message) const;
   Request newClamp(const AddClamp::Request& message) const;
   Request reset(std::uint8_t scope) const;
+  Request resolution(std::uint32_t columns) const;
   Request stroke(const CutStroke& message) const;
   Request drag(const DragRay& message) const;
   Request refinement(const Refine::Request& message) const;

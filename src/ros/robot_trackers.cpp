@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <cmath>
+#include <utility>
 
 #include "submit.h"
 
@@ -11,8 +12,6 @@ namespace {
 
 /// Time for which tf may lack a link at the start, until a warning names it [s].
 constexpr double kFirstSight = 5.0;
-/// Period at which a reset of the simulation is looked for [s].
-constexpr double kResetPeriod = 0.1;
 /// Changes of a gap below this are not told, so that other commands to the plates last [m].
 constexpr double kLeastChange = 1e-5;
 constexpr double kWarningPeriod = 5.0;  ///< [s]
@@ -30,21 +29,15 @@ PoseSource linkSource(const std::string& frame) {
 RobotTrackers::RobotTrackers(ros::NodeHandle& node, const Robot& robot, double rate,
                              const WorldFrame& world, SimulationThread& simulation)
     : rate_(rate), world_(world), simulation_(simulation) {
-  for (const RobotObstacle& it : robot.obstacles) obstacles_[it.link].push_back(it);
-  for (const auto& [link, obstacles] : obstacles_) trackLink(node, link, obstacles);
+  std::map<std::string, Obstacles> ofLink;
+  for (const RobotObstacle& it : robot.obstacles) ofLink[it.link].push_back(it);
+  for (const auto& [link, obstacles] : ofLink) trackLink(node, link, obstacles);
   for (const RobotGripper& gripper : robot.grippers) trackGripper(node, gripper);
-  if (trackers_.empty()) return;
-  timer_ = node.createSteadyTimer(ros::WallDuration(kResetPeriod),
-                                  [this](const ros::SteadyTimerEvent&) { placeAllAfterReset(); });
 }
 
 void RobotTrackers::trackLink(ros::NodeHandle& node, const std::string& link,
                               const Obstacles& obstacles) {
-  const PoseTracker::Sink sink = [this, link, obstacles](const MovingPose& target) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      links_[link] = target;
-    }
+  const PoseTracker::Sink sink = [this, obstacles](const MovingPose& target) {
     place(obstacles, target);
   };
   trackers_.push_back(
@@ -89,22 +82,13 @@ void RobotTrackers::moveClamp(const RobotGripper& gripper, const MovingPose& bas
   submit(topic, Command{SetGapWidth{gripper.clamp, between->gap}}, simulation_);
 }
 
-/// A reset puts the obstacles back to where they began. Links that move come back with their next
-/// pose; those that do not are placed here.
-void RobotTrackers::placeAllAfterReset() {
-  const std::uint64_t resets = simulation_.observe().resets;
-  std::map<std::string, MovingPose> links;
+void RobotTrackers::update(const Observation& observation) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (resets == resets_) return;
-    resets_ = resets;
+    if (std::exchange(resets_, observation.resets) == observation.resets) return;
     gaps_.clear();
-    links = links_;
   }
-  for (auto& [link, pose] : links) {
-    pose.horizon = 0.0;
-    place(obstacles_.at(link), pose);
-  }
+  for (const auto& tracker : trackers_) tracker->repeat();
 }
 
 std::vector<TrackingStatus> RobotTrackers::statuses() const {

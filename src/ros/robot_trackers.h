@@ -2,7 +2,6 @@
 /// \file Obstacles and clamps that track the links of a robot by tf.
 
 #include <ros/node_handle.h>
-#include <ros/steady_timer.h>
 
 #include <map>
 #include <memory>
@@ -24,6 +23,9 @@ class RobotTrackers {
   RobotTrackers(ros::NodeHandle& node, const Robot& robot, double rate, const WorldFrame& world,
                 SimulationThread& simulation);
 
+  /// Has obstacles and clamps follow their links again after a reset.
+  void update(const Observation& observation);
+
   std::vector<TrackingStatus> statuses() const;
 
  private:
@@ -33,20 +35,16 @@ class RobotTrackers {
   void trackGripper(ros::NodeHandle& node, const RobotGripper& gripper);
   void place(const Obstacles& obstacles, const MovingPose& link);
   void moveClamp(const RobotGripper& gripper, const MovingPose& base);
-  void placeAllAfterReset();
 
   double rate_;
   const WorldFrame& world_;
   SimulationThread& simulation_;
-  std::map<std::string, Obstacles> obstacles_;  ///< by link
 
   mutable std::mutex mutex_;
-  std::map<std::string, MovingPose> links_;  ///< where each link was last
-  std::map<std::string, double> gaps_;       ///< between the plates of each clamp, as last told [m]
-  std::uint64_t resets_ = 0;                 ///< of the simulation, as last seen
+  std::map<std::string, double> gaps_;  ///< between the plates of each clamp, as last told [m]
+  std::uint64_t resets_ = 0;            ///< of the simulation, as last seen
 
   std::vector<std::shared_ptr<PoseTracker>> trackers_;
-  ros::SteadyTimer timer_;
 };
 
 }  // namespace cloth_sim

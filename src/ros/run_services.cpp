@@ -1,7 +1,9 @@
-/// \file Services that steer the run: set_phase, pause, step, set_real_time_factor, reset.
+/// \file Services that steer the run: set_phase, pause, step, set_real_time_factor, reset,
+/// set_resolution.
 
 #include <ros/init.h>
 
+#include "cloth_sim/ChangeResolution.h"
 #include "cloth_sim/Pause.h"
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/SetRealTimeFactor.h"
@@ -64,6 +66,10 @@ void advertiseRunServices(Services& services) {
   services.advertise<ResetScene>("reset", [&services](const auto& request, auto& reply) {
     services.execute(services.checker().reset(request.scope), "reset", reply);
   });
+  services.advertise<ChangeResolution>(
+      "set_resolution", [&services](const auto& request, auto& reply) {
+        services.execute(services.checker().resolution(request.columns), "reset", reply);
+      });
 }
 
 }  // namespace cloth_sim

@@ -61,6 +61,10 @@ void getState(GetState::Response& reply, Services& services) {
   reply.scene = services.facts().scene;
   reply.solver = services.facts().solver;
   reply.dt = services.facts().dt;
+  if (const std::optional<Grid>& grid = observation.whole->topology->cloths.front().grid) {
+    reply.columns = static_cast<std::uint32_t>(grid->columns);
+    reply.rows = static_cast<std::uint32_t>(grid->rows);
+  }
   for (const ClampSnapshot& clamp : observation.whole->clamps) {
     reply.clamps.push_back(clamp.name);
   }

@@ -35,8 +35,11 @@ class Surface {
   /// \return the validation error, after which nothing has changed; empty on success.
   std::string setTopology(const ClothTopology& topology);
 
-  /// Tells whether a frame has the revision of the topology.
-  bool fits(const ClothFrame& frame) const { return frame.revision == revision_; }
+  /// Tells whether a frame has the revision of the topology, and as many vertices: after a reset
+  /// with another number of particles, the revisions begin anew.
+  bool fits(const ClothFrame& frame) const {
+    return frame.revision == revision_ && frame.positions.size() == 3 * vertexCount_;
+  }
 
   /// Takes over the positions; computes normals, strain (see cloth/strain.h) and colours.
   /// \return the validation error, after which nothing has changed; empty on success.

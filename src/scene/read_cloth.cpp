@@ -2,6 +2,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "cloth_sim/scene/resolution.h"
 #include "obj_mesh.h"
 #include "readers.h"
 #include "section.h"
@@ -10,9 +11,6 @@ namespace cloth_sim {
 
 namespace {
 
-constexpr int kMinParticles = 2;
-constexpr int kMaxParticles = 2048;
-constexpr int kMaxParticlesInAll = 1100000;
 constexpr Range kSideLength{1e-3, 1e3, false, false};  // [m]
 
 void readGrid(const SceneNode& node, ClothSpec& cloth) {
@@ -28,10 +26,10 @@ void readGrid(const SceneNode& node, ClothSpec& cloth) {
   const auto particles = node.find("particles");
   if (!particles) return;
   const std::vector<SceneNode> sides = particles->exactly(2, kAnyNumber);
-  cloth.columns = static_cast<int>(sides[0].integer(kMinParticles, kMaxParticles));
-  cloth.rows = static_cast<int>(sides[1].integer(kMinParticles, kMaxParticles));
-  if (cloth.columns * cloth.rows > kMaxParticlesInAll) {
-    particles->refuse("expected at most " + std::to_string(kMaxParticlesInAll) +
+  cloth.columns = static_cast<int>(sides[0].integer(kFewestOnSide, kMostOnSide));
+  cloth.rows = static_cast<int>(sides[1].integer(kFewestOnSide, kMostOnSide));
+  if (cloth.columns * cloth.rows > kMostInGrids) {
+    particles->refuse("expected at most " + std::to_string(kMostInGrids) +
                       " particles in all (got " + std::to_string(cloth.columns * cloth.rows) + ")");
   }
 }
@@ -257,8 +255,8 @@ void checkTogether(const std::vector<SceneNode>& nodes, const std::vector<ClothS
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     particles += particlesOf(cloths[k]);
     plate = plate || cloths[k].plate;
-    if (particles > kMaxParticlesInAll && nodes.size() > 1) {
-      nodes[k].refuse("expected at most " + std::to_string(kMaxParticlesInAll) +
+    if (particles > kMostInGrids && nodes.size() > 1) {
+      nodes[k].refuse("expected at most " + std::to_string(kMostInGrids) +
                       " particles in all cloths (got " + std::to_string(particles) +
                       " up to this one)");
     }

@@ -36,7 +36,7 @@ std::shared_ptr<const Topology> makeTopology(const Model& model) {
   topology->revision = model.mesh.revision();
   for (const ClothPart& cloth : model.cloths) {
     topology->cloths.push_back(
-        {cloth.name, cloth.firstVertex, cloth.vertices, cloth.materialOffset});
+        {cloth.name, cloth.firstVertex, cloth.vertices, cloth.materialOffset, cloth.grid});
   }
   topology->faces = model.mesh.faces();
   topology->material = model.mesh.material();

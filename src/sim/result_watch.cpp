@@ -91,6 +91,9 @@ constexpr std::array<Meaning, ResultWatch::kMeasures> kMeanings{{
      " times its mass, so it moves too slowly: take more substeps or another method"},
     {"steps end unsolved, with a residual of ",
      " m/s^2: take more iterations, more substeps or another method"},
+    {"the cloth is stretched by ",
+     " of its length, which no fabric bears as it does here: a woven one has torn before, a knit "
+     "has stiffened; pull less, or let it tear (docs/limits.md)"},
 }};
 
 const char* const kHint = "; if clamps pull slowly, declare quasi_static (docs/scene.md)";
@@ -125,6 +128,7 @@ void ResultWatch::observe(std::uint64_t step, const Model& model, const State& s
   note(Measure::kImbalance, largestImbalance_, state, controls);
   note(Measure::kAddedMass, addedMass_, state, controls);
   note(Measure::kResidual, residual_, state, controls);
+  note(Measure::kStretch, stretch_, state, controls);
   time_ = state.t;
 }
 
@@ -141,9 +145,10 @@ std::vector<ResultWarning> ResultWatch::warnings() const {
   std::vector<ResultWarning> all;
   const bool isStrained = since_[static_cast<std::size_t>(Measure::kStrain)].has_value();
   for (std::size_t k = 0; k < kMeasures; ++k) {
-    const bool isSaid = isStrained && k == static_cast<std::size_t>(Measure::kImbalance);
-    if (!since_[k] || isSaid) continue;
-    const bool hints = usesQuasiStatic_ && isSlowPull_[k];
+    const auto measure = static_cast<Measure>(k);
+    const bool isEffect = measure == Measure::kImbalance || measure == Measure::kStretch;
+    if (!since_[k] || (isStrained && isEffect)) continue;
+    const bool hints = usesQuasiStatic_ && isSlowPull_[k] && measure != Measure::kStretch;
     all.push_back({k, describe(kMeanings[k], *since_[k], largest_[k]) + (hints ? kHint : "")});
   }
   if (shortfall_) all.push_back({kMeasures, shortfallText(*shortfall_)});
@@ -164,6 +169,7 @@ void ResultWatch::measureStrains(const Model& model, const State& state,
   updateImbalance(weight);
   approach(strains.excess, weight, excess_);
   if (isSoft_) approach(strains.softness, weight, softness_);
+  approach(strains.stretch, weight, stretch_);
 }
 
 /// Tells whether there is no measurement of this cloth yet.
@@ -179,7 +185,7 @@ void ResultWatch::begin(std::uint64_t step, const Model& model, const State& sta
   force_.resize(count);
   imbalance_.assign(count, Vec3f::Zero());
   stiffness_.resize(count);
-  excess_ = softness_ = addedMass_ = residual_ = 0.0;
+  excess_ = softness_ = stretch_ = addedMass_ = residual_ = 0.0;
   began_ = step;
   revision_ = state.v.revision();
   time_ = state.t;
@@ -202,8 +208,13 @@ ResultWatch::Strains ResultWatch::addSprings(const Model& model, const State& st
     }
     addSpring(spring, d, length, tension);
     if (!traitsOf(spring.kind).isMembrane) continue;
+    const double strain = length / spring.restLength - 1.0;
     const double excess = excessOf(spring, length, force);
-    if (excess > largest.excess && !isRaw(model, spring)) largest.excess = excess;
+    const bool isLarger = excess > largest.excess || strain > largest.stretch;
+    if (isLarger && !isRaw(model, spring)) {
+      largest.excess = std::max(largest.excess, excess);
+      largest.stretch = std::max(largest.stretch, strain);
+    }
     if (isSoft_) takeSoftness(spring, length, h, model, largest.softness);
   }
   return largest;

@@ -118,7 +118,7 @@ SurgeryResult Surgery::cutAlong(const Stroke& stroke, const EditedCloth& cloth) 
   if (continues) tips.known = strokeTips_;
   joinTips(cloth.model.mesh, tips, plan.paths);
   plan.refine = settings_.refineCuts;
-  if (settings_.clearStrip) plan.clearWithin = stroke.halfWidth;
+  if (settings_.clearStrip) plan.stripHalfWidth = stroke.halfWidth;
   SurgeryResult result = operate(plan, cloth);
   strokeEnd_ = stroke.poses.back();
   if (!continues && result.tips.empty()) strokeTips_.clear();
@@ -143,8 +143,10 @@ SurgeryResult Surgery::cutNotch(const MaterialPath& notch, const EditedCloth& cl
 void Surgery::refine(const RefineNear& request, const EditedCloth& cloth) {
   const SurgeryResult result = cloth_sim::refine(
       request, limitsOf(limits_, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
+  if (result.changes.mesh.empty()) return;
   if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
   applyChanges(result, cloth);
+  dropScraps(cloth);
 }
 
 void Surgery::tear(double dt, const EditedCloth& cloth) {
@@ -169,7 +171,10 @@ SurgeryResult Surgery::operate(const CutPlan& plan, const EditedCloth& cloth) {
   } else {
     noteTips(result, cloth.model.mesh);
   }
+  if (result.changes.mesh.empty()) return result;
   applyChanges(result, cloth);
+  if (plan.stripHalfWidth > 0.0) removeStrip(plan.stripHalfWidth, cloth, result);
+  dropScraps(cloth);
   return result;
 }
 
@@ -183,32 +188,50 @@ void Surgery::noteTips(const SurgeryResult& result, const TriangleMesh& mesh) {
   }
 }
 
+/// Passes the changes of an operation on to everything that keeps data about the mesh.
 void Surgery::applyChanges(const SurgeryResult& result, const EditedCloth& cloth) {
-  if (result.changes.mesh.empty() && result.changes.springs.removed.empty()) return;
   for (const FailureEvent& event : result.events) failures_.add(event);
   cloth.holders.applyChanges(result.changes.mesh);
   cloth.solver.onModelChanged(cloth.model, result.changes);
   tearing_.applyChanges(cloth.model, result.changes);
   pieces_ = connectedComponents(cloth.model.mesh);
   ++edits_;
-  if (settings_.dropBelow > 0.0 && pieces_.count > 1) dropScraps(cloth);
 }
 
+/// Removes the strip along a cut that was made, and adds the springs that went to its events.
+void Surgery::removeStrip(double halfWidth, const EditedCloth& cloth, SurgeryResult& result) {
+  const std::vector<FaceId> faces =
+      facesOfStrip(result.lines, halfWidth, cloth.holders.heldVertices(), cloth.model.mesh);
+  if (faces.empty()) return;
+  const SurgeryResult out = cutOut(faces, cloth.model, cloth.state);
+  applyChanges(out, cloth);
+  drop(faces, cloth);
+  result.events.insert(result.events.end(), out.events.begin(), out.events.end());
+}
+
+/// Removes loose pieces that are smaller than the scene keeps.
 void Surgery::dropScraps(const EditedCloth& cloth) {
+  if (settings_.dropBelow <= 0.0 || pieces_.count < 2) return;
   const TriangleMesh& mesh = cloth.model.mesh;
   const std::vector<double> area = areaUnlessKept(cloth);
-  const auto isScrap = [this](double a) { return a < settings_.dropBelow; };
   std::vector<FaceId> faces;
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    if (isScrap(area[pieces_.ofFace[f]])) faces.push_back(f);
+    if (area[pieces_.ofFace[f]] < settings_.dropBelow) faces.push_back(f);
   }
-  if (faces.empty()) return;
+  if (!faces.empty()) drop(faces, cloth);
+}
+
+/// Removes pieces, and counts them.
+/// \param faces  all of their faces, ascending.
+void Surgery::drop(const std::vector<FaceId>& faces, const EditedCloth& cloth) {
+  const TriangleMesh& mesh = cloth.model.mesh;
+  const int piecesBefore = pieces_.count;
   const double massBefore = totalMass(cloth.model);
   const double areaBefore = mesh.totalRestArea();
-  dropped_.count += static_cast<int>(std::count_if(area.begin(), area.end(), isScrap));
   const SurgeryResult result = removeComponents(faces, cloth.model, cloth.state);
   if (cloth.layers != nullptr) cloth.layers->onModelChanged(cloth.model);
   applyChanges(result, cloth);
+  dropped_.count += piecesBefore - pieces_.count;
   dropped_.mass += massBefore - totalMass(cloth.model);
   dropped_.restArea += areaBefore - mesh.totalRestArea();
 }

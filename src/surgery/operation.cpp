@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <unordered_map>
 
-#include "cloth_sim/surgery/material_path.h"
 #include "cloth_sim/surgery/refine.h"
 #include "momentum.h"
 
@@ -13,6 +14,8 @@ namespace {
 
 /// Upper bound on the vertices that embedding a path creates per point of the path.
 constexpr double kVerticesPerPoint = 8.0;
+/// No limit on the number of vertices.
+constexpr std::int32_t kAnyNumber = std::numeric_limits<std::int32_t>::max();
 
 /// Brings model and state up to date after an edit of the mesh, and keeps the momentum of the
 /// vertices that it touched.
@@ -121,20 +124,61 @@ class MaterialBefore {
   std::unordered_map<VertexId, Vec2> from_;
 };
 
-/// Removes the springs with a midpoint within `distance` of a line [m].
-SpringChanges clearNear(const std::vector<MaterialPath>& lines, double distance, Model& model) {
-  std::vector<std::int32_t> slots;
-  const auto count = static_cast<std::int32_t>(model.springs.slots().size());
-  for (std::int32_t slot = 0; slot < count; ++slot) {
-    const Spring& spring = model.springs[slot];
-    if (!spring.exists()) continue;
-    const Vec2 middle = 0.5 * (model.mesh.material(spring.a) + model.mesh.material(spring.b));
-    const bool near = std::any_of(lines.begin(), lines.end(), [&](const MaterialPath& line) {
-      return distanceTo(line, middle) <= distance;
-    });
-    if (near) slots.push_back(slot);
+/// Throws OperationRefused if nothing of a cloth would be left beside the strip of a plan. It tries
+/// the plan on a copy of the mesh.
+void checkStrip(const CutPlan& plan, const ShapeLimits& shape, const std::vector<VertexId>& held,
+                const Model& model) {
+  TriangleMesh trial = model.mesh;
+  Remesher remesher(trial, shape, held);
+  std::vector<MaterialPath> lines;
+  for (const EmbeddedPath& path : embedPaths(plan, kAnyNumber, remesher)) {
+    lines.push_back(materialOf(path, trial));
   }
-  return model.springs.clear(slots);
+  const std::vector<FaceId> strip = facesOfStrip(lines, plan.stripHalfWidth, held, trial);
+  std::vector<bool> isLeft(model.cloths.size(), false);
+  for (FaceId f = 0; f < trial.faceCount(); ++f) {
+    if (!contains(strip, f)) isLeft[model.strips.at(trial.material(trial.face(f)[0]))] = true;
+  }
+  const auto gone = std::find(isLeft.begin(), isLeft.end(), false);
+  if (gone == isLeft.end()) return;
+  throw OperationRefused("the half_width of the stroke is too large: nothing of cloth '" +
+                         model.cloths[static_cast<std::size_t>(gone - isLeft.begin())].name +
+                         "' would be left");
+}
+
+/// Detaches faces from those around them, which keep the numbers of the vertices between both.
+void detach(const std::vector<FaceId>& faces, MeshEditor& editor) {
+  const TriangleMesh& mesh = editor.mesh();
+  for (const FaceId f : faces) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = mesh.face(f)[k];
+      std::vector<FaceId> there;
+      for (const FaceId around : mesh.facesAround(v)) {
+        if (contains(faces, around)) there.push_back(around);
+      }
+      editor.splitVertex(v, there);
+    }
+  }
+}
+
+/// Returns the slots of the springs that stand on faces, ascending.
+std::vector<std::int32_t> springsOnFaces(const std::vector<FaceId>& faces, const Model& model) {
+  std::vector<VertexId> corners;
+  for (const FaceId f : faces) {
+    const Face& face = model.mesh.face(f);
+    corners.insert(corners.end(), face.begin(), face.end());
+  }
+  return model.springs.springsOnAny(corners);
+}
+
+/// Identifies a spring by its kind and by where its ends are at rest [m].
+using RestKey = std::array<double, 5>;
+
+RestKey restKeyOf(const Spring& spring, const TriangleMesh& mesh) {
+  std::array<double, 2> a{mesh.material(spring.a).x(), mesh.material(spring.a).y()};
+  std::array<double, 2> b{mesh.material(spring.b).x(), mesh.material(spring.b).y()};
+  if (b < a) std::swap(a, b);
+  return {static_cast<double>(spring.kind), a[0], a[1], b[0], b[1]};
 }
 
 /// A cut in progress: embeds the paths as mesh edges, opens the mesh along them, and updates model
@@ -146,21 +190,20 @@ class CutOperation {
 
   SurgeryResult run(const ShapeLimits& shape, const std::vector<VertexId>& held) {
     Remesher remesher(model_.mesh, shape, held);
-    noteEmbedded(embedPaths(plan_, std::numeric_limits<std::int32_t>::max(), remesher));
+    noteEmbedded(embedPaths(plan_, kAnyNumber, remesher));
     remesher.openMarkedEdges();
     result_.changes.mesh = remesher.finish();
     if (!result_.changes.mesh.empty()) {
       reportSevered();
       result_.changes.springs = applyChanges(result_.changes.mesh, model_, state_);
     }
-    if (plan_.clearWithin > 0.0) clear();
     return std::move(result_);
   }
 
  private:
   void noteEmbedded(const std::vector<EmbeddedPath>& embedded) {
     for (const EmbeddedPath& path : embedded) {
-      lines_.push_back(materialOf(path, model_.mesh));
+      result_.lines.push_back(materialOf(path, model_.mesh));
       result_.length += path.length;
       result_.deviation = std::max(result_.deviation, path.deviation);
       append({path.vertices.front(), path.vertices.back()}, result_.tips);
@@ -173,7 +216,7 @@ class CutOperation {
   /// state are updated.
   void reportSevered() {
     const MaterialBefore before(model_.mesh, result_.changes.mesh);
-    const std::vector<PathIndex> lines(lines_.begin(), lines_.end());
+    const std::vector<PathIndex> lines(result_.lines.begin(), result_.lines.end());
     for (std::int32_t slot : model_.springs.springsOnAny(result_.changes.mesh.touched)) {
       const Spring& spring = model_.springs[slot];
       const Vec2& a = before[spring.a];
@@ -181,35 +224,16 @@ class CutOperation {
       const bool severed = std::any_of(lines.begin(), lines.end(),
                                        [&](const PathIndex& line) { return line.separates(a, b); });
       if (!severed) continue;
-      severed_.push_back(slot);
-      report(slot, spring);
-      result_.events.back().material = 0.5 * (a + b);
+      FailureEvent event = describeFailure(model_, state_, spring, plan_.cause);
+      event.overloaded = contains(plan_.overloaded, slot);
+      event.material = 0.5 * (a + b);
+      result_.events.push_back(event);
     }
-  }
-
-  /// Removes the springs near the cut, and reports those that are not reported yet.
-  void clear() {
-    const SpringChanges cleared = clearNear(lines_, plan_.clearWithin, model_);
-    for (std::size_t k = 0; k < cleared.removed.size(); ++k) {
-      if (contains(severed_, cleared.removed[k])) continue;  // reported already
-      report(cleared.removed[k], cleared.removedSprings[k]);
-    }
-    result_.cleared = static_cast<int>(cleared.removed.size());
-    append(cleared.removed, result_.changes.springs.removed);
-    append(cleared.removedSprings, result_.changes.springs.removedSprings);
-  }
-
-  void report(std::int32_t slot, const Spring& spring) {
-    FailureEvent event = describeFailure(model_, state_, spring, plan_.cause);
-    event.overloaded = contains(plan_.overloaded, slot);
-    result_.events.push_back(event);
   }
 
   const CutPlan& plan_;
   Model& model_;
   State& state_;
-  std::vector<MaterialPath> lines_;    ///< the cuts along mesh edges
-  std::vector<std::int32_t> severed_;  ///< slots of springs that the cuts cross, ascending
   SurgeryResult result_;
 };
 
@@ -219,6 +243,7 @@ SurgeryResult cut(const CutPlan& plan, const SurgeryLimits& limits,
                   const std::vector<VertexId>& held, Model& model, State& state) {
   if (plan.paths.empty()) return {};
   checkCount(plan, limits, model.mesh);
+  if (plan.stripHalfWidth > 0.0) checkStrip(plan, limits.shape, held, model);
   return CutOperation(plan, model, state).run(limits.shape, held);
 }
 
@@ -241,6 +266,47 @@ SurgeryResult refine(const RefineNear& request, const SurgeryLimits& limits,
   model.mesh = std::move(trial);
   result.changes.mesh = changes;
   result.changes.springs = applyChanges(changes, model, state);
+  return result;
+}
+
+std::vector<FaceId> facesOfStrip(const std::vector<MaterialPath>& lines, double halfWidth,
+                                 const std::vector<VertexId>& held, const TriangleMesh& mesh) {
+  std::vector<FaceId> faces;
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    const Face& face = mesh.face(f);
+    const Vec2 centre =
+        (mesh.material(face[0]) + mesh.material(face[1]) + mesh.material(face[2])) / 3.0;
+    const bool isNear = std::any_of(lines.begin(), lines.end(), [&](const MaterialPath& line) {
+      return distanceTo(line, centre) <= halfWidth;
+    });
+    const auto isHeld = [&](VertexId v) { return contains(held, v); };
+    if (isNear && std::none_of(face.begin(), face.end(), isHeld)) faces.push_back(f);
+  }
+  return faces;
+}
+
+SurgeryResult cutOut(const std::vector<FaceId>& faces, Model& model, State& state) {
+  const std::vector<std::int32_t> slots = springsOnFaces(faces, model);
+  std::vector<Spring> springs;
+  for (const std::int32_t slot : slots) springs.push_back(model.springs[slot]);
+  SurgeryResult result;
+  MeshEditor editor(model.mesh);
+  detach(faces, editor);
+  result.changes.mesh = editor.finish();
+  if (!result.changes.mesh.empty()) {
+    result.changes.springs = applyChanges(result.changes.mesh, model, state);
+  }
+  const SpringChanges& changes = result.changes.springs;
+  const std::vector<std::int32_t> gone = springsOnFaces(faces, model);
+  std::set<RestKey> kept;  // along the new border of the rest, in other slots
+  for (const std::int32_t slot : changes.added) {
+    if (!contains(gone, slot)) kept.insert(restKeyOf(model.springs[slot], model.mesh));
+  }
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const bool isGone = contains(gone, slots[k]) || contains(changes.removed, slots[k]);
+    if (!isGone || kept.count(restKeyOf(springs[k], model.mesh)) != 0) continue;
+    result.events.push_back(describeFailure(model, state, springs[k], FailureCause::kCut));
+  }
   return result;
 }
 

@@ -20,7 +20,7 @@ from services import ServiceTest, connections  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, cut=srv.Cut, refine=srv.Refine,
                 set_phase=srv.StartPhase, pause=srv.Pause, step=srv.Step, reset=srv.ResetScene,
-                get_state=srv.GetState)
+                set_resolution=srv.ChangeResolution, get_state=srv.GetState)
 NAN = float('nan')
 
 
@@ -163,6 +163,32 @@ class ApiTest(ServiceTest):
         self.assertEqual(state.kinetic_energy, before.kinetic_energy)
         self.assertEqual(state.phase, 'notch')
         self.refused('reset', 3, says='scope')
+
+    def test_set_resolution(self):
+        self.accepted('set_phase', 'notch')
+        self.accepted('step', 3)
+        with Listener('/cloth/topology', msg.ClothTopology) as topologies, \
+                Listener('/cloth/frame', msg.ClothFrame) as frames:
+            reply = self.accepted('set_resolution', 33)
+            self.assertEqual(reply.message, 'begins anew with 33 x 33 particles')
+            state = self.state()
+            self.assertEqual((state.particles, state.faces), (33 * 33, 2 * 32 * 32))
+            self.assertEqual((state.step, state.time, state.broken.total), (0, 0.0, 0))
+            topologies.wait(lambda it: len(it.uv) == 2 * 33 * 33)
+            frames.wait(lambda it: len(it.positions) == 3 * 33 * 33)
+        # The patch of radius 1 is as wide as it was.
+        self.accepted('grasp', 'left', True)
+        self.accepted('step', 60)
+        self.assertEqual(self.clamp('left').held, 5 * 5)
+        self.accepted('reset')
+        self.assertEqual(self.state().particles, 33 * 33)
+        self.refused('set_resolution', 1, says='2 to 2048')
+        self.refused('set_resolution', 4000000000, says='2 to 2048')
+        self.refused('set_resolution', 2000, says='1100000 in all')
+        self.assertEqual(self.accepted('get_state').columns, 33)
+        self.accepted('set_resolution', 0)
+        reply = self.accepted('get_state')
+        self.assertEqual((reply.columns, reply.rows, reply.state.particles), (17, 17, 17 * 17))
 
     def test_set_clamp_pose(self):
         self.accepted('set_clamp_pose', 'right', pose(0.3, 0.1, 0.7))

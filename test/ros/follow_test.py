@@ -20,6 +20,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import Listener, connected, wait_until  # noqa: E402
 
 START = (0.2, 0.0, 1.0)  # of the clamp "hand"
+LIFTED = (0.2, 0.0, 1.01)
 
 
 class Mover:
@@ -103,6 +104,12 @@ class FollowTest(unittest.TestCase):
         wait_until(lambda: self.hand().held > 0, 'a grasp')
         self.arrives(START)
         self.assertEqual(self.state().pieces, 1)
+        # The frame will not say its place again after a reset, which puts the clamp back.
+        self.follows(clamp='hand', tf='lifted_link')
+        self.static.publish(transform('lifted_link', LIFTED))
+        self.arrives(LIFTED)
+        self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
+        self.arrives(LIFTED)
         with Mover(broadcaster('moving_link'), velocity=0.1) as mover:
             self.follows(clamp='hand', tf='moving_link')
             wait_until(lambda: self.state().pieces == 2, 'two pieces')

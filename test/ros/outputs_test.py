@@ -123,6 +123,9 @@ class OutputsTest(unittest.TestCase):
                              if m.ns == 'obstacles' and m.type == Marker.SPHERE]
                     return balls and abs(balls[0].pose.position.z - height) < 1e-9
                 wait_until(ball_is_there, 'the sphere at its frame')
+            # A static frame says its place once; a reset puts the sphere back to that of the scene.
+            self.assertTrue(self.reset(0).success)
+            wait_until(ball_is_there, 'the sphere at its frame again')
 
 
 if __name__ == '__main__':

@@ -41,7 +41,7 @@ struct Operation {
   bool option = false;      ///< stroke: first layer only; tear: on a seam
   int size = 4;             ///< radius of a refinement [quarters of cells]; stretch of a tear
   int generations = 0;      ///< of a refinement, by itself or before a cut or tear
-  int clear = 0;            ///< distance within which a cut clears springs [quarters of cells]
+  int strip = 0;            ///< half-width of the strip that goes with a cut [quarters of cells]
 };
 
 inline std::ostream& operator<<(std::ostream& out, const ClothCase& c) {
@@ -56,7 +56,7 @@ inline std::ostream& operator<<(std::ostream& out, const Operation& o) {
   out << "{Kind::k" << kNames[static_cast<std::size_t>(o.kind)] << ", {";
   for (const auto& p : o.path) out << "{" << p[0] << ", " << p[1] << "}, ";
   return out << "}, " << o.skew << ", " << o.onVertices << ", " << o.closed << ", " << o.option
-             << ", " << o.size << ", " << o.generations << ", " << o.clear << "}";
+             << ", " << o.size << ", " << o.generations << ", " << o.strip << "}";
 }
 
 /// A cloth with everything that is updated after its edits.
@@ -96,7 +96,7 @@ class ClothFixture {
     switch (operation.kind) {
       case Kind::kStroke:
       case Kind::kNotch:
-        return applyAndValidate([&] { return cutAlong(operation); });
+        return cutAndStrip(operation);
       case Kind::kRefine:
         return applyAndValidate([&] { return refineAt(operation); });
       case Kind::kTear:
@@ -237,9 +237,25 @@ class ClothFixture {
     CutPlan plan;
     plan.paths = findPaths(stroke, model_.mesh, coordinates);
     if (o.generations > 0) plan.refine = refinementOf(o);
-    plan.clearWithin = 0.25 * o.clear * grid_.spacingU();
-    cleared_ = cleared_ || plan.clearWithin > 0.0;
-    return cut(plan, limits_, held(), model_, state_);
+    plan.stripHalfWidth = stripOf(o);
+    try {
+      return cut(plan, limits_, held(), model_, state_);
+    } catch (const OperationRefused&) {
+      return {};  // the strip is all of the cloth
+    }
+  }
+
+  double stripOf(const Operation& o) const { return 0.25 * o.strip * grid_.spacingU(); }
+
+  /// Cuts, and removes the strip along the cut if the operation has one.
+  std::string cutAndStrip(const Operation& o) {
+    SurgeryResult result;
+    std::string error = applyAndValidate([&] { return result = cutAlong(o); });
+    if (o.strip == 0 || !error.empty()) return error;
+    const std::vector<FaceId> strip = facesOfStrip(result.lines, stripOf(o), held(), model_.mesh);
+    if (strip.empty()) return "";
+    error = applyAndValidate([&] { return cutOut(strip, model_, state_); });
+    return error.empty() ? removeFaces(strip) : error;
   }
 
   SurgeryResult refineAt(const Operation& o) {
@@ -288,10 +304,16 @@ class ClothFixture {
     if (components.count < 2) return "";
     const int gone = std::abs(o.size) % components.count;
     std::vector<FaceId> faces;
-    std::set<VertexId> vertices;
     for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
-      if (components.ofFace[f] != gone) continue;
-      faces.push_back(f);
+      if (components.ofFace[f] == gone) faces.push_back(f);
+    }
+    return removeFaces(faces);
+  }
+
+  /// Removes all faces of some connected components.
+  std::string removeFaces(const std::vector<FaceId>& faces) {
+    std::set<VertexId> vertices;
+    for (const FaceId f : faces) {
       vertices.insert(model_.mesh.face(f).begin(), model_.mesh.face(f).end());
     }
     renumbered_ = true;
@@ -309,7 +331,7 @@ class ClothFixture {
   std::string validateHeld(const std::vector<VertexId>& before, const std::vector<Vec3>& where,
                            const MeshChanges& changes) const;
 
-  /// The component that the present operation removes.
+  /// The components that the present operation removes.
   struct Removed {
     std::vector<FaceId> faces;
     std::vector<VertexId> vertices;
@@ -326,7 +348,6 @@ class ClothFixture {
   std::optional<Clamp> clamp_;
   std::vector<std::unique_ptr<Solver>> solvers_;
   Removed removed_;
-  bool cleared_ = false;     ///< an operation has cleared springs
   bool renumbered_ = false;  ///< an operation has removed a component
   double dt_ = 0.0;
 };
@@ -416,7 +437,7 @@ std::string ClothFixture::applyAndValidate(const Edit& edit) {
   for (auto& solver : solvers_) {
     if (changed) solver->onModelChanged(model_, result.changes);
   }
-  if (!deep_ || case_.raw || cleared_) return error;
+  if (!deep_ || case_.raw) return error;
   const SpringNetwork fromScratch(model_.mesh, model_.cloths[0].fabric, {case_.shear, case_.bend});
   check([&] { return validateNetwork(model_.springs, fromScratch, renumbered_); });
   return error;

@@ -183,15 +183,47 @@ TEST(SurgeryScene, SmallScrapsAreTakenAwayAndCounted) {
   run(simulation, 20);
 }
 
-TEST(SurgeryScene, StripsAreClearedOnlyIfTheSceneSaysSo) {
+TEST(SurgeryScene, StripsAreRemovedOnlyIfTheSceneSaysSo) {
   const CutAlong stroke = along({{-0.1, 0, 0.987}, {0.1, 0, 1.013}}, 0.04);
   Simulation plain = simulationOf(hanging("xpbd"));
-  EXPECT_THAT(plain.apply(stroke).message, testing::Not(HasSubstr("cleared")));
-  Simulation cleared = simulationOf(hanging("xpbd", "clear_strip: true"));
-  EXPECT_THAT(cleared.apply(stroke).message, HasSubstr(" cleared"));
-  EXPECT_GT(cleared.broken().cut, plain.broken().cut);
-  EXPECT_LT(cleared.model().springs.count(), plain.model().springs.count());
-  run(cleared, 20);
+  EXPECT_THAT(plain.apply(stroke).message, testing::Not(HasSubstr("removed")));
+  EXPECT_EQ(plain.dropped().count, 0);
+  Simulation stripped = simulationOf(hanging("xpbd", "clear_strip: true"));
+  const double mass = totalMass(stripped.model());
+  const double area = stripped.model().mesh.totalRestArea();
+  const int springs = stripped.model().springs.count();
+  const CommandResult result = stripped.apply(stroke);
+  EXPECT_THAT(result.message, HasSubstr(" m^2 removed, 1 pieces"));
+  EXPECT_GT(stripped.broken().cut, plain.broken().cut);
+  EXPECT_LT(stripped.model().springs.count(), springs);
+  // Counted as what went, and all of it.
+  EXPECT_EQ(stripped.pieces(), 1);
+  EXPECT_GE(stripped.dropped().count, 1);
+  EXPECT_GT(stripped.dropped().restArea, 0.2 * 0.04);
+  EXPECT_NEAR(stripped.dropped().restArea + stripped.model().mesh.totalRestArea(), area,
+              1e-12 * area);
+  EXPECT_NEAR(stripped.dropped().mass + totalMass(stripped.model()), mass, 1e-12 * mass);
+  run(stripped, 20);
+}
+
+TEST(SurgeryScene, StripsGoBetweenLayersToo) {
+  Simulation simulation =
+      simulationOf("self_contact: true\n" + hanging("line_xpbd", "clear_strip: true"));
+  ASSERT_TRUE(simulation.apply(along({{-0.1, 0, 0.987}, {0.1, 0, 1.013}}, 0.04)).success);
+  EXPECT_GT(simulation.dropped().restArea, 0.0);
+  run(simulation, 20);
+}
+
+TEST(SurgeryScene, AStripThatIsTheWholeClothIsRefused) {
+  // Without its pins, whose faces would stay.
+  Simulation simulation(
+      parseScene(hanging("xpbd", "clear_strip: true"), "cut.yaml", {"cloth.pins=null"}));
+  const std::uint64_t hash = hashOf(simulation);
+  const CommandResult result = simulation.apply(along({{-0.5, 0, 0.987}, {0.5, 0, 1.013}}, 0.5));
+  EXPECT_FALSE(result.success);
+  EXPECT_EQ(result.message,
+            "the half_width of the stroke is too large: nothing of cloth 'cloth' would be left");
+  EXPECT_EQ(hashOf(simulation), hash);
 }
 
 TEST(SurgeryScene, PhasesRefineNotchAndCutInThisOrder) {

@@ -25,14 +25,13 @@ struct Cloth {
 
   /// Cuts through the cloth along z, along a line in x and y.
   SurgeryResult cutAlong(const std::vector<Vec2>& line, bool firstOnly = false,
-                         const std::vector<VertexId>& held = {}, double clearWithin = 0.0) {
+                         const std::vector<VertexId>& held = {}) {
     std::vector<Vec3> path;
     for (const Vec2& p : line) path.emplace_back(p.x(), p.y(), 0.0);
     Stroke stroke = strokeAlong(path, Vec3(0.0, 0.0, -1.0), 1.0);
     stroke.firstLayerOnly = firstOnly;
     CutPlan plan;
     plan.paths = findPaths(stroke, model.mesh, state.x);
-    plan.clearWithin = clearWithin;
     const double area = preciseArea(model.mesh);
     const double mass = totalMass(model);
     const SurgeryResult result = cut(plan, usualLimits(model.mesh), held, model, state);
@@ -205,7 +204,7 @@ TEST(Cut, FromTheBorderInEndsWhereTheStrokeEnds) {
   EXPECT_EQ(cloth.pieces(), 2);
 }
 
-// ---- held particles, layers, cleared springs ----------------------------------------------------
+// ---- held particles, layers, strips -------------------------------------------------------------
 
 TEST(Cut, ThroughHeldParticlesSeparatesAndMovesNoneOfThem) {
   Cloth cloth;
@@ -247,21 +246,68 @@ TEST(Cut, OfTwoLayersCutsBothOrTheFirst) {
   EXPECT_TRUE(lower);
 }
 
-TEST(Cut, ClearsSpringsWithinItsStrip) {
-  Cloth cloth;
-  const int before = cloth.model.springs.count();
-  const double halfWidth = 0.05;
-  const SurgeryResult result = cloth.cutAlong({{0.2, 0.513}, {0.8, 0.487}}, false, {}, halfWidth);
-  EXPECT_GT(result.cleared, 50);
-  EXPECT_EQ(result.changes.springs.removed.size(), result.changes.springs.removedSprings.size());
-  EXPECT_LT(cloth.model.springs.count(), before);
-  const MaterialPath line{{0.2, 0.513}, {0.8, 0.487}};
-  for (const Spring& spring : cloth.model.springs.slots()) {
+/// Kind and ends at rest of each spring of a cloth, and how many of them are alike.
+std::map<std::array<double, 5>, int> springsAtRest(const Model& model) {
+  std::map<std::array<double, 5>, int> springs;
+  for (const Spring& spring : model.springs.slots()) {
     if (!spring.exists()) continue;
-    const Vec2 middle =
-        0.5 * (cloth.model.mesh.material(spring.a) + cloth.model.mesh.material(spring.b));
-    EXPECT_GT(distanceTo(line, middle), halfWidth - 1e-9);
+    Vec2 a = model.mesh.material(spring.a);
+    Vec2 b = model.mesh.material(spring.b);
+    if (b.x() < a.x() || (b.x() == a.x() && b.y() < a.y())) std::swap(a, b);
+    ++springs[{static_cast<double>(spring.kind), a.x(), a.y(), b.x(), b.y()}];
   }
+  return springs;
+}
+
+TEST(CutOut, TakesFacesWithTheirSpringsAndReportsEachOnce) {
+  // From the border in, so that some corners have faces of the rest on both sides of the strip.
+  const std::vector<Vec2> line{{0.0, 0.513}, {0.8, 0.487}};
+  const double halfWidth = 0.05;
+  Cloth cloth;
+  const SurgeryResult result = cloth.cutAlong(line);
+  const std::vector<FaceId> strip = facesOfStrip(result.lines, halfWidth, {}, cloth.model.mesh);
+  double area = 0.0;
+  for (const FaceId f : strip) area += cloth.model.mesh.restArea(f);
+  EXPECT_NEAR(area, 2.0 * halfWidth * 0.8, 0.2 * 2.0 * halfWidth * 0.8) << "as wide as it says";
+  const double areaBefore = cloth.model.mesh.totalRestArea();
+  auto springs = springsAtRest(cloth.model);
+  const int before = cloth.model.springs.count();
+
+  const SurgeryResult out = cutOut(strip, cloth.model, cloth.state);
+  EXPECT_EQ(validateMesh(cloth.model.mesh), "");
+  const int pieces = cloth.pieces();
+  removeComponents(strip, cloth.model, cloth.state);
+  EXPECT_EQ(validateMesh(cloth.model.mesh), "");
+  EXPECT_LT(cloth.pieces(), pieces);
+  EXPECT_EQ(cloth.pieces(), 1);
+  EXPECT_NEAR(cloth.model.mesh.totalRestArea(), areaBefore - area, 1e-12);
+  EXPECT_TRUE(facesOfStrip(result.lines, halfWidth, {}, cloth.model.mesh).empty());
+  // The springs that were reported are those that are there no more.
+  EXPECT_EQ(before - cloth.model.springs.count(), static_cast<int>(out.events.size()));
+  for (const auto& [key, count] : springsAtRest(cloth.model)) {
+    EXPECT_LE(count, springs[key]) << "a spring of the rest is new";
+  }
+}
+
+TEST(CutOut, LeavesFacesWithHeldCorners) {
+  Cloth cloth;
+  const VertexId held = cloth.model.cloths[0].grid->vertex(16, 16);
+  const SurgeryResult result = cloth.cutAlong({{0.2, 0.513}, {0.8, 0.487}}, false, {held});
+  const std::vector<FaceId> all = facesOfStrip(result.lines, 0.1, {}, cloth.model.mesh);
+  const std::vector<FaceId> strip = facesOfStrip(result.lines, 0.1, {held}, cloth.model.mesh);
+  EXPECT_EQ(all.size() - strip.size(), cloth.model.mesh.facesAround(held).size());
+}
+
+TEST(CutOut, ThatWouldLeaveNothingIsRefused) {
+  Cloth cloth;
+  const std::uint64_t hash = stateHash(cloth.model, cloth.state);
+  CutPlan plan;
+  plan.paths = findPaths(strokeAlong({{-0.1, 0.4, 0.0}, {1.1, 0.6, 0.0}}, Vec3::UnitZ(), 1.0),
+                         cloth.model.mesh, cloth.state.x);
+  plan.stripHalfWidth = 1.0;
+  const SurgeryLimits limits = usualLimits(cloth.model.mesh);
+  EXPECT_THROW(cut(plan, limits, {}, cloth.model, cloth.state), OperationRefused);
+  EXPECT_EQ(stateHash(cloth.model, cloth.state), hash);
 }
 
 // ---- nothing -----------------------------------------------------------------------------------

@@ -50,7 +50,7 @@ rc::Gen<Operation> anyOperation(int most) {
       gen::set(&Operation::option, pick<bool>({false, false, true})),
       gen::set(&Operation::size, gen::inRange(0, 9)),
       gen::set(&Operation::generations, pick<int>({0, 0, 0, 1, 2, 3})),
-      gen::set(&Operation::clear, pick<int>({0, 0, 0, 0, 0, 0, 0, 1, 3})));
+      gen::set(&Operation::strip, pick<int>({0, 0, 0, 0, 0, 0, 0, 1, 3})));
 }
 
 rc::Gen<std::vector<Operation>> anyOperations(int most) {

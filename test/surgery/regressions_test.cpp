@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(
                    {{Kind::kStroke, {{-3, 5}, {12, -1}}, 0, false, false, false, 0, 0, 0},
                     {Kind::kStroke, {{-3, -3}, {1, 4}}, 0, false, false, false, 3, 3, 0}}},
         // Two shear springs with the same ends across two edges of one vertex.
-        Regression{"ClearedTwinSprings",
+        Regression{"TwinSpringsInAStrip",
                    {4, 4, 10, 0, 0, -1, true, true, false, false, 0},
                    {{Kind::kStroke, {{-3, -3}, {-3, 0}}, 0, true, false, false, 0, 3, 3}}},
         // Of two neighbours in equally straight directions, the numbers decide, and these had

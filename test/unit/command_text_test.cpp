@@ -45,7 +45,8 @@ std::vector<Command> someCommands() {
           CutAlong{stroke},
           RefineMesh{{{Vec3(third, 0.0, 0.0)}, {third, 4, 1e-3}}},
           Reset{ResetScope::kTime},
-          Restore{std::string("a\0b", 3)}};
+          Restore{std::string("a\0b", 3)},
+          SetResolution{33}};
 }
 
 TEST(PackedCommand, ComesBackToTheBit) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "cloth_sim/contact/collider.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
@@ -141,6 +143,46 @@ TEST(ResultWatch, KnowsWhatAContactCanBear) {
   EXPECT_NE(slippery[0].text.find("out of balance"), std::string::npos) << slippery[0].text;
   // Any weight bears any force of springs at this friction.
   EXPECT_TRUE(warningsOnTable(1e6).empty());
+}
+
+/// A strip of a knit that hangs from its upper edge under a gravity at which the weight below
+/// stretches its top by `strain` on average; more at the corners, which cannot become narrower [-].
+Scene heavyStrip(double strain) {
+  Scene scene = cornerHung("implicit_euler");
+  ClothSpec& cloth = scene.cloths[0];
+  cloth = clothOf(5, 9, 0.0125, fabricPreset("interlock"));
+  cloth.pose.orientation = Quat(Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()));
+  for (int column = 0; column < cloth.columns; ++column) cloth.pins.push_back({column, 8});
+  const Fabric& fabric = cloth.fabric;
+  scene.gravity.z() = -strain * fabric.tensileWeft / (fabric.arealDensity * cloth.height);
+  scene.drag = 20.0;
+  return scene;
+}
+
+bool saysThatNoFabricBearsIt(const Simulation& simulation) {
+  const std::vector<ResultWarning> warnings = simulation.warnings();
+  return std::any_of(warnings.begin(), warnings.end(), [](const ResultWarning& warning) {
+    return warning.text.find("which no fabric bears") != std::string::npos;
+  });
+}
+
+TEST(ResultWatch, SaysThatAClothIsStretchedBeyondWhatFabricsBear) {
+  Simulation bears(heavyStrip(0.2));
+  stepFor(bears, 120);
+  EXPECT_GT(maxStretch(bears.model(), bears.state()), 1.2);
+  EXPECT_LT(maxStretch(bears.model(), bears.state()), 1.4);
+  EXPECT_FALSE(saysThatNoFabricBearsIt(bears));
+  Simulation overloaded(heavyStrip(0.9));
+  stepFor(overloaded, 120);
+  EXPECT_GT(maxStretch(overloaded.model(), overloaded.state()), 1.9);
+  EXPECT_TRUE(saysThatNoFabricBearsIt(overloaded));
+  // Springs with constants of their own are no fabric.
+  Scene raw = heavyStrip(0.9);
+  raw.cloths[0].raw = RawSprings{{20.0, 20.0, 0.0}, false, 0.0};
+  Simulation ofSprings(raw);
+  stepFor(ofSprings, 120);
+  EXPECT_GT(maxStretch(ofSprings.model(), ofSprings.state()), 1.5);
+  EXPECT_FALSE(saysThatNoFabricBearsIt(ofSprings));
 }
 
 TEST(ResultWatch, SaysThatRawSpringsAreNotFollowed) {

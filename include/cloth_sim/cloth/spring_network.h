@@ -3,7 +3,6 @@
 
 #include <array>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "cloth_sim/cloth/raw_spring_fractions.h"
@@ -81,11 +80,6 @@ class SpringNetwork {
   /// \param mesh  after the edit.
   SpringChanges applyChanges(const TriangleMesh& mesh, const MeshChanges& changes);
 
-  /// Removes springs for good: they do not return when the surface opens there, though refinement
-  /// of the mesh there makes new ones.
-  /// \param slots  ascending.
-  SpringChanges clear(const std::vector<std::int32_t>& slots);
-
   /// Sets a factor on the stiffness of every spring, present and future, relative to that of the
   /// fabric or the raw constants. Dashpots of a fabric keep their retardation time, raw ones their
   /// constant.
@@ -118,8 +112,6 @@ class SpringNetwork {
   }
   void build(const TriangleMesh& mesh);
   void measureRawBends(const TriangleMesh& mesh);
-  void copyCleared(const MeshChanges& changes);
-  void renameCleared(const std::vector<VertexId>& newId);
   SpringChanges update(const std::vector<SpringMatch>& matches, const std::vector<Spring>& derived);
   SpringChanges applyRemoval(const TriangleMesh& mesh, const MeshChanges& changes);
   // A sink is called with each derived spring.
@@ -144,7 +136,7 @@ class SpringNetwork {
   /// Archives what edits and commands change; the rest follows from the scene.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rawFractions_, slots_, supported_, count_, cleared_, scale_);
+    archive(rawFractions_, slots_, supported_, count_, scale_);
   }
 
   MaterialStrips strips_;
@@ -157,7 +149,6 @@ class SpringNetwork {
   /// does without the memory.
   mutable IndexLists supported_;
   std::array<std::int32_t, kSpringKinds> count_{};  ///< by kind
-  std::set<std::array<std::uint64_t, 2>> cleared_;  ///< keys of springs that `clear` removed
 };
 
 }  // namespace cloth_sim

@@ -168,6 +168,8 @@ struct Scene {
   TearingSettings tearing;
   std::vector<PhaseSpec> phases;
   std::uint64_t seed = 1;  ///< of all random numbers
+  /// The scene as it was loaded, if this one has other numbers of particles (scene/resolution.h).
+  std::shared_ptr<const Scene> original;
   /// Hash of the length of a step and of all of the file but `solver`: equal for equal scenes. ""
   /// without a file.
   std::string contentKey;

@@ -17,6 +17,7 @@
 #include "cloth_sim/sim/commands/set_gravity.h"
 #include "cloth_sim/sim/commands/set_phase.h"
 #include "cloth_sim/sim/commands/set_quasi_static.h"
+#include "cloth_sim/sim/commands/set_resolution.h"
 #include "cloth_sim/sim/commands/set_stiffness.h"
 #include "cloth_sim/sim/commands/set_tearing.h"
 #include "cloth_sim/sim/commands/set_wind.h"
@@ -24,10 +25,10 @@
 namespace cloth_sim {
 
 /// Any command.
-using Command =
-    std::variant<SetClampTarget, GuideClamp, SetGripForce, SetGapWidth, CreateClamp, DeleteClamp,
-                 SetGrasp, SetPhase, SetGravity, MoveObstacle, GuideObstacle, SetTearing, SetWind,
-                 SetStiffness, SetQuasiStatic, PullParticle, CutAlong, RefineMesh, Reset, Restore>;
+using Command = std::variant<SetClampTarget, GuideClamp, SetGripForce, SetGapWidth, CreateClamp,
+                             DeleteClamp, SetGrasp, SetPhase, SetGravity, MoveObstacle,
+                             GuideObstacle, SetTearing, SetWind, SetStiffness, SetQuasiStatic,
+                             PullParticle, CutAlong, RefineMesh, Reset, Restore, SetResolution>;
 
 /// Returns why a command cannot be carried out in any simulation; empty if it can in some.
 inline std::string validationError(const Command& command) {
@@ -38,12 +39,13 @@ inline std::string validationError(const Command& command) {
 /// void.
 inline bool replacesCloth(const Command& command) {
   if (const auto* reset = std::get_if<Reset>(&command)) return reset->scope != ResetScope::kTime;
-  return std::holds_alternative<Restore>(command);
+  return std::holds_alternative<Restore>(command) || std::holds_alternative<SetResolution>(command);
 }
 
 /// Tells whether a command makes the simulated time jump.
 inline bool changesTime(const Command& command) {
-  return std::holds_alternative<Reset>(command) || std::holds_alternative<Restore>(command);
+  return std::holds_alternative<Reset>(command) || std::holds_alternative<Restore>(command) ||
+         std::holds_alternative<SetResolution>(command);
 }
 
 }  // namespace cloth_sim

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Counts of what has come loose: failed springs and dropped scraps.
+/// \file Counts of what has come loose: failed springs, and pieces that were taken away.
 
 #include "cloth_sim/cloth/spring.h"
 
@@ -18,7 +18,7 @@ struct BrokenCounts {
   }
 };
 
-/// Loose pieces that were taken away.
+/// Pieces that were taken away: small loose ones, and strips along cuts.
 struct DroppedScraps {
   int count = 0;
   double mass = 0.0;      ///< [kg]

@@ -25,6 +25,9 @@ namespace cloth_sim {
 ///   mean acceleration, less what a contact can bear where an obstacle is near (a push along the
 ///   normal, and Coulomb's friction), over the stiffness times length of its stiffest spring. The
 ///   average is one of vectors, so that vibrations cancel.
+/// - Stretch [-] is the largest strain of a spring, raw ones aside. Beyond its bound no fabric is
+///   what the model takes it for: woven ones have broken, and knits have become many times stiffer
+///   (docs/limits.md).
 /// - Added mass [-] and residual [m/s^2] are those of the step report; mass does not count while
 ///   motion is declared to be quasi-static. A budget that does not keep the error that the scene
 ///   asks for is of the report, too.
@@ -34,10 +37,10 @@ namespace cloth_sim {
 class ResultWatch {
  public:
   /// A quantity that is watched.
-  enum class Measure { kStrain, kImbalance, kAddedMass, kResidual };
-  static constexpr std::size_t kMeasures = 4;
-  /// Averages above which there is a warning, by measure: [-], [-], [-], [m/s^2].
-  static constexpr std::array<double, kMeasures> kBounds{0.04, 0.085, 0.25, 50.0};
+  enum class Measure { kStrain, kImbalance, kAddedMass, kResidual, kStretch };
+  static constexpr std::size_t kMeasures = 5;
+  /// Averages above which there is a warning, by measure: [-], [-], [-], [m/s^2], [-].
+  static constexpr std::array<double, kMeasures> kBounds{0.04, 0.085, 0.25, 50.0, 0.5};
 
   explicit ResultWatch(const SolverInfo& method)
       : isSoft_(method.projectsSpringsAlone), usesQuasiStatic_(method.usesQuasiStatic) {}
@@ -51,9 +54,9 @@ class ResultWatch {
   /// The largest average of a measure so far.
   double largest(Measure measure) const { return largest_[static_cast<std::size_t>(measure)]; }
   /// One sentence for each measure that has passed its bound, and for a budget that fell short.
-  /// Where strains are unexplained, forces are out of balance too: that needs no second sentence. A
-  /// sentence ends with a hint at `quasi_static` if that would help the method, and clamps were
-  /// pulling slowly at a slow cloth when the bound was passed.
+  /// Where strains are unexplained, forces are out of balance and stretch is large too: that needs
+  /// no second sentence. A sentence ends with a hint at `quasi_static` if that would help the
+  /// method, and clamps were pulling slowly at a slow cloth when the bound was passed.
   std::vector<ResultWarning> warnings() const;
 
  private:
@@ -71,10 +74,11 @@ class ResultWatch {
     double dt = 0.0;  ///< since the last measurement [s]
   };
 
-  /// The largest strains that forces do not explain [-].
+  /// The largest strains [-]: those that forces do not explain, and of all.
   struct Strains {
     double excess = 0.0;
     double softness = 0.0;
+    double stretch = 0.0;
   };
 
   bool isFirst(const State& state) const;
@@ -97,6 +101,7 @@ class ResultWatch {
   std::optional<ErrorEstimate> shortfall_;  ///< of a budget that does not keep the error asked for
   double excess_ = 0.0;                     ///< averaged [-]
   double softness_ = 0.0;                   ///< averaged [-]
+  double stretch_ = 0.0;                    ///< averaged [-]
   double largestImbalance_ = 0.0;           ///< of the averages, by particle [-]
   double addedMass_ = 0.0;                  ///< averaged [-]
   double residual_ = 0.0;                   ///< averaged [m/s^2]

@@ -24,6 +24,7 @@ struct ClothPlace {
   std::int32_t firstParticle = 0;  ///< its particles have consecutive ids from here at the start
   std::int32_t particles = 0;      ///< number at the start; edits append more behind all cloths
   double materialOffset = 0.0;     ///< u in the common material plane where its own u is 0 [m]
+  std::optional<Grid> grid;        ///< that its mesh was made from, if any
 };
 
 /// The surface at one revision; shared by all snapshots of that revision.

@@ -26,7 +26,8 @@ class Surgery {
   /// Cuts along the line in which the stroke meets the cloth; nothing if it misses. Where it begins
   /// or ends within half an edge of the tip of an earlier cut or tear, it continues from there. A
   /// stroke that begins where the last one ended also continues from the tips of that, within eight
-  /// edges (surgery/tip_joint.h).
+  /// edges (surgery/tip_joint.h). If the scene asks for it, the strip within the half-width of
+  /// the stroke is removed.
   /// \throws OperationRefused, and nothing has changed.
   SurgeryResult cutAlong(const Stroke& stroke, const EditedCloth& cloth);
   /// Cuts along a path in material coordinates; near tips as `cutAlong`.
@@ -58,7 +59,9 @@ class Surgery {
   void noteTips(const SurgeryResult& result, const TriangleMesh& mesh);
   SurgeryResult operate(const CutPlan& plan, const EditedCloth& cloth);
   void applyChanges(const SurgeryResult& result, const EditedCloth& cloth);
+  void removeStrip(double halfWidth, const EditedCloth& cloth, SurgeryResult& result);
   void dropScraps(const EditedCloth& cloth);
+  void drop(const std::vector<FaceId>& faces, const EditedCloth& cloth);
   std::vector<double> areaUnlessKept(const EditedCloth& cloth) const;
   std::vector<std::int32_t> largestPieces(const Model& model,
                                           const std::vector<double>& area) const;

@@ -46,7 +46,7 @@ struct SurgerySettings {
   std::optional<double> minEdge;
   std::int32_t maxParticles = 1 << 20;  ///< operations that would exceed it are refused
   double dropBelow = 0.0;   ///< area below which loose pieces are removed [m^2]; 0: none
-  bool clearStrip = false;  ///< remove the springs within the half-width of a stroke
+  bool clearStrip = false;  ///< remove the strip within the half-width of a stroke
   std::optional<Refinement> refineCuts;  ///< refinement along strokes, before they cut
 };
 

@@ -24,7 +24,7 @@ struct Blade {
 struct Stroke {
   std::vector<Blade> poses;     ///< at least two
   bool firstLayerOnly = false;  ///< cut only the layer of cloth that is nearest to the heel
-  double halfWidth = 0.0;       ///< of the cut, within which `clear_strip` removes springs [m]
+  double halfWidth = 0.0;       ///< of the cut, within which `clear_strip` removes cloth [m]
 
   template <class Archive>
   void serialize(Archive& archive) {

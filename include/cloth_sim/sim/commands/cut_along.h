@@ -18,9 +18,11 @@ struct CutAlong {
   std::string validationError() const { return cloth_sim::validationError(stroke); }
   CommandResult apply(SimulationParts& parts) const {
     try {
+      const double areaBefore = parts.surgery.dropped().restArea;
       const SurgeryResult result = parts.surgery.cutAlong(stroke, parts.editedCloth());
       if (result.changes.mesh.empty()) return done("the stroke misses the cloth: nothing was cut");
-      return done(tell(result, parts.surgery.pieces().count));
+      return done(tell(result, parts.surgery.dropped().restArea - areaBefore,
+                       parts.surgery.pieces().count));
     } catch (const OperationRefused& error) {
       return refuse(error.what());
     }
@@ -31,14 +33,13 @@ struct CutAlong {
   }
 
  private:
-  /// "cut 0.25 m, 31 springs severed, 2 pieces"
-  static std::string tell(const SurgeryResult& result, int pieces) {
-    const int severed = static_cast<int>(result.events.size()) - result.cleared;
-    const std::string cleared =
-        result.cleared > 0 ? ", " + std::to_string(result.cleared) + " cleared" : "";
+  /// "cut 0.25 m, 31 springs severed, 2 pieces"; with the area that was removed [m^2], if any.
+  static std::string tell(const SurgeryResult& result, double removed, int pieces) {
+    char area[40] = "";
+    if (removed > 0.0) std::snprintf(area, sizeof area, ", %.4g m^2 removed", removed);
     char text[160];
-    std::snprintf(text, sizeof text, "cut %.4g m, %d springs severed%s, %d pieces", result.length,
-                  severed, cleared.c_str(), pieces);
+    std::snprintf(text, sizeof text, "cut %.4g m, %zu springs severed%s, %d pieces", result.length,
+                  result.events.size(), area, pieces);
     return text;
   }
 };
