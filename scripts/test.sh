@@ -83,13 +83,11 @@ if [[ $quick == no ]]; then groups+=(rviz photo); fi  # the plugin, and a screen
 # for undefined behaviour cannot, next to that for addresses: it ends the process.
 reports=$workspace/log/sanitizers
 watch_sanitizers() {
-  local suppressions=$repo_root/test/sanitizers
   rm -rf "$reports"
   mkdir -p "$reports"
   export ASAN_OPTIONS=log_path=$reports/report
-  export LSAN_OPTIONS=suppressions=$suppressions/leak.supp:print_suppressions=0
   export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
-  export TSAN_OPTIONS=log_path=$reports/report:suppressions=$suppressions/thread.supp
+  export TSAN_OPTIONS=log_path=$reports/report:suppressions=$repo_root/test/sanitizers/thread.supp
   export CXXFLAGS=-fsanitize=$sanitize  # of test/consumer, which links the libraries
 }
 
