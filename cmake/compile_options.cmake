@@ -11,8 +11,8 @@ function(cloth_sim_compile_options target)
   # because <ros/x.h> and <rviz/x.h> must not be looked for in src/ros and src/rviz.
   target_compile_options(${target} PRIVATE "SHELL:-iquote ${PROJECT_SOURCE_DIR}/src")
   # A register of SIMD may begin at any number (support/simd.h). Clang forgets that behind a reference,
-  # and takes moves that fault.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:Clang>:-fmax-type-align=4>)
+  # and takes moves that fault. With less than 8, it would call libatomic for atomic words.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:Clang>:-fmax-type-align=8>)
   if(CLOTH_SIM_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
