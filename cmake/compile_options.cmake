@@ -25,7 +25,7 @@ function(cloth_sim_compile_options target)
     # GCC reports uninitialised values in the code that sanitizers add (GCC bug 105562 and others);
     # clang does not know the option.
     target_compile_options(${target} PRIVATE -fsanitize=${CLOTH_SIM_SANITIZE}
-                           -fno-omit-frame-pointer -g
+                           -fno-omit-frame-pointer -g1
                            $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
     target_link_options(${target} PUBLIC -fsanitize=${CLOTH_SIM_SANITIZE})
   endif()

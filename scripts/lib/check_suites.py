@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that every suite of tests was built and run.
 
-usage: check_suites.py [--quick] [--without KEY]... --left-out FILE RESULTS
+usage: check_suites.py [--quick] [--without KEY]... [--fewer-cases N] --left-out FILE RESULTS
 
 Reads suites.txt beside this script, the keys that CMake left out (FILE; cmake/left_out.cmake), and
 the JUnit files in the folder RESULTS. Prints one line for everything that was not built or not run,
@@ -9,6 +9,8 @@ and exits with status 1 if there is any.
 
   --quick         suites that are marked `full` need not have run
   --without KEY   this part may be left out
+  --fewer-cases N
+                  sums of properties need only reach an N-th (test/fewer_cases.h)
 """
 import argparse
 import pathlib
@@ -81,7 +83,7 @@ def results_of(kind, file, root, results):
     return cases_in(results / f'rosunit-{name}.xml')
 
 
-def problems_of(suite, files, root, results, without):
+def problems_of(suite, files, root, results, without, fewer_cases):
     if not files:
         yield f'{suite.pattern}: there is no such file'
     sums = dict.fromkeys(suite.sums, 0)
@@ -96,11 +98,12 @@ def problems_of(suite, files, root, results, without):
             for name in sums:
                 sums[name] += recorded(case, name)
     for name, least in suite.sums.items():
+        least //= fewer_cases
         if sums[name] < least:
             yield f'{suite.pattern}: {sums[name]} {name}; there should be {least} at least'
 
 
-def check(suites, root, results, left_out, quick=False, without=()):
+def check(suites, root, results, left_out, quick=False, without=(), fewer_cases=1):
     """Yields a line for everything that was not built or not run."""
     for line in left_out.splitlines():
         key, _, text = line.partition(': ')
@@ -116,7 +119,7 @@ def check(suites, root, results, left_out, quick=False, without=()):
         if suite.needs & set(without) or (suite.full and quick):
             continue
         files = [file for file in suite.files(root) if file not in exempt]
-        for problem in problems_of(suite, files, root, results, without):
+        for problem in problems_of(suite, files, root, results, without, fewer_cases):
             yield f'not run: {problem}'
 
     for pattern in TEST_FILES:
@@ -131,12 +134,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('--quick', action='store_true')
     parser.add_argument('--without', action='append', default=[])
+    parser.add_argument('--fewer-cases', type=int, default=1)
     parser.add_argument('--left-out', type=pathlib.Path, required=True)
     parser.add_argument('results', type=pathlib.Path)
     args = parser.parse_args()
     left_out = (args.left_out.read_text() if args.left_out.exists() else
                 f'cmake: {args.left_out} is not there; is the workspace configured?')
-    problems = list(check(read_suites(), ROOT, args.results, left_out, args.quick, args.without))
+    problems = list(check(read_suites(), ROOT, args.results, left_out, args.quick, args.without,
+                          args.fewer_cases))
     for problem in dict.fromkeys(problems):
         print(f'  {problem}')
     sys.exit(1 if problems else 0)

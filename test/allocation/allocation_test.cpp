@@ -16,9 +16,14 @@ namespace {
 
 std::atomic<long> allocations{0};
 
-void* allocate(std::size_t size) {
+/// \return null if there is no memory.
+void* tryToAllocate(std::size_t size) noexcept {
   ++allocations;
-  if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+  return std::malloc(size > 0 ? size : 1);
+}
+
+void* allocate(std::size_t size) {
+  if (void* memory = tryToAllocate(size)) return memory;
   throw std::bad_alloc();
 }
 
@@ -36,6 +41,10 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
 }
 void* operator new(std::size_t size) { return allocate(size); }
 void* operator new[](std::size_t size) { return allocate(size); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return tryToAllocate(size); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return tryToAllocate(size);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "fewer_cases.h"
 #include "fuzz/fuzz_targets.h"
 #include "support/input_file.h"
 
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Number of mutations of each target here; CLOTH_SIM_FUZZ_RUNS multiplies it.
+/// Number of mutations of each target here. CLOTH_SIM_FUZZ_RUNS multiplies it; see also
+/// fewer_cases.h.
 constexpr int kRuns = 600;
 constexpr int kStateRuns = 2000;
 
@@ -115,7 +117,7 @@ class Mutator {
 
 int runsOf(const Target& target) {
   const char* factor = std::getenv("CLOTH_SIM_FUZZ_RUNS");
-  const int runs = std::string(target.name) == "state" ? kStateRuns : kRuns;
+  const int runs = fewerCases(std::string(target.name) == "state" ? kStateRuns : kRuns);
   return runs * (factor != nullptr ? std::max(1, std::atoi(factor)) : 1);
 }
 

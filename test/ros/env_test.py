@@ -2,6 +2,8 @@
 """Tasks as environments: spaces, seeds, same bits, scripted policies on coarse cloths, bad input.
 
 Environments start their nodes themselves, with the master of this test."""
+import os
+import sys
 import unittest
 
 import numpy as np
@@ -14,6 +16,9 @@ from cloth_sim.episode import run
 from cloth_sim.session import ClothError
 from cloth_sim.spaces import Box
 from cloth_sim.tasks import TASKS
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from fewer_cases import fewer_cases_of  # noqa: E402
 
 COARSE = {'fold_in_half': '[37, 25]', 'fold_in_quarters': '[37, 25]', 'flatten': '[25, 17]',
           'hang_over_rod': '[26, 16]', 'tear_seam': '[21, 21]', 'cut_strip': '[26, 16]'}
@@ -143,7 +148,8 @@ class EnvTest(unittest.TestCase):
             return start, end
 
     def test_scripted_policies_succeed(self):
-        for task in ('fold_in_half', 'fold_in_quarters', 'hang_over_rod', 'tear_seam', 'cut_strip'):
+        for task in fewer_cases_of(
+                ('fold_in_half', 'fold_in_quarters', 'hang_over_rod', 'tear_seam', 'cut_strip')):
             with self.subTest(task=task):
                 start, end = self.scripted(task)
                 self.assertFalse(start['success'])

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "fewer_cases.h"
+
 namespace cloth_sim::surgery_support {
 
 constexpr int kFullSize = 100;  ///< size at which RapidCheck draws from whole ranges
@@ -24,8 +26,8 @@ rc::Gen<T> pick(const std::vector<T>& from) {
                       [from](int k) { return from[static_cast<std::size_t>(k)]; });
 }
 
-/// Checks a property with `count` cases unless RC_PARAMS asks for another number, and records how
-/// many held.
+/// Checks a property with `count` cases, or fewer of them (fewer_cases.h), unless RC_PARAMS asks
+/// for another number, and records how many held.
 template <typename Property>
 void checkSequences(const std::string& name, int count, const Property& property) {
   constexpr std::uint64_t kSeed = 20211121;
@@ -33,7 +35,7 @@ void checkSequences(const std::string& name, int count, const Property& property
   const char* given = std::getenv("RC_PARAMS");
   const std::string asked = given == nullptr ? "" : given;
   if (asked.find("seed") == std::string::npos) params.seed = kSeed;
-  if (asked.find("max_success") == std::string::npos) params.maxSuccess = count;
+  if (asked.find("max_success") == std::string::npos) params.maxSuccess = fewerCases(count);
   rc::detail::TestMetadata metadata;
   metadata.id = metadata.description = name;
   const auto result = rc::detail::checkTestable(property, metadata, params);

@@ -144,6 +144,11 @@ class SuitesTest(ScratchTest):
         self.unit(CASE.format('Mesh', 'test/unit/mesh_test.cpp', ''), sequences=9)
         self.assertEqual(self.problems(), ['not run: test/unit/property_test.cpp: 9 sequences; there '
                                            'should be 10 at least'])
+        self.assertEqual(self.problems(fewer_cases=2), [])
+        self.unit(CASE.format('Mesh', 'test/unit/mesh_test.cpp', ''), sequences=4)
+        self.assertEqual(self.problems(fewer_cases=2),
+                         ['not run: test/unit/property_test.cpp: 4 sequences; there should be 5 at '
+                          'least'])
 
     def test_a_missing_and_a_broken_result(self):
         (self.root / 'results' / 'rosunit-api.xml').unlink()

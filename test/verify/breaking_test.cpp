@@ -15,6 +15,7 @@
 #include <sstream>
 
 #include "cloth_sim/sim/simulation.h"
+#include "fewer_cases.h"
 #include "verify/verify_support.h"
 
 namespace cloth_sim {
@@ -400,7 +401,7 @@ class Breaking : public testing::TestWithParam<std::tuple<std::string, std::stri
 std::map<Pairing, Known> Breaking::allKnown;
 
 INSTANTIATE_TEST_SUITE_P(Registry, Breaking,
-                         testing::Combine(testing::ValuesIn(trialNames()),
+                         testing::Combine(testing::ValuesIn(fewerCasesOf(trialNames())),
                                           testing::ValuesIn(solverNames())),
                          [](const auto& test) {
                            std::string name =

@@ -7,6 +7,7 @@
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
+#include "fewer_cases.h"
 #include "unit/core_support.h"
 
 namespace cloth_sim {
@@ -88,7 +89,8 @@ TEST_P(GraspOnObstacle, NeitherPushesClothThroughNorMakesItExplode) {
   EXPECT_TRUE(held);
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, GraspOnObstacle, ::testing::ValuesIn(boundedSolverNames()),
+INSTANTIATE_TEST_SUITE_P(Registry, GraspOnObstacle,
+                         ::testing::ValuesIn(fewerCasesOf(boundedSolverNames())),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

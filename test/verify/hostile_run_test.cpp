@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "cloth_sim/sim/simulation.h"
+#include "fewer_cases.h"
 #include "verify/verify_support.h"
 
 namespace cloth_sim {
@@ -85,7 +86,7 @@ class HostileRun : public OverMethods {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Registry, HostileRun, testing::ValuesIn(solverNames()),
+INSTANTIATE_TEST_SUITE_P(Registry, HostileRun, testing::ValuesIn(fewerCasesOf(solverNames())),
                          [](const auto& test) { return test.param; });
 
 TEST_P(HostileRun, ClampYankedAwayBy100Metres) {
