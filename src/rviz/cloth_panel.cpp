@@ -16,12 +16,13 @@
 #include <QVBoxLayout>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "cloth_sim/ChangeResolution.h"
 #include "cloth_sim/ClothConfig.h"
-#include "cloth_sim/GetState.h"
 #include "cloth_sim/Pause.h"
 #include "cloth_sim/ResetScene.h"
 #include "cloth_sim/StartPhase.h"
 #include "cloth_sim/Step.h"
+#include "cloth_sim/scene/resolution.h"
 #include "service_queue.h"
 #include "strip_chart.h"
 #include "value_slider.h"
@@ -79,6 +80,15 @@ QString errorsText(const ErrorInfo& error) {
       .arg(error.budget_sufficed ? "" : "<br>the budget of substeps did not suffice");
 }
 
+/// "", or a line for each doubt about the result.
+QString warningsText(const std::vector<std::string>& warnings) {
+  QString text;
+  for (const std::string& warning : warnings) {
+    text += "<br>" + QString::fromStdString(warning).toHtmlEscaped();
+  }
+  return text;
+}
+
 /// "", or the contact between layers of cloth.
 QString contactText(const ContactInfo& contact) {
   if (!contact.on) return {};
@@ -97,6 +107,7 @@ ClothPanel::ClothPanel(QWidget* parent)
   auto* column = new QVBoxLayout(this);
   addNodeRow(*column);
   addTimeRow(*column);
+  addResolutionRow(*column);
   addSliders(*column);
   addFigures(*column);
   column->setSpacing(kSpacing);
@@ -151,6 +162,27 @@ void ClothPanel::addTimeRow(QBoxLayout& column) {
           [this] { call<ResetScene>("reset", ResetScene::Request()); });
 }
 
+void ClothPanel::addResolutionRow(QBoxLayout& column) {
+  columns_ = new QSpinBox;
+  columns_->setObjectName("Columns");
+  columns_->setRange(kFewestOnSide, kMostOnSide);
+  rows_ = new QLabel;
+  resizeButton_ = new QPushButton("Resize");
+  resizeButton_->setToolTip("Reset with that many particles along u; the other side in proportion");
+  auto* row = new QHBoxLayout;
+  row->addWidget(new QLabel("Particles"));
+  row->addWidget(columns_);
+  row->addWidget(rows_, 1);
+  row->addWidget(resizeButton_);
+  column.addLayout(row);
+  connect(resizeButton_, &QPushButton::clicked, this, [this] {
+    ChangeResolution::Request request;
+    request.columns = static_cast<std::uint32_t>(columns_->value());
+    call<ChangeResolution>("set_resolution", request);
+    sceneKnown_ = false;
+  });
+}
+
 void ClothPanel::addSliders(QBoxLayout& column) {
   for (const SliderParameter& parameter : kSliderParameters) {
     const std::string name = parameter.name;
@@ -202,7 +234,7 @@ void ClothPanel::save(rviz::Config config) const {
 void ClothPanel::connectTo(const QString& node) {
   name_ = node.toStdString();
   nodeEdit_->setText(node);
-  phasesKnown_ = false;
+  sceneKnown_ = false;
   try {
     stateSubscriber_ = node_.subscribe(name_ + "/state", 1, &ClothPanel::onState, this);
     parametersSubscriber_ =
@@ -214,7 +246,7 @@ void ClothPanel::connectTo(const QString& node) {
 }
 
 void ClothPanel::onState(const ClothState& state) {
-  if (!phasesKnown_ || state.time < time_) askForPhases();  // another run may have begun
+  if (!sceneKnown_ || state.time < time_) askAboutScene();  // another run may have begun
   time_ = state.time;
   paused_ = state.paused != 0;
   pauseButton_->setText(paused_ ? "Play" : "Pause");
@@ -242,7 +274,8 @@ void ClothPanel::showFigures(const ClothState& state) {
                        .arg(state.broken_torn)
                        .arg(state.broken_cut)
                        .arg(state.max_strain, 0, 'f', 3) +
-                   errorsText(state.error_estimate) + contactText(state.contact));
+                   errorsText(state.error_estimate) + contactText(state.contact) +
+                   warningsText(state.warnings));
 }
 
 void ClothPanel::onParameters(const dynamic_reconfigure::Config& config) {
@@ -256,13 +289,22 @@ void ClothPanel::onParameters(const dynamic_reconfigure::Config& config) {
   }
 }
 
-void ClothPanel::askForPhases() {
-  phasesKnown_ = true;
+void ClothPanel::askAboutScene() {
+  sceneKnown_ = true;
   services_->post([this, service = name_ + "/get_state"] {
     GetState exchange;
     if (!ros::service::call(service, exchange)) return;
-    runIn(this, [this, phases = exchange.response.phases] { showPhases(phases); });
+    runIn(this, [this, scene = exchange.response] { showScene(scene); });
   });
+}
+
+void ClothPanel::showScene(const GetState::Response& scene) {
+  showPhases(scene.phases);
+  const bool isGrid = scene.columns > 0;
+  columns_->setEnabled(isGrid);
+  resizeButton_->setEnabled(isGrid);
+  rows_->setText(isGrid ? QString("× %1").arg(scene.rows) : QString("from a file"));
+  if (isGrid) columns_->setValue(static_cast<int>(scene.columns));
 }
 
 void ClothPanel::showPhases(const std::vector<std::string>& phases) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cloth_sim/ClothState.h"
+#include "cloth_sim/GetState.h"
 
 class QBoxLayout;
 class QCheckBox;
@@ -29,8 +30,9 @@ class ServiceQueue;
 class StripChart;
 class ValueSlider;
 
-/// Commands phases, pause, steps and reset by the node's services, sets its dynamic parameters by
-/// sliders, and shows counts, rates and broken springs from its ~state. Never waits for the node.
+/// Commands phases, pause, steps, reset and the number of particles by the node's services, sets
+/// its dynamic parameters by sliders, and shows counts, rates, warnings and broken springs from its
+/// ~state. Never waits for the node.
 class ClothPanel : public rviz::Panel {
  public:
   explicit ClothPanel(QWidget* parent = nullptr);
@@ -47,6 +49,7 @@ class ClothPanel : public rviz::Panel {
 
   void addNodeRow(QBoxLayout& column);
   void addTimeRow(QBoxLayout& column);
+  void addResolutionRow(QBoxLayout& column);
   void addSliders(QBoxLayout& column);
   void addFigures(QBoxLayout& column);
 
@@ -54,7 +57,8 @@ class ClothPanel : public rviz::Panel {
   void onState(const ClothState& state);
   void onParameters(const dynamic_reconfigure::Config& config);
   void showFigures(const ClothState& state);
-  void askForPhases();
+  void askAboutScene();
+  void showScene(const GetState::Response& scene);
   void showPhases(const std::vector<std::string>& phases);
   void countFrame();
 
@@ -70,7 +74,7 @@ class ClothPanel : public rviz::Panel {
   std::string name_;  ///< of the node, "/cloth"
   ros::Subscriber stateSubscriber_;
   ros::Subscriber parametersSubscriber_;
-  bool phasesKnown_ = false;
+  bool sceneKnown_ = false;
   double time_ = 0.0;  ///< simulated [s]
   bool paused_ = false;
   Clock::time_point framesSince_;
@@ -81,6 +85,9 @@ class ClothPanel : public rviz::Panel {
   QLineEdit* nodeEdit_ = nullptr;
   QPushButton* pauseButton_ = nullptr;
   QSpinBox* stepCount_ = nullptr;
+  QSpinBox* columns_ = nullptr;
+  QLabel* rows_ = nullptr;
+  QPushButton* resizeButton_ = nullptr;
   QGridLayout* phaseGrid_ = nullptr;
   std::map<std::string, QPushButton*> phaseButtons_;
   QCheckBox* tearing_ = nullptr;

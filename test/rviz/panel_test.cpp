@@ -117,6 +117,23 @@ TEST_F(PanelTest, StepsAndResets) {
   EXPECT_TRUE(becomes([] { return node().state.step == 0; }));
 }
 
+TEST_F(PanelTest, ResizesTheCloth) {
+  auto* columns = panel_.findChild<QSpinBox*>("Columns");
+  ASSERT_NE(columns, nullptr);
+  ASSERT_TRUE(becomes([&] { return columns->value() == 17; })) << "as the scene says";
+  columns->setValue(9);
+  button("Resize")->click();
+  EXPECT_TRUE(becomes([this] { return says("81 particles, 128 faces, pieces 1"); }));
+  EXPECT_EQ(node().columns, 9u);
+  EXPECT_EQ(node().rows, 9u);
+  button("Reset")->click();
+  EXPECT_TRUE(becomes([] { return node().state.step == 0; }));
+  EXPECT_EQ(node().columns, 9u) << "a reset keeps the size";
+  columns->setValue(17);
+  button("Resize")->click();
+  EXPECT_TRUE(becomes([this] { return says("289 particles, 512 faces, pieces 1"); }));
+}
+
 TEST_F(PanelTest, PhaseButtonsBeginPhasesAndBrokenSpringsShow) {
   button("notch")->click();
   ASSERT_TRUE(becomes([] { return node().state.phase == "notch"; }));
