@@ -47,13 +47,9 @@ void applyChangesToPins(const MeshChanges& changes, std::vector<KinematicTarget>
 Holders::Holders(std::vector<KinematicTarget> pins, const std::vector<ClampSpec>& clamps)
     : pins_(std::move(pins)), clamps_(clamps.begin(), clamps.end()) {}
 
-Clamp* Holders::find(const std::string& clamp) {
-  return findClamp(clamps_, clamp);
-}
+Clamp* Holders::find(const std::string& clamp) { return findClamp(clamps_, clamp); }
 
-std::vector<std::string> Holders::clampNames() const {
-  return namesOf(clamps_);
-}
+std::vector<std::string> Holders::clampNames() const { return namesOf(clamps_); }
 
 void Holders::add(const ClampSpec& spec, const Model& model) {
   if (spec.patch) patchParticles(model, *spec.patch);  // throws if there is no such patch
