@@ -44,6 +44,7 @@ constexpr int kBadInput = 2;
 constexpr int kEditCutShort = 1;
 constexpr std::chrono::milliseconds kStopWithin{500};  ///< from a signal to the end of an edit
 constexpr std::chrono::milliseconds kLoadingPoll{20};
+constexpr std::chrono::milliseconds kShutdownPoll{10};
 constexpr int kCallbackThreads = 4;  ///< so that a long ~step does not block other services
 
 /// Ends the node on SIGTERM as ROS does on SIGINT, so that `kill` is as clean as Ctrl-C.
@@ -73,8 +74,14 @@ class LoadingWatch {
   std::thread thread_;  // last: starts when everything above is there
 };
 
-/// Ends the process if a cut or another edit that is under way does not let it end in time. (Steps
-/// are stopped.)
+/// Returns as soon as ROS begins to shut down. It then takes up to a second to tell the master, and
+/// waits for callbacks, which may wait for the simulation.
+void awaitShutdown() {
+  while (ros::ok() && !ros::isShuttingDown()) std::this_thread::sleep_for(kShutdownPoll);
+}
+
+/// Ends the process if a cut or another edit that is under way does not let it end in time, once ROS
+/// has told the master. (Steps are stopped.)
 class ShutdownDeadline {
  public:
   explicit ShutdownDeadline(std::chrono::milliseconds allowed)
@@ -93,7 +100,11 @@ class ShutdownDeadline {
  private:
   void await(std::chrono::milliseconds allowed) {
     std::unique_lock<std::mutex> lock(mutex_);
-    if (changed_.wait_for(lock, allowed, [this] { return met_; })) return;
+    const auto isMet = [this] { return met_; };
+    if (changed_.wait_for(lock, allowed, isMet)) return;
+    while (ros::isStarted()) {
+      if (changed_.wait_for(lock, kShutdownPoll, isMet)) return;
+    }
     std::cerr << "cloth_node: the edit under way took too long; ended in the middle of it"
               << std::endl;
     std::_Exit(kEditCutShort);
@@ -245,9 +256,12 @@ int runNode(int argc, char** argv) {
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
     loading.reset();
+    awaitShutdown();
+    {
+      const ShutdownDeadline deadline(kStopWithin);
+      node.stop();
+    }
     ros::waitForShutdown();
-    const ShutdownDeadline deadline(kStopWithin);
-    node.stop();
     return 0;
   } catch (const std::exception& error) {
     std::cerr << "cloth_node: " << error.what() << std::endl;
