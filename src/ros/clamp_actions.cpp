@@ -207,7 +207,7 @@ template <typename Action>
 void ClampActionServer<Action>::accept(Handle handle) {
   const std::shared_ptr<Goals> goals = goals_;
   const ClampJobListener listener{
-      [handle]() mutable { handle.setAccepted(); },
+      [handle, goals]() mutable { goals->gate.pass([&] { handle.setAccepted(); }); },
       [handle, goals](const ClampJobResult& end) { finish(handle, end, *goals); }};
   Work work;
   try {
@@ -246,14 +246,18 @@ void ClampActionServer<Action>::finish(Handle handle, const ClampJobResult& end,
   }
   Result result;
   const bool succeeded = goals.converter.toResult(end, goal, result);
+  goals.gate.pass([&] { answer(handle, end, succeeded, result); });
+}
+
+template <typename Action>
+void ClampActionServer<Action>::answer(Handle& handle, const ClampJobResult& end, bool succeeded,
+                                       const Result& result) {
   switch (end.outcome) {
     case ClampJobResult::Outcome::kRefused:
-      handle.setRejected(result, end.message);
-      break;
+      return handle.setRejected(result, end.message);
     case ClampJobResult::Outcome::kPreempted:
     case ClampJobResult::Outcome::kCancelled:
-      handle.setCanceled(result, end.message);
-      break;
+      return handle.setCanceled(result, end.message);
     default:
       succeeded ? handle.setSucceeded(result, end.message) : handle.setAborted(result, end.message);
   }

@@ -17,6 +17,7 @@
 #include "cloth_sim/GraspClothAction.h"
 #include "cloth_sim/GripperCommandAction.h"
 #include "cloth_sim/MoveClampAction.h"
+#include "gate.h"
 #include "requests.h"
 #include "simulation_thread.h"
 
@@ -30,6 +31,10 @@ namespace gripper_msgs = ::cloth_sim;
 
 /// Serves one action of a clamp. Each goal becomes a ClampJob, which answers it from the simulation
 /// thread; the newest goal counts.
+///
+/// actionlib destroys the publishers of a server before it waits for goals that are being answered
+/// or received. So answers pass a gate, which closes first, and a server is to be destroyed where
+/// no callback of it is under way: in the thread of `node`'s queue (SerialQueue).
 template <typename Action>
 class ClampActionServer {
  public:
@@ -54,6 +59,9 @@ class ClampActionServer {
 
   ClampActionServer(ros::NodeHandle& node, const std::string& clamp, const std::string& name,
                     Converter converter, SimulationThread& simulation);
+  ~ClampActionServer() { goals_->gate.close(); }
+  ClampActionServer(const ClampActionServer&) = delete;
+  ClampActionServer& operator=(const ClampActionServer&) = delete;
 
  private:
   using Server = actionlib::ActionServer<Action>;
@@ -65,6 +73,7 @@ class ClampActionServer {
       Handle handle;
       Work work;
     };
+    Gate gate;  ///< of all calls of handles from other threads
     std::mutex mutex;
     std::map<std::string, Entry> entries;
     Converter converter;
@@ -74,6 +83,8 @@ class ClampActionServer {
   void cancel(const Handle& handle);
   void tellProgress();
   static void finish(Handle handle, const ClampJobResult& end, Goals& goals);
+  static void answer(Handle& handle, const ClampJobResult& end, bool succeeded,
+                     const Result& result);
 
   std::string clamp_;
   SimulationThread& simulation_;
@@ -85,7 +96,7 @@ class ClampActionServer {
 /// The actions and the trajectory topic of one clamp.
 class ClampActions {
  public:
-  /// All references must outlive this.
+  /// All references must outlive this. \param node  of a SerialQueue.
   ClampActions(ros::NodeHandle& node, const std::string& clamp, const RequestChecker& checker,
                SimulationThread& simulation);
 

@@ -26,7 +26,8 @@ ClampPorts::ClampPorts(ros::NodeHandle& node, const NodeParameters& parameters,
       parameters_(parameters),
       checker_(checker),
       world_(world),
-      simulation_(simulation) {
+      simulation_(simulation),
+      actionNode_(actionQueue_.handle(node)) {
   update(simulation.observe());
 }
 
@@ -49,8 +50,12 @@ void ClampPorts::update(const Observation& observation) {
   const std::vector<ClampSnapshot>& clamps = observation.snapshot->clamps;
   for (auto port = ports_.begin(); port != ports_.end();) {
     const auto named = [&](const ClampSnapshot& clamp) { return clamp.name == port->first; };
-    const bool exists = std::any_of(clamps.begin(), clamps.end(), named);
-    port = exists ? std::next(port) : ports_.erase(port);
+    if (std::any_of(clamps.begin(), clamps.end(), named)) {
+      ++port;
+      continue;
+    }
+    close(port->second);
+    port = ports_.erase(port);
   }
   for (const ClampSnapshot& clamp : clamps) {
     if (ports_.count(clamp.name) == 0) open(clamp.name);
@@ -77,9 +82,16 @@ void ClampPorts::open(const std::string& clamp) {
   port.commands.push_back(listen<GripperCommand>(
       base + "/gripper_command", kNewest,
       [this, clamp](const GripperCommand& command) { return checker_.gripper(clamp, command); }));
-  port.actions = std::make_shared<ClampActions>(node_, clamp, checker_, simulation_);
+  actionQueue_.run([&] {
+    port.actions = std::make_shared<ClampActions>(actionNode_, clamp, checker_, simulation_);
+  });
   const auto source = parameters_.clampSources.find(clamp);
   if (source != parameters_.clampSources.end()) attach(clamp, source->second, port);
+}
+
+/// Closes the actions of a clamp that is gone.
+void ClampPorts::close(Port& port) {
+  actionQueue_.run([&] { port.actions.reset(); });
 }
 
 void ClampPorts::attach(const std::string& clamp, const PoseSource& source, Port& port) {

@@ -14,6 +14,7 @@
 #include "parameters.h"
 #include "pose_tracker.h"
 #include "requests.h"
+#include "serial_queue.h"
 #include "simulation_thread.h"
 #include "wrench_filter.h"
 
@@ -25,6 +26,9 @@ class ClampPorts {
   /// All arguments must outlive this.
   ClampPorts(ros::NodeHandle& node, const NodeParameters& parameters, const RequestChecker& checker,
              const WorldFrame& world, SimulationThread& simulation);
+  ~ClampPorts() { actionQueue_.stop(); }
+  ClampPorts(const ClampPorts&) = delete;
+  ClampPorts& operator=(const ClampPorts&) = delete;
 
   /// Opens topics of new clamps, closes those of removed ones, and after a reset has clamps follow
   /// their source again. Ignores an observation older than one seen before.
@@ -52,6 +56,7 @@ class ClampPorts {
   };
 
   void open(const std::string& clamp);
+  void close(Port& port);
   void attach(const std::string& clamp, const PoseSource& source, Port& port);
   template <typename Message, typename Check>
   ros::Subscriber listen(const std::string& topic, std::uint32_t queue, const Check& check);
@@ -61,6 +66,8 @@ class ClampPorts {
   const RequestChecker& checker_;
   const WorldFrame& world_;
   SimulationThread& simulation_;
+  SerialQueue actionQueue_;
+  ros::NodeHandle actionNode_;  ///< of that queue
   mutable std::mutex mutex_;
   std::map<std::string, Port> ports_;  ///< by clamp name
   std::uint64_t seen_ = 0;             ///< number of the newest observation

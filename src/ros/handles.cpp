@@ -16,7 +16,9 @@ using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::Marker;
 
 constexpr double kPeriod = 1.0 / 20.0;  ///< between updates [s]
-constexpr double kClampScale = 0.22;    ///< of a clamp's arrows and rings [m]
+constexpr double kClampScale = 3.0;     ///< of a clamp's arrows and rings, over its plates [-]
+constexpr double kLeastScale = 0.05;    ///< of them [m]
+constexpr double kMostScale = 0.22;     ///< of them [m]
 constexpr double kMargin = 0.12;        ///< of an obstacle's arrows beyond it [m]
 constexpr double kGrip = 1.15;          ///< size of the shape to click at, over the real one [-]
 constexpr double kObstacleSpeed = 0.5;  ///< [m/s]
@@ -75,7 +77,8 @@ bool differ(const Pose& a, const Pose& b) {
 InteractiveMarker clampHandle(const ClampSnapshot& clamp, const std::string& world) {
   InteractiveMarker marker = handle(kClampPrefix + clamp.name, clamp.pose, world);
   marker.description = clamp.name;
-  marker.scale = static_cast<float>(kClampScale);
+  marker.scale = static_cast<float>(
+      std::clamp(kClampScale * clamp.plateSize.maxCoeff(), kLeastScale, kMostScale));
   addShape(Marker::CUBE, Vec3(clamp.plateSize.x(), clamp.plateSize.y(), clamp.gap),
            InteractiveMarkerControl::MENU, marker);
   addAxes(InteractiveMarkerControl::MOVE_AXIS, "move", marker);

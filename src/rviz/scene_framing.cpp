@@ -18,10 +18,11 @@ namespace {
 using Box = Ogre::AxisAlignedBox;
 using visualization_msgs::Marker;
 
-constexpr int kCorners = 8;      ///< of a box
-constexpr float kAround = 0.6f;  ///< part of the surroundings that is shown, over the cloth's size
-constexpr float kBelow = 1.5f;   ///< the same below the cloth, where it falls
-constexpr float kMargin = 1.1f;  ///< distance of the camera over the least that shows everything
+constexpr int kCorners = 8;       ///< of a box
+constexpr float kAround = 0.6f;   ///< part of the surroundings that is shown, over the cloth's size
+constexpr float kBeneath = 0.1f;  ///< the same of a floor
+constexpr float kBelow = 1.5f;    ///< the same below the cloth, where it falls
+constexpr float kMargin = 1.1f;   ///< distance of the camera over the least that shows everything
 
 Ogre::Vector3 toVector(const geometry_msgs::Point& point) {
   return {static_cast<float>(point.x), static_cast<float>(point.y), static_cast<float>(point.z)};
@@ -54,16 +55,27 @@ Box boxAround(const Marker& marker) {
   return placed;
 }
 
-/// Adds to the box of the cloth what is near it and below it, but not all of a floor.
-Box withSurroundings(const Box& cloth, const visualization_msgs::MarkerArray& markers) {
+/// Returns the box of the cloth with what is around it, and below it.
+/// \param around  over the size of the cloth.
+Box grown(const Box& cloth, float around) {
   const float size = cloth.getSize().length();
-  const Box near(cloth.getMinimum() - Ogre::Vector3(kAround, kAround, kBelow) * size,
-                 cloth.getMaximum() + Ogre::Vector3(kAround * size));
+  return {cloth.getMinimum() - Ogre::Vector3(around, around, kBelow) * size,
+          cloth.getMaximum() + Ogre::Vector3(around * size)};
+}
+
+/// Adds to the box of the cloth what is near it and below it; of a floor only what is beneath.
+Box withSurroundings(const Box& cloth, const visualization_msgs::MarkerArray& markers) {
+  const Box near = grown(cloth, kAround);
+  const Box beneath = grown(cloth, kBeneath);
+  const auto isFloor = [&](const Box& box) {
+    return box.getSize().x > near.getSize().x && box.getSize().y > near.getSize().y;
+  };
   Box all = cloth;
   for (const Marker& marker : markers.markers) {
     if (marker.action != Marker::ADD || (marker.ns != "obstacles" && marker.ns != "clamps"))
       continue;
-    all.merge(boxAround(marker).intersection(near));
+    const Box box = boxAround(marker);
+    all.merge(box.intersection(!box.isNull() && isFloor(box) ? beneath : near));
   }
   return all;
 }
