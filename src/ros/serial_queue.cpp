@@ -9,7 +9,7 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::chrono::milliseconds kShutdownPoll{50};
+constexpr std::chrono::milliseconds kLookPeriod{50};
 
 /// Work in a queue of callbacks.
 class Work final : public ros::CallbackInterface {
@@ -37,7 +37,7 @@ void SerialQueue::run(const std::function<void()>& work) {
   const auto callback = boost::make_shared<Work>(work);
   std::future<void> done = callback->done();
   queue_.addCallback(callback);
-  while (done.wait_for(kShutdownPoll) != std::future_status::ready) {
+  while (done.wait_for(kLookPeriod) != std::future_status::ready) {
     if (ros::ok()) continue;
     stop();  // `work` is not to begin after this call
     return;

@@ -98,7 +98,7 @@ TEST(ContactsMessage, ListsPlacesNormalsAndForcesOfThoseThatWereAskedFor) {
 
 TEST(TopologyMessage, SaysWhichParticlesAreOfWhichCloth) {
   Topology topology;
-  topology.cloths = {{"scarf", 0, 12, 0.0}, {"banner", 12, 6, 2.0}};
+  topology.cloths = {{"scarf", 0, 12, 0.0, {}}, {"banner", 12, 6, 2.0, {}}};
   const ClothTopology message = toTopologyMessage(topology, std_msgs::Header());
   ASSERT_EQ(message.cloths.size(), 2U);
   EXPECT_EQ(message.cloths[1].name, "banner");
