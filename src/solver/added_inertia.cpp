@@ -139,7 +139,8 @@ struct AddedInertia::Kernel {
     std::size_t k = 0;
     for (; k + kLanes <= count; k += kLanes) {
       const Lanes fraction = lanesAt(cancelled + k) / lanesAt(shortest + k);
-      most = (lanesAt(inverse + k) > zero) & (fraction > most) ? fraction : most;
+      const auto isMore = (lanesAt(inverse + k) > zero) & (fraction > most);
+      most = isMore ? fraction : most;
     }
     double largest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
     for (; k < count; ++k) {
