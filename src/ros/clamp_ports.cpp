@@ -60,7 +60,10 @@ void ClampPorts::update(const Observation& observation) {
   for (const ClampSnapshot& clamp : clamps) {
     if (ports_.count(clamp.name) == 0) open(clamp.name);
   }
-  if (std::exchange(resets_, observation.resets) == observation.resets) return;
+}
+
+void ClampPorts::repeat() {
+  const std::lock_guard<std::mutex> lock(mutex_);
   for (const auto& [clamp, port] : ports_) {
     if (port.tracker) port.tracker->repeat();
   }

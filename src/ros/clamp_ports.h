@@ -30,9 +30,11 @@ class ClampPorts {
   ClampPorts(const ClampPorts&) = delete;
   ClampPorts& operator=(const ClampPorts&) = delete;
 
-  /// Opens topics of new clamps, closes those of removed ones, and after a reset has clamps follow
-  /// their source again. Ignores an observation older than one seen before.
+  /// Opens topics of new clamps and closes those of removed ones. Ignores an observation older than
+  /// one seen before.
   void update(const Observation& observation);
+  /// Has clamps follow their sources again, after a reset.
+  void repeat();
 
   /// Replaces the source that a clamp tracks; PoseSource::Kind::kNothing ends tracking.
   CommandResult track(const std::string& clamp, const PoseSource& source);
@@ -71,7 +73,6 @@ class ClampPorts {
   mutable std::mutex mutex_;
   std::map<std::string, Port> ports_;  ///< by clamp name
   std::uint64_t seen_ = 0;             ///< number of the newest observation
-  std::uint64_t resets_ = 0;           ///< of the simulation, as last seen
 };
 
 }  // namespace cloth_sim

@@ -80,8 +80,8 @@ void awaitShutdown() {
   while (ros::ok() && !ros::isShuttingDown()) std::this_thread::sleep_for(kShutdownPoll);
 }
 
-/// Ends the process if a cut or another edit that is under way does not let it end in time, once ROS
-/// has told the master. (Steps are stopped.)
+/// Ends the process if a cut or another edit that is under way does not let it end in time, once
+/// ROS has told the master. (Steps are stopped.)
 class ShutdownDeadline {
  public:
   explicit ShutdownDeadline(std::chrono::milliseconds allowed)

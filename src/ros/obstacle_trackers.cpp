@@ -1,7 +1,5 @@
 #include "obstacle_trackers.h"
 
-#include <utility>
-
 #include "submit.h"
 
 namespace cloth_sim {
@@ -17,8 +15,7 @@ ObstacleTrackers::ObstacleTrackers(ros::NodeHandle& node, const NodeParameters& 
   }
 }
 
-void ObstacleTrackers::update(const Observation& observation) {
-  if (std::exchange(resets_, observation.resets) == observation.resets) return;
+void ObstacleTrackers::repeat() {
   for (const auto& tracker : trackers_) tracker->repeat();
 }
 

@@ -17,13 +17,12 @@ class ObstacleTrackers {
   ObstacleTrackers(ros::NodeHandle& node, const NodeParameters& parameters, const WorldFrame& world,
                    SimulationThread& simulation);
 
-  /// Has obstacles follow their source again after a reset.
-  void update(const Observation& observation);
+  /// Has obstacles follow their sources again, after a reset.
+  void repeat();
 
   std::vector<TrackingStatus> statuses() const;
 
  private:
-  std::uint64_t resets_ = 0;  ///< of the simulation, as last seen
   std::vector<std::shared_ptr<PoseTracker>> trackers_;
 };
 

@@ -182,8 +182,7 @@ void Publishers::tick() {
   header_.stamp = stampOf(*observation.snapshot);
   header_.frame_id = parameters_.worldFrame;
   trackers_.clamps.update(observation);
-  trackers_.obstacles.update(observation);
-  trackers_.robot.update(observation);
+  if (std::exchange(resetsFollowed_, observation.resets) != observation.resets) trackers_.repeat();
   repeatLatched();
   sendCommands();
   sendTopology(observation);

@@ -33,6 +33,13 @@ struct Trackers {
   ObstacleTrackers& obstacles;
   RobotTrackers& robot;
   CameraTopic& camera;
+
+  /// Has all follow their sources again, after a reset, which puts them back to where they began.
+  void repeat() const {
+    clamps.repeat();
+    obstacles.repeat();
+    robot.repeat();
+  }
 };
 
 /// Publishes all topics of the node, tf and diagnostics, each at its rate. Topics without
@@ -134,9 +141,10 @@ class Publishers {
   std_msgs::String sceneText_;
   std::optional<Clock::time_point> repeated_;  ///< time of the last latched messages
   ros::Time sentTransforms_;
-  int sentBroken_ = -1;  ///< number of broken springs sent last; -1: none yet
-  std::uint64_t resetsSeen_ = 0;
-  Observation diagnosed_;  ///< the last observation
+  int sentBroken_ = -1;               ///< number of broken springs sent last; -1: none yet
+  std::uint64_t resetsSeen_ = 0;      ///< in the batches of events
+  std::uint64_t resetsFollowed_ = 0;  ///< in the observations
+  Observation diagnosed_;             ///< the last observation
   WarningLog warningLog_;
 
   std::atomic<bool> stopping_{false};

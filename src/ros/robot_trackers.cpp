@@ -3,7 +3,6 @@
 #include <ros/console.h>
 
 #include <cmath>
-#include <utility>
 
 #include "submit.h"
 
@@ -82,10 +81,9 @@ void RobotTrackers::moveClamp(const RobotGripper& gripper, const MovingPose& bas
   submit(topic, Command{SetGapWidth{gripper.clamp, between->gap}}, simulation_);
 }
 
-void RobotTrackers::update(const Observation& observation) {
+void RobotTrackers::repeat() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (std::exchange(resets_, observation.resets) == observation.resets) return;
     gaps_.clear();
   }
   for (const auto& tracker : trackers_) tracker->repeat();

@@ -23,8 +23,8 @@ class RobotTrackers {
   RobotTrackers(ros::NodeHandle& node, const Robot& robot, double rate, const WorldFrame& world,
                 SimulationThread& simulation);
 
-  /// Has obstacles and clamps follow their links again after a reset.
-  void update(const Observation& observation);
+  /// Has obstacles and clamps follow their links again, after a reset.
+  void repeat();
 
   std::vector<TrackingStatus> statuses() const;
 
@@ -42,7 +42,6 @@ class RobotTrackers {
 
   mutable std::mutex mutex_;
   std::map<std::string, double> gaps_;  ///< between the plates of each clamp, as last told [m]
-  std::uint64_t resets_ = 0;            ///< of the simulation, as last seen
 
   std::vector<std::shared_ptr<PoseTracker>> trackers_;
 };
