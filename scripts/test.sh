@@ -60,6 +60,7 @@ if [[ -n $sanitize ]]; then
   export CLOTH_SIM_FEWER_CASES=10
   suite_options+=(--without rviz --fewer-cases "$CLOTH_SIM_FEWER_CASES")
 fi
+reports=$workspace/log/sanitizers
 
 # run_tests <title> <regular expression of ctest names> <how many at a time>
 failed_groups=0
@@ -78,10 +79,8 @@ run_tests() {
   fi
 }
 
-if [[ $quick == no ]]; then groups+=(rviz photo); fi  # the plugin, and a screen for its tests
 # watch_sanitizers: lets every process write what its sanitizer reports into a file of $reports. The one
 # for undefined behaviour cannot, next to that for addresses: it ends the process.
-reports=$workspace/log/sanitizers
 watch_sanitizers() {
   rm -rf "$reports"
   mkdir -p "$reports"
@@ -103,6 +102,7 @@ show_reports() {
   return "$status"
 }
 
+if [[ $quick == no ]]; then groups+=(rviz photo); fi  # the plugin, and a screen for its tests
 prepare "${groups[@]}"
 run_timed build build_workspace "$workspace" "all tests" "${cmake_arguments[@]}"
 

@@ -2,7 +2,7 @@
 /// \file Warm starting of contact forces, for methods that enforce contacts after a global solve.
 
 #include "cloth_sim/contact/contacts.h"
-#include "constraints/particles.h"
+#include "particles.h"
 
 namespace cloth_sim {
 

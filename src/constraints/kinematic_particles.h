@@ -2,7 +2,7 @@
 /// \file Particles whose motion clamps and pins prescribe, and the forces that these have to bear.
 
 #include "cloth_sim/solver/solver.h"
-#include "constraints/particles.h"
+#include "particles.h"
 
 namespace cloth_sim {
 

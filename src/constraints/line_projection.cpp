@@ -6,7 +6,6 @@
 #include <string>
 #include <unordered_map>
 
-#include "linalg/vector_operations.h"
 #include "support/vector_clones.h"
 #include "threads/parallel_for.h"
 

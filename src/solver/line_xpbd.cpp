@@ -1,10 +1,7 @@
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "added_inertia.h"
-#include "cloth_sim/validation.h"
 #include "constraints/line_projection.h"
 #include "error_control.h"
 #include "linalg/vector_operations.h"
