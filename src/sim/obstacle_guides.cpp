@@ -1,6 +1,7 @@
 #include "cloth_sim/sim/obstacle_guides.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "support/rotation.h"
 
@@ -24,14 +25,23 @@ Vec3 turnSpeed(const Quat& from, const Quat& to, double dt) {
 
 }  // namespace
 
+std::vector<ObstacleGuides::Guide>::iterator ObstacleGuides::find(const std::string& obstacle) {
+  return std::find_if(guides_.begin(), guides_.end(),
+                      [&](const Guide& guide) { return guide.obstacle == obstacle; });
+}
+
 void ObstacleGuides::set(const std::string& obstacle, const MovingPose& target) {
-  drop(obstacle);
-  guides_.push_back({obstacle, target});
+  const auto guide = find(obstacle);
+  if (guide == guides_.end()) {
+    guides_.push_back({obstacle, target});
+  } else {
+    guide->target = target;
+  }
 }
 
 void ObstacleGuides::drop(const std::string& obstacle) {
-  const auto named = [&](const Guide& guide) { return guide.obstacle == obstacle; };
-  guides_.erase(std::remove_if(guides_.begin(), guides_.end(), named), guides_.end());
+  const auto guide = find(obstacle);
+  if (guide != guides_.end()) guides_.erase(guide);
 }
 
 bool ObstacleGuides::areIdle(double time, const ColliderSet& colliders) const {
@@ -50,7 +60,9 @@ void ObstacleGuides::steer(double time, double dt, ColliderSet& colliders) {
     const Pose& goal = guide.target.pose;
     const Pose from = collider->poseAt(time);
     const Vec3 velocity = (goal.position - from.position) / dt;
-    if (velocity.norm() > kFastestObstacle) {
+    const bool isPlaced =
+        !std::exchange(guide.hasBegun, true) || velocity.norm() > kFastestObstacle;
+    if (isPlaced) {
       collider->place(goal, Vec3::Zero(), time);
     } else {
       collider->place(from, velocity, time, turnSpeed(from.orientation, goal.orientation, dt));

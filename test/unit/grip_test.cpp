@@ -255,6 +255,26 @@ TEST(GuidedObstacle, IsWhereItsTargetIsAtTheEndOfEveryStep) {
   EXPECT_THAT(simulation.apply(GuideObstacle{"bowl", target}).message, HasSubstr("known: ball"));
 }
 
+TEST(GuidedObstacle, IsPlacedWhereItsTargetIsAtFirst) {
+  // From one side of the cloth to the other: swept, the board would take the cloth along.
+  Simulation simulation(parseScene(kScene, "hand.yaml",
+                                   {"obstacles={board: {type: box, size: [0.4, 0.02, 0.4],"
+                                    " position: [0, 0.05, 0.75]}}",
+                                    "gravity=[0, 0, 0]"}));
+  MovingPose target;
+  target.pose.position = Vec3(0.0, -0.05, 0.75);
+  ASSERT_TRUE(simulation.apply(GuideObstacle{"board", target}).success);
+  simulation.step();
+  const Collider& board = simulation.colliders().all()[0];
+  EXPECT_EQ(board.poseAt(simulation.time()).position, target.pose.position);
+  for (const Vec3& x : simulation.state().x) EXPECT_NEAR(x.y(), 0.0, 1e-6);
+
+  target.pose.position.y() = -0.03;
+  ASSERT_TRUE(simulation.apply(GuideObstacle{"board", target}).success);
+  simulation.step();
+  EXPECT_NEAR(board.obstacle().velocity.y(), 0.02 / kDt, 1e-9) << "afterwards it moves";
+}
+
 /// Cloth above cloth that is held all over; a clamp goes down with the upper one.
 const char* const kLayers = R"(
 cloth:

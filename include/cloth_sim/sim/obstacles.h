@@ -27,7 +27,7 @@ class Obstacles {
   /// otherwise as `place`.
   void setVelocity(const std::string& obstacle, const Vec3& velocity, double time,
                    const Vec3& angularVelocity = Vec3::Zero());
-  /// Lets an obstacle follow a moving target from the next step on.
+  /// Lets an obstacle follow a moving target from the next step on, which places it there.
   void guide(const std::string& obstacle, const MovingPose& target);
 
   /// Turns the targets of guided obstacles into velocities for the step from `time` to `time + dt`.
