@@ -34,11 +34,11 @@ bool isOnBorder(const TriangleMesh& mesh, const SurfacePoint& point) {
   return false;
 }
 
-/// Returns the nearest tip that is wanted, over faces within `reach` of a point of the cloth [m];
-/// kNone if there is none. Of equally near ones it is the first.
+/// Returns the nearest vertex that is wanted, over faces within `reach` of a point of the cloth
+/// [m]; kNone if there is none. Of equally near ones it is the first.
 template <typename IsWanted>
-VertexId nearestTip(const TriangleMesh& mesh, const SurfacePoint& point, double reach,
-                    const IsWanted& isWanted) {
+VertexId nearestVertex(const TriangleMesh& mesh, const SurfacePoint& point, double reach,
+                       const IsWanted& isWanted) {
   VertexId nearest = kNone;
   double least = reach;
   std::set<FaceId> seen{point.face};
@@ -49,7 +49,7 @@ VertexId nearestTip(const TriangleMesh& mesh, const SurfacePoint& point, double 
       const double distance = (mesh.material(v) - point.material).norm();
       const bool isNearer = distance < least || (distance == least && v < nearest) ||
                             (distance <= least && nearest == kNone);
-      if (isNearer && isTip(mesh, v) && isWanted(v)) {
+      if (isNearer && isWanted(v)) {
         nearest = v;
         least = distance;
       }
@@ -62,18 +62,22 @@ VertexId nearestTip(const TriangleMesh& mesh, const SurfacePoint& point, double 
   return nearest;
 }
 
-/// Returns the tip that the first point of a path joins; kNone if there is none.
+/// Returns the tip that the first point of a path joins, or else an end of the cut that it
+/// continues: one that bent to the border is no tip. kNone if there is neither.
 VertexId tipAtBegin(const TriangleMesh& mesh, const JoinedTips& tips, const SurfacePath& path) {
+  const auto isATip = [&](VertexId v) { return isTip(mesh, v); };
   const auto isKnown = [&](VertexId v) {
     return std::any_of(tips.known.begin(), tips.known.end(), [&](const Vec2& known) {
       return (known - mesh.material(v)).norm() <= kOnePoint;
     });
   };
-  if (!tips.known.empty()) {
-    const VertexId tip = nearestTip(mesh, path.points.front(), tips.knownReach, isKnown);
-    if (tip != kNone) return tip;
-  }
-  return nearestTip(mesh, path.points.front(), tips.reach, [](VertexId) { return true; });
+  const auto isKnownTip = [&](VertexId v) { return isKnown(v) && isTip(mesh, v); };
+  const SurfacePoint& begin = path.points.front();
+  VertexId tip = kNone;
+  if (!tips.known.empty()) tip = nearestVertex(mesh, begin, tips.knownReach, isKnownTip);
+  if (tip == kNone) tip = nearestVertex(mesh, begin, tips.reach, isATip);
+  if (tip == kNone && !tips.known.empty()) tip = nearestVertex(mesh, begin, tips.reach, isKnown);
+  return tip;
 }
 
 /// Lets a path begin at a tip instead of its first point, and drops its points that are not farther
@@ -100,7 +104,8 @@ void joinTips(const TriangleMesh& mesh, const JoinedTips& tips, SurfacePath& pat
   const VertexId first = tipAtBegin(mesh, tips, path);
   if (first != kNone) startAt(first, mesh, path);
   if (path.points.empty()) return;
-  const VertexId last = nearestTip(mesh, path.points.back(), tips.reach, [&](VertexId v) {
+  const VertexId last = nearestVertex(mesh, path.points.back(), tips.reach, [&](VertexId v) {
+    if (!isTip(mesh, v)) return false;
     return first == kNone || (mesh.material(v) - mesh.material(first)).norm() > tips.reach;
   });
   if (last == kNone) return;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "cloth_sim/scene/load.h"
@@ -128,6 +129,25 @@ TEST(JoinedStrokesOfACircle, FreeADisc) {
   ASSERT_EQ(areas.size(), 2U);
   EXPECT_NEAR(areas[0], M_PI * 0.04, 0.005 * M_PI * 0.04);
   EXPECT_EQ(countTips(simulation.model().mesh), 0);
+}
+
+TEST(JoinedStrokesThatEndBesideTheBorder, CutWhatOneStrokeCuts) {
+  // A cut that ends within half an edge of the border may bend to it, and the next stroke then
+  // begins where there is no tip.
+  for (const double height : {0.705, 0.713, 0.716}) {
+    for (double inset = 0.02; inset < 1.2; inset += 0.09) {
+      Simulation simulation = hangingCloth();
+      const double end = 0.5 - inset * kEdge;
+      const std::array<double, 4> places{-0.55, -end, end, 0.55};
+      for (std::size_t k = 1; k < places.size(); ++k) {
+        cutAlong({{places[k - 1], 0.0, height}, {places[k], 0.0, height}}, simulation);
+      }
+      const std::vector<double> areas = sortedAreas(simulation.model().mesh);
+      ASSERT_EQ(areas.size(), 2U) << "inset " << inset << " at " << height;
+      // The ends may bend by half an edge.
+      EXPECT_NEAR(areas[0], height - 0.3, 2.0 * 0.5 * kEdge * kEdge) << inset << " at " << height;
+    }
+  }
 }
 
 TEST(JoinedStrokesOfASavedState, GoOn) {
