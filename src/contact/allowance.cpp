@@ -63,40 +63,45 @@ struct SegmentMotion {
 
 /// Does so for `count` segments along all axes. \return whether all motion is allowed.
 CLOTH_SIM_VECTOR_CLONES
-bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t count, Box* boxes) {
-  bool kept = true;
+bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t count, Box* boxes,
+                  std::uint8_t* isKept) {
+  bool areKept = true;
   for (std::int32_t s = 0; s < count; ++s) {
     const std::int32_t at = s * kSegment;
     double* const low = boxes[s].low.data();
     double* const high = boxes[s].high.data();
-    kept &= moveAxis(of.x.x + at, of.from.x + at, of.low.x + at, of.high.x + at, common.x(),
-                     of.moved.x + at, low[0], high[0]);
+    bool kept = moveAxis(of.x.x + at, of.from.x + at, of.low.x + at, of.high.x + at, common.x(),
+                         of.moved.x + at, low[0], high[0]);
     kept &= moveAxis(of.x.y + at, of.from.y + at, of.low.y + at, of.high.y + at, common.y(),
                      of.moved.y + at, low[1], high[1]);
     kept &= moveAxis(of.x.z + at, of.from.z + at, of.low.z + at, of.high.z + at, common.z(),
                      of.moved.z + at, low[2], high[2]);
+    isKept[s] = kept ? 1 : 0;
+    areKept &= kept;
   }
-  return kept;
+  return areKept;
 }
 
-/// Tells whether the edges of `count` faces have changed by no more than is allowed: a quick check.
+/// Returns the first of the faces [first, last) whose edges may have changed by more than is
+/// allowed, or one up to three before it; a number above `last - kLanes` if there is none among
+/// whole groups of lanes. A quick check.
 /// \param corners  slots of the first, second and third corner of the faces.
 /// \param turn     square of the change that is allowed, by face [m^2].
 CLOTH_SIM_VECTOR_CLONES
-bool areEdgesKept(const ConstAxes& moved, const std::array<const std::int32_t*, 3>& corners,
-                  const double* turn, std::int32_t count) {
-  auto kept = Lanes{} == Lanes{};
-  for (std::int32_t k = 0; k + kLanes <= count; k += kLanes) {
+std::int32_t firstTurned(const ConstAxes& moved, const std::array<const std::int32_t*, 3>& corners,
+                         const double* turn, std::int32_t first, std::int32_t last) {
+  for (std::int32_t k = first;; k += kLanes) {
+    if (k + kLanes > last) return k;
     Lanes square{};
     for (const double* axis : {moved.x, moved.y, moved.z}) {
       const Lanes origin = gather(axis, corners[0] + k);
-      const Lanes first = gather(axis, corners[1] + k) - origin;
-      const Lanes second = gather(axis, corners[2] + k) - origin;
-      square += first * first + second * second;
+      const Lanes one = gather(axis, corners[1] + k) - origin;
+      const Lanes other = gather(axis, corners[2] + k) - origin;
+      square += one * one + other * other;
     }
-    kept &= square <= lanesAt(turn + k);
+    const auto kept = square <= lanesAt(turn + k);
+    if ((kept[0] & kept[1] & kept[2] & kept[3]) == 0) return k;
   }
-  return (kept[0] & kept[1] & kept[2] & kept[3]) != 0;
 }
 
 Vec2 middle(const TriangleMesh& mesh, const Face& face) {
@@ -126,7 +131,6 @@ void Allowance::build(const Model& model) {
   origin_.resize(vertices);
   motions_.resize(vertices);
   slots_.resize(vertices);
-  for (VectorArray* array : {&from_, &low_, &high_, &moved_}) array->resize(vertices);
   balls_.resize(faces_.size());
   turn_.resize(faces_.size());
   sortIntoPatches(model);
@@ -168,9 +172,12 @@ void Allowance::sortIntoPatches(const Model& model) {
   }
 }
 
-Gradient Allowance::gradient(FaceId f, const std::vector<Vec3>& x) const {
+/// \param placeOf  position of a vertex [m].
+template <typename PlaceOf>
+Gradient Allowance::gradient(FaceId f, const PlaceOf& placeOf) const {
   const Face& face = faces_[f];
-  return Gradient::of(x[face[1]] - x[face[0]], x[face[2]] - x[face[0]], inverseRest_[f]);
+  const Vec3 origin = placeOf(face[0]);
+  return Gradient::of(placeOf(face[1]) - origin, placeOf(face[2]) - origin, inverseRest_[f]);
 }
 
 /// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do for what all
@@ -179,10 +186,11 @@ Gradient Allowance::gradient(FaceId f, const std::vector<Vec3>& x) const {
 template <typename MotionOf>
 Vec3 Allowance::meanMotion(const MotionOf& motionOf) const {
   constexpr std::size_t kSample = 256;
-  const std::size_t stride = std::max<std::size_t>(1, origin_.size() / kSample);
+  const auto stride = static_cast<VertexId>(std::max<std::size_t>(1, origin_.size() / kSample));
   Vec3 sum = Vec3::Zero();
-  std::size_t count = 0;
-  for (std::size_t v = 0; v < origin_.size(); v += stride, ++count) sum += motionOf(v);
+  int count = 0;
+  const auto vertices = static_cast<VertexId>(origin_.size());
+  for (VertexId v = 0; v < vertices; v += stride, ++count) sum += motionOf(v);
   return count == 0 ? sum : Vec3(sum / static_cast<double>(count));
 }
 
@@ -205,12 +213,10 @@ void Allowance::allowMotion(std::size_t v, const Vec3& offset, const Vec3& motio
   motions_[v] = {offset + low, offset + high};
 }
 
-/// Sets the gradients that a face may have.
-void Allowance::allowTurn(FaceId f, const std::vector<Vec3>& start, const std::vector<Vec3>& end) {
-  GradientBall& ball = balls_[f];
-  ball.centre = gradient(f, start);
-  const double turned = (gradient(f, end) - ball.centre).norm();
-  ball.radius = std::max(reach_.leastTurn, reach_.substeps * turned);
+/// Sets the gradients that a face may have. \param start, end  its gradients in the substep.
+void Allowance::allowTurn(FaceId f, const Gradient& start, const Gradient& end) {
+  const double turned = (end - start).norm();
+  balls_[f] = {start, std::max(reach_.leastTurn, reach_.substeps * turned)};
 }
 
 void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end,
@@ -218,24 +224,30 @@ void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& e
   reach_ = reach;
   origin_ = start;
   renewed_ = 0;
-  const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 { return end[v] - start[v]; });
+  const Vec3 common = meanMotion([&](VertexId v) -> Vec3 { return end[v] - start[v]; });
   forAll(origin_.size(), kVertexGrain, [&](std::int32_t v) {
     allowMotion(static_cast<std::size_t>(v), Vec3::Zero(), end[v] - start[v] - common, common);
   });
+  const auto startOf = [&](VertexId v) -> const Vec3& { return start[v]; };
+  const auto endOf = [&](VertexId v) -> const Vec3& { return end[v]; };
   forAll(faces_.size(), kFaceGrain, [&](FaceId f) {
-    allowTurn(f, start, end);
+    allowTurn(f, gradient(f, startOf), gradient(f, endOf));
     turn_[f] = balls_[f].radius * balls_[f].radius / inverseRest_[f].squaredNorm();
   });
 }
 
 void Allowance::follow(const ParticleView& particles) {
-  for (VertexId v = 0; v < static_cast<VertexId>(slots_.size()); ++v) {
+  const auto vertices = static_cast<VertexId>(slots_.size());
+  for (VertexId v = 0; v < vertices; ++v) {
     const std::int32_t slot = particles.slot(v);
     if (slot != slots_[v]) hasSegments_ = false;
     slots_[v] = slot;
-    setSlot(v);
   }
-  if (!hasSegments_) listSegments();
+  if (!hasSegments_) {
+    listSlots();
+    listSegments();
+  }
+  for (VertexId v = 0; v < vertices; ++v) setSlot(v);
   for (Patch& patch : patches_) {
     patch.turn = std::numeric_limits<double>::infinity();
     for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
@@ -245,9 +257,24 @@ void Allowance::follow(const ParticleView& particles) {
   }
 }
 
+/// Sizes the arrays of slots. Whatever is in slots without a vertex may go anywhere.
+void Allowance::listSlots() {
+  const std::int32_t last = slots_.empty() ? -1 : *std::max_element(slots_.begin(), slots_.end());
+  vertexIn_.assign(static_cast<std::size_t>(last + 1), kNone);
+  for (std::size_t v = 0; v < slots_.size(); ++v) vertexIn_[slots_[v]] = static_cast<VertexId>(v);
+  for (VectorArray* array : {&from_, &low_, &high_, &moved_}) array->resize(vertexIn_.size());
+  for (std::size_t slot = 0; slot < vertexIn_.size(); ++slot) {
+    if (vertexIn_[slot] != kNone) continue;
+    from_.set(slot, Vec3::Zero());
+    low_.set(slot, Vec3::Constant(-std::numeric_limits<double>::infinity()));
+    high_.set(slot, Vec3::Constant(std::numeric_limits<double>::infinity()));
+  }
+}
+
 /// Lists the segments of slots that the corners of each patch lie in.
 void Allowance::listSegments() {
-  segments_.resize((slots_.size() + kSegment - 1) / kSegment);
+  segments_.resize((vertexIn_.size() + kSegment - 1) / kSegment);
+  isSegmentKept_.resize(segments_.size());
   for (Patch& patch : patches_) {
     std::vector<std::int32_t>& list = patch.segments;
     list.clear();
@@ -272,7 +299,7 @@ void Allowance::setSlot(VertexId v) {
 
 bool Allowance::isKept(const ParticleView& particles) {
   const Vec3 common =
-      meanMotion([&](std::size_t v) -> Vec3 { return particles.at(slots_[v]) - origin_[v]; });
+      meanMotion([&](VertexId v) -> Vec3 { return particles.at(slots_[v]) - origin_[v]; });
   std::atomic<bool> kept{true};
   parallelFor(static_cast<std::int32_t>(segments_.size()), kSegmentGrain,
               [&](std::int32_t first, std::int32_t last) {
@@ -292,7 +319,7 @@ bool Allowance::isKept(const ParticleView& particles) {
 /// allowed.
 bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int32_t first,
                      std::int32_t last) {
-  const auto slots = static_cast<std::int32_t>(slots_.size());
+  const auto slots = static_cast<std::int32_t>(vertexIn_.size());
   const std::int32_t whole = std::min(last, slots / kSegment);
   const std::int32_t at = first * kSegment;
   bool kept = true;
@@ -302,18 +329,20 @@ bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int
                          axesAt(std::as_const(low_), at),
                          axesAt(std::as_const(high_), at),
                          axesAt(moved_, at)},
-                        common, whole - first, &segments_[first]);
+                        common, whole - first, &segments_[first], &isSegmentKept_[first]);
   }
   if (whole == last) return kept;
+  bool isRestKept = true;
   segments_[whole] = Box();
   for (std::int32_t slot = whole * kSegment; slot < slots; ++slot) {
     const auto k = static_cast<std::size_t>(slot);
     const Vec3 moved = particles.at(slot) - from_.at(k) - common;
     moved_.set(k, moved);
     segments_[whole].add({moved, moved});
-    kept = kept && Box{low_.at(k), high_.at(k)}.contains(moved);
+    isRestKept = isRestKept && Box{low_.at(k), high_.at(k)}.contains(moved);
   }
-  return kept;
+  isSegmentKept_[whole] = isRestKept ? 1 : 0;
+  return kept && isRestKept;
 }
 
 /// Tells whether the gradients of the faces of a patch are where they may be. The edges of all
@@ -322,13 +351,14 @@ bool Allowance::isTurnKept(const Patch& patch) const {
   Box box;
   for (const std::int32_t segment : patch.segments) box.add(segments_[segment]);
   if (2.0 * (box.high - box.low).squaredNorm() <= patch.turn) return true;
-  const std::int32_t first = patch.firstFace;
-  const std::int32_t quick = (patch.lastFace - first) / kLanes * kLanes;
-  const bool areMost = areEdgesKept(axesAt(moved_, 0),
-                                    {&corners_[0][first], &corners_[1][first], &corners_[2][first]},
-                                    &patchTurn_[first], quick);
-  for (std::int32_t k = areMost ? first + quick : first; k < patch.lastFace; ++k) {
-    if (!isTurnKept(patchFaces_[k])) return false;
+  const std::array<const std::int32_t*, 3> corners{corners_[0].data(), corners_[1].data(),
+                                                   corners_[2].data()};
+  for (std::int32_t k = patch.firstFace; k < patch.lastFace;) {
+    k = firstTurned(axesAt(moved_, 0), corners, patchTurn_.data(), k, patch.lastFace);
+    const std::int32_t last = std::min(k + kLanes, patch.lastFace);
+    for (; k < last; ++k) {
+      if (!isTurnKept(patchFaces_[k])) return false;
+    }
   }
   return true;
 }
@@ -346,19 +376,33 @@ bool Allowance::isTurnKept(FaceId f) const {
   return (now - balls_[f].centre).norm() <= balls_[f].radius;
 }
 
+/// Lists the vertices that are not where they may be, ascending, and the faces with such a corner.
+/// \return whether these are few; if not, the lists are not complete.
+bool Allowance::findLeftVertices(std::size_t mostFaces) {
+  left_.vertices.clear();
+  left_.faces.clear();
+  const auto slots = static_cast<std::int32_t>(vertexIn_.size());
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    if (isSegmentKept_[s] != 0) continue;
+    const std::int32_t first = static_cast<std::int32_t>(s) * kSegment;
+    for (std::int32_t slot = first; slot < std::min(first + kSegment, slots); ++slot) {
+      const VertexId v = vertexIn_[slot];
+      if (v == kNone || motions_[v].contains(moved_.at(static_cast<std::size_t>(slot)))) continue;
+      left_.vertices.push_back(v);
+      left_.faces.insert(left_.faces.end(), facesAround_.begin() + aroundStart_[v],
+                         facesAround_.begin() + aroundStart_[v + 1]);
+    }
+    if (left_.faces.size() > 3 * mostFaces) return false;  // each is there three times at most
+  }
+  std::sort(left_.vertices.begin(), left_.vertices.end());
+  return true;
+}
+
 /// Lists the vertices that are not where they may be, and the faces with such a corner or with a
 /// gradient that is not. \return whether these are few; if not, the lists are not complete.
 bool Allowance::findLeft(double few) {
-  left_.vertices.clear();
-  left_.faces.clear();
   const auto most = static_cast<std::size_t>(few * static_cast<double>(faces_.size()));
-  for (std::size_t v = 0; v < slots_.size(); ++v) {
-    if (motions_[v].contains(moved_.at(static_cast<std::size_t>(slots_[v])))) continue;
-    left_.vertices.push_back(static_cast<VertexId>(v));
-    left_.faces.insert(left_.faces.end(), facesAround_.begin() + aroundStart_[v],
-                       facesAround_.begin() + aroundStart_[v + 1]);
-    if (left_.faces.size() > 2 * most) return false;  // each is there three times at most
-  }
+  if (!findLeftVertices(most)) return false;
   for (const Patch& patch : patches_) {
     if (isTurnKept(patch)) continue;
     for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
@@ -370,21 +414,23 @@ bool Allowance::findLeft(double few) {
   return left_.faces.size() <= most;
 }
 
-bool Allowance::renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end,
-                          double few) {
+bool Allowance::renewLeft(const ParticleView& particles, double few, double most) {
   if (!findLeft(few)) return false;
   renewed_ += static_cast<std::int64_t>(left_.faces.size());
-  const double most = kMostRenewed * few * static_cast<double>(faces_.size());
-  if (static_cast<double>(renewed_) > most) return false;
-  const Vec3 before = meanMotion([&](std::size_t v) -> Vec3 { return start[v] - origin_[v]; });
-  const Vec3 common = meanMotion([&](std::size_t v) -> Vec3 { return end[v] - start[v]; });
+  const double mostRenewed = kMostRenewed * few * static_cast<double>(faces_.size());
+  if (static_cast<double>(renewed_) > mostRenewed) return false;
+  const auto startOf = [&](VertexId v) { return particles.startAt(slots_[v]); };
+  const auto endOf = [&](VertexId v) { return particles.at(slots_[v]); };
+  const Vec3 before = meanMotion([&](VertexId v) -> Vec3 { return startOf(v) - origin_[v]; });
+  const Vec3 common = meanMotion([&](VertexId v) -> Vec3 { return endOf(v) - startOf(v); });
   for (const VertexId v : left_.vertices) {
-    allowMotion(static_cast<std::size_t>(v), start[v] - origin_[v] - before,
-                end[v] - start[v] - common, common);
+    const Vec3 motion = endOf(v) - startOf(v) - common;
+    if (!(motion.norm() <= most)) return false;  // also for NaN
+    allowMotion(static_cast<std::size_t>(v), startOf(v) - origin_[v] - before, motion, common);
     setSlot(v);
   }
   for (const FaceId f : left_.faces) {
-    allowTurn(f, start, end);
+    allowTurn(f, gradient(f, startOf), gradient(f, endOf));
     // The centre of the ball is no longer the gradient at the origin: there is no quick check.
     turn_[f] = -1.0;
     patchTurn_[placeOf_[f]] = -1.0;

@@ -38,10 +38,12 @@ class Allowance {
   void follow(const ParticleView& particles);
   /// Tells whether vertices and gradients are where they may be at the end of a substep.
   bool isKept(const ParticleView& particles);
-  /// After `isKept` has said no: renews it for vertices and faces that are not, if they are few.
-  /// \param few  share of all faces up to which they are, in (0, 1]; five times that in sum.
+  /// After `isKept` has said no: renews it for vertices and faces that are not, if they are few and
+  /// slow.
+  /// \param few   share of all faces up to which they are, in (0, 1]; five times that in sum.
+  /// \param most  motion in the substep up to which they are [m].
   /// \return whether they are.
-  bool renewLeft(const std::vector<Vec3>& start, const std::vector<Vec3>& end, double few);
+  bool renewLeft(const ParticleView& particles, double few, double most);
 
   /// Positions at the last search, by vertex [m].
   const std::vector<Vec3>& origin() const { return origin_; }
@@ -64,9 +66,11 @@ class Allowance {
   void sortIntoPatches(const Model& model);
   template <typename MotionOf>
   Vec3 meanMotion(const MotionOf& motionOf) const;
-  Gradient gradient(FaceId f, const std::vector<Vec3>& x) const;
+  template <typename PlaceOf>
+  Gradient gradient(FaceId f, const PlaceOf& placeOf) const;
   void allowMotion(std::size_t v, const Vec3& offset, const Vec3& motion, const Vec3& common);
-  void allowTurn(FaceId f, const std::vector<Vec3>& start, const std::vector<Vec3>& end);
+  void allowTurn(FaceId f, const Gradient& start, const Gradient& end);
+  void listSlots();
   void listSegments();
   void setSlot(VertexId v);
   bool move(const ParticleView& particles, const Vec3& common, std::int32_t first,
@@ -74,6 +78,7 @@ class Allowance {
   bool isTurnKept(const Patch& patch) const;
   bool isTurnKept(FaceId f) const;
   bool findLeft(double few);
+  bool findLeftVertices(std::size_t mostFaces);
 
   Reach reach_;
   std::vector<Face> faces_;
@@ -85,9 +90,11 @@ class Allowance {
   std::vector<GradientBall> balls_;
   std::vector<double> turn_;         ///< square of the edges' change within a ball, by face [m^2]
   std::vector<std::int32_t> slots_;  ///< by vertex
+  std::vector<VertexId> vertexIn_;   ///< by slot; kNone where a vertex was removed
   VectorArray from_, low_, high_;    ///< origin_ and motions_ by slot [m]
   VectorArray moved_;                ///< motion since, by slot [m]
   std::vector<Box> segments_;        ///< around the motion of consecutive slots
+  std::vector<std::uint8_t> isSegmentKept_;  ///< 1 if all of its slots are where they may be
   std::vector<Patch> patches_;
   std::vector<FaceId> patchFaces_;                    ///< by patch
   std::vector<std::int32_t> patchOf_;                 ///< by face

@@ -61,6 +61,7 @@ class LayerContact::Impl {
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();
   void findPairs(const Reach& reach);
+  bool isFarFromItself(const ParticleView& particles);
   void searchAgain(const ParticleView& particles);
   void searchAround();
   void collect();
@@ -253,11 +254,24 @@ void LayerContact::Impl::collect() {
   }
 }
 
+/// Tells whether nothing is near itself at the end of a substep, and nothing was before. Searches
+/// around what has left where it was allowed to be, if that is little.
+bool LayerContact::Impl::isFarFromItself(const ParticleView& particles) {
+  if (!isFresh_ || pairs_.count() > 0) return false;
+  if (!allowance_.isKept(particles)) {
+    if (!allowance_.renewLeft(particles, kFew, most_)) return false;
+    searchAround();
+    if (pairs_.count() > 0) return false;
+  }
+  vertices_.clear();
+  return true;
+}
+
 /// Searches from the start of the substep on: around what has left where it was allowed to be, if
 /// that is little. Before and after, all vertices are loaded.
 void LayerContact::Impl::searchAgain(const ParticleView& particles) {
   const double few = near_.size() > faces_.size() ? kFewOfMany : kFew;
-  if (isFresh_ && allowance_.renewLeft(start_, end_, few)) {
+  if (isFresh_ && allowance_.renewLeft(particles, few, most_)) {
     searchAround();
   } else {
     search();
@@ -337,9 +351,9 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   report.moves += static_cast<std::int64_t>(end_.size());
   report.blocked = 0;
   std::fill(truncated_.begin(), truncated_.end(), 0);
+  if (isFarFromItself(particles)) return;
   bool isAllowed = isFresh_ && allowance_.isKept(particles);
-  if (isAllowed && pairs_.count() == 0) return;
-  if (isAllowed) {
+  if (isAllowed && !vertices_.empty()) {
     loadEnd(particles);
   } else {
     loadAll(particles);
