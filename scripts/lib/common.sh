@@ -82,7 +82,7 @@ packages_for() {
         ;;
       debian/test)
         echo libgtest-dev libgmock-dev librapidcheck-dev libsundials-dev librostest-dev \
-          python3-rostest python3-rosunit python3-matplotlib python3-numpy \
+          python3-rostest python3-rosunit python3-matplotlib python3-numpy doxygen \
           parallel openssh-server openssh-client slurm-wlm munge  # for sweeps
         ;;
       debian/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
@@ -91,6 +91,7 @@ packages_for() {
       debian/photo) echo xvfb xauth imagemagick xdotool ;;  # a screen and its mouse
       debian/clang) echo clang libclang-rt-dev ;;  # the second compiler, with its sanitizers
       debian/lint) echo clang clang-tidy ;;
+      debian/api) echo doxygen ;;
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
@@ -112,7 +113,7 @@ packages_for() {
         ;;
       noetic/test)  # without RapidCheck: the property tests are left out there
         echo libgtest-dev libgmock-dev ros-noetic-rostest ros-noetic-rosunit python3-matplotlib \
-          python3-numpy parallel openssh-server openssh-client slurm-wlm munge
+          python3-numpy doxygen parallel openssh-server openssh-client slurm-wlm munge
         ;;
       noetic/bench) echo libbenchmark-dev libbullet-dev valgrind ;;
       noetic/picture) echo python3-matplotlib python3-numpy ;;
@@ -120,6 +121,7 @@ packages_for() {
       noetic/photo) echo xvfb xauth imagemagick xdotool ;;
       noetic/clang) echo clang ;;
       noetic/lint) echo clang clang-tidy ;;
+      noetic/api) echo doxygen ;;
       *) die "no package list called '$group' for $ros_flavour" ;;
     esac
   done

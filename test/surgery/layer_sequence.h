@@ -22,6 +22,7 @@ struct LayerCase {
   std::array<int, 3> throwOther{};  ///< velocity of the second [m/s]
   std::array<int, 4> turn{};        ///< quaternion of the first cloth's pose before normalisation
   bool tears = false;               ///< from the start
+  bool drops = false;               ///< small scraps
 };
 
 /// A command to the clamp of a cloth, to the blade, to the mesh or to a pointer.
@@ -85,10 +86,12 @@ class LayerFixture {
     const Eigen::Vector4d given(with.turn[0], with.turn[1], with.turn[2], with.turn[3]);
     const Eigen::Vector4d turn = given.norm() > 0.5 ? Eigen::Vector4d(given.normalized())
                                                     : Eigen::Vector4d(0.0, 0.0, 0.0, 1.0);
+    // Once for all cloths.
+    std::string surgery = with.drops ? ", surgery: {drop_below: 0.002}" : "";
     const auto cloth = [&](const std::string& name, double z, const std::array<int, 3>& velocity,
                            const std::string& orientation) {
       return "  - {name: " + name + ", size: [" + side + ", " + side + "], particles: [" + count +
-             ", " + count + "], fabric: " + fabric +
+             ", " + count + "], fabric: " + fabric + surgery +
              ", thickness: 0.001, velocity: " + list(velocity) + ", pose: {position: [0, 0, " +
              std::to_string(z) + "]" + orientation + "}}\n";
     };
@@ -100,6 +103,7 @@ class LayerFixture {
     const std::array<std::string, 2> names{"one", "other"};
     for (int k = 0; k < with.cloths; ++k) {
       const std::string& name = names[static_cast<std::size_t>(k)];
+      if (k > 0) surgery.clear();
       yaml += k == 0 ? cloth(name, 0.26, with.throwAt, orientation)
                      : cloth(name, 0.5, with.throwOther, "");
       clamps += "  hand_" + name + ": {patch: {cloth: " + name +

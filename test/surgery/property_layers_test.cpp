@@ -28,7 +28,8 @@ rc::Gen<LayerCase> anyCase() {
                                            gen::set(&LayerCase::throwAt, around<3>(11)),
                                            gen::set(&LayerCase::throwOther, around<3>(11)),
                                            gen::set(&LayerCase::turn, around<4>(3)),
-                                           gen::set(&LayerCase::tears, gen::arbitrary<bool>())));
+                                           gen::set(&LayerCase::tears, gen::arbitrary<bool>()),
+                                           gen::set(&LayerCase::drops, gen::arbitrary<bool>())));
 }
 
 rc::Gen<std::vector<LayerCommand>> anyCommands() {
@@ -48,13 +49,13 @@ rc::Gen<std::vector<LayerCommand>> anyCommands() {
 
 TEST(LayerSequences, ATearMovesNoVertexOutOfBentCloth) {
   EXPECT_EQ(
-      commandAll({13, 1, 0, {-11, -11, -11}, {0, 0, 0}, {-3, -3, -3, -3}, false},
+      commandAll({13, 1, 0, {-11, -11, -11}, {0, 0, 0}, {-3, -3, -3, -3}, false, false},
                  {{Act::kGrasp, 0, {0, 0, 0}, {0, 0}, 1}, {Act::kTear, 0, {0, 0, 0}, {397, 1}, 1}}),
       "");
 }
 
 TEST(LayerSequences, TheLipsOfATearInCrumpledClothArePartedAlongAllFaces) {
-  EXPECT_EQ(commandAll({13, 2, 0, {6, 7, 0}, {10, -5, 7}, {0, -2, 1, 2}, false},
+  EXPECT_EQ(commandAll({13, 2, 0, {6, 7, 0}, {10, -5, 7}, {0, -2, 1, 2}, false, false},
                        {{Act::kMove, 1, {14, 23, -9}, {546, 65}, 1},
                         {Act::kGrasp, 1, {23, -19, -3}, {914, 92}, 1},
                         {Act::kTear, 1, {-25, -5, 6}, {642, 734}, 4},
@@ -64,7 +65,7 @@ TEST(LayerSequences, TheLipsOfATearInCrumpledClothArePartedAlongAllFaces) {
 }
 
 TEST(LayerSequences, ATearAfterACutOfFlyingClothLeavesNoIntersection) {
-  EXPECT_EQ(commandAll({16, 2, 0, {-9, 4, 10}, {2, -9, -2}, {-2, -2, -3, 0}, true},
+  EXPECT_EQ(commandAll({16, 2, 0, {-9, 4, 10}, {2, -9, -2}, {-2, -2, -3, 0}, true, false},
                        {{Act::kCut, 0, {-30, 20, -18}, {301, 966}, 3}}),
             "");
 }
