@@ -16,7 +16,8 @@ using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::Marker;
 
 constexpr double kPeriod = 1.0 / 20.0;  ///< between updates [s]
-constexpr double kClampScale = 3.0;     ///< of a clamp's arrows and rings, over its plates [-]
+constexpr double kClampScale =
+    3.0;  ///< of a clamp's arrows and rings, over the shorter side of its plates [-]
 constexpr double kLeastScale = 0.05;    ///< of them [m]
 constexpr double kMostScale = 0.22;     ///< of them [m]
 constexpr double kMargin = 0.12;        ///< of an obstacle's arrows beyond it [m]
@@ -77,8 +78,9 @@ bool differ(const Pose& a, const Pose& b) {
 InteractiveMarker clampHandle(const ClampSnapshot& clamp, const std::string& world) {
   InteractiveMarker marker = handle(kClampPrefix + clamp.name, clamp.pose, world);
   marker.description = clamp.name;
+  // The shorter side: around long plates, rings of their length would hide the cloth.
   marker.scale = static_cast<float>(
-      std::clamp(kClampScale * clamp.plateSize.maxCoeff(), kLeastScale, kMostScale));
+      std::clamp(kClampScale * clamp.plateSize.minCoeff(), kLeastScale, kMostScale));
   addShape(Marker::CUBE, Vec3(clamp.plateSize.x(), clamp.plateSize.y(), clamp.gap),
            InteractiveMarkerControl::MENU, marker);
   addAxes(InteractiveMarkerControl::MOVE_AXIS, "move", marker);
