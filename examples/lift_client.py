@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Grasps a strip of cloth and lifts it, with the actions of the clamp:
 `roslaunch cloth_sim cloth.launch scene:=strip`, then `rosrun cloth_sim lift_client.py`."""
 import actionlib

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Acts at random in a task, with a node of its own, and writes an image of the end:
 `rosrun cloth_sim random_policy.py [TASK] [PNG]`. `make` is a policy for `cloth_tasks --policy`."""
 import sys

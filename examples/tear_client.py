@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Grasps a strip of cloth, lifts it, tears it and waits for two pieces:
 `roslaunch cloth_sim cloth.launch scene:=strip`, then `rosrun cloth_sim tear_client.py`."""
 import rospy

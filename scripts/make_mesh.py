@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes the mesh of an obstacle as an OBJ file.
 
   scripts/make_mesh.py flap config/scenes/flap.obj      # of the scene folding_board

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws pictures of a run from its bag; needs numpy and matplotlib, no display and no master.
 
 usage: picture.py BAG [--out=PNG] [--video=MP4|GIF] [--fps=N] [--scene=SCENE.yaml]

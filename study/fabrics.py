@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Makes docs/fabrics.md and its chart from what `cloth_run --fabrics` prints.
 
 usage: fabrics.py page FABRICS.json > docs/fabrics.md

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Draws the charts of cloth_study from its tables; needs matplotlib, no display.
 
 usage: plots.py DIR

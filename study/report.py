@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Writes a page of docs from a template and the tables of cloth_study.
 
 usage: report.py TEMPLATE DIR > PAGE

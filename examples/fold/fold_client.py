@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Folds a towel in half with an arm of three joints and a gripper, as the driver of the arm would:
 `roslaunch cloth_sim fold.launch client:=python`. It sends joint states, of which
 robot_state_publisher makes tf; the links and the clamp of the simulation follow tf."""

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Checks that every suite of tests was built and run.
 
 usage: check_suites.py [--quick] [--without KEY]... [--fewer-cases N] --left-out FILE RESULTS

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Adds up the JUnit files of a test run.
 
 usage: junit_total.py FOLDER

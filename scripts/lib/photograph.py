@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Saves the screen at given moments of a running cloth_node; see rviz_photo.sh.
 
 usage: photograph.py --size WxH --out DIR PHASE[+SECONDS]...

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Prints the results of a run in a few plain lines.
 
 usage: print_summary.py SUMMARY.json     (as written by cloth_run --summary)

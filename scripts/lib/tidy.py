@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Runs clang-tidy on source files of the package, several at a time; see scripts/lint.sh.
 
 usage: tidy.py [--jobs N] [--minutes N] WORKSPACE [FILE or FOLDER]...

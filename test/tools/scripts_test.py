@@ -180,10 +180,25 @@ class SuitesTest(ScratchTest):
         self.assertEqual(unlisted, [])
 
 
+class InterpreterTest(unittest.TestCase):
+    def test_scripts_start_the_python_that_ros_is_installed_for(self):
+        """The first python3 on PATH may be that of pyenv or conda, which lacks matplotlib and rosbag.
+        (catkin rewrites the first lines of what it installs, and of cfg/.)"""
+        for folder in ('bench', 'examples', 'python', 'scripts', 'study', 'test'):
+            for path in (ROOT / folder).rglob('*'):
+                if not path.is_file() or path.suffix in ('.png', '.gif', '.stl'):
+                    continue
+                with open(path, 'rb') as file:
+                    first = file.readline()
+                if first.startswith(b'#!') and b'python' in first:
+                    with self.subTest(path=path):
+                        self.assertEqual(first, b'#!/usr/bin/python3\n')
+
+
 class ScriptsTests(unittest.TestSuite):
     def __init__(self):
         super().__init__(unittest.defaultTestLoader.loadTestsFromTestCase(case)
-                         for case in (ConfigurationTest, SuitesTest))
+                         for case in (ConfigurationTest, SuitesTest, InterpreterTest))
 
 
 if __name__ == '__main__':
