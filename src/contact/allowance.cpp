@@ -392,7 +392,7 @@ bool Allowance::findLeftVertices(std::size_t mostFaces) {
       left_.faces.insert(left_.faces.end(), facesAround_.begin() + aroundStart_[v],
                          facesAround_.begin() + aroundStart_[v + 1]);
     }
-    if (left_.faces.size() > 3 * mostFaces) return false;  // each is there three times at most
+    if (left_.faces.size() > 2 * mostFaces) return false;  // each is there three times at most
   }
   std::sort(left_.vertices.begin(), left_.vertices.end());
   return true;
