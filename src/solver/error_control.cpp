@@ -13,9 +13,11 @@ constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep [s]
 constexpr std::int32_t kFirstLevel = 0;
 constexpr std::int32_t kFinestLevel = 24;    ///< substeps of 0.2 microseconds
 constexpr std::int32_t kMostPatience = 160;  ///< calm steps before longer substeps are tried
+constexpr std::int32_t kJoltPatience = 600;  ///< the same after the cloth has jolted
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well
 /// Part of the goal from which on errors of positions count: they add up, and none is taken back.
 constexpr double kEarly = 0.5;
+constexpr double kJolt = 4.0;    ///< factor by which a jolt of the cloth raises its kinetic energy
 constexpr double kMargin = 0.8;  ///< part of the goal below which longer substeps are tried
 
 // Measured at 128 x 128 on an edge-pinned swing and a corner hang with 10 to 40 substeps, against
@@ -43,10 +45,20 @@ void ErrorControl::layOut(const Model& model) {
 }
 
 void ErrorControl::begin(const Particles& particles) {
+  if (elapsed_ == 0.0) speeds_ = squaredSpeeds(particles);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const auto slot = static_cast<std::size_t>(particles.slotOf[kEvery * i]);
     samples_[i].velocity = particles.v.at(slot);
   }
+}
+
+/// Returns the squares of the speeds of the samples in sum [m^2/s^2].
+double ErrorControl::squaredSpeeds(const Particles& particles) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    sum += particles.v.at(static_cast<std::size_t>(particles.slotOf[kEvery * i])).squaredNorm();
+  }
+  return sum;
 }
 
 /// Sums up the error of positions.
@@ -82,19 +94,20 @@ void ErrorControl::end(const Particles& particles, double h, double duration, bo
   dt_ = std::exchange(elapsed_, 0.0);
   if (goal_.error > 0.0) {
     if (estimate_.position > goal_.error) estimate_.sufficed = false;
-    chooseLevel();
+    chooseLevel(squaredSpeeds(particles) > kJolt * speeds_);
   }
   cancelled_ = 0.0;
 }
 
-void ErrorControl::chooseLevel() {
+/// \param hasJolted  whether the cloth has jolted in the last step.
+void ErrorControl::chooseLevel(bool hasJolted) {
   ++sinceRefined_;
   if (estimate_.strain > goal_.error) return refine(estimate_.strain > 2.0 * goal_.error ? 2 : 1);
   const double drifted = estimate_.position / (kEarly * goal_.error);
   if (drifted > 1.0 && sinceRefined_ >= kPatience) return refine(1);
   const bool mayTry = estimate_.strain < kMargin * goal_.error && std::sqrt(2.0) * drifted < 1.0;
   calm_ = mayTry ? calm_ + 1 : 0;
-  ++sinceTrial_;
+  if (++sinceTrial_ == 1 && hasJolted) return endTrial();
   if (sinceTrial_ == kTrial) patience_ = kPatience;  // the last trial has gone well
   if (calm_ <= patience_ || level_ == 0) return;
   --level_;
@@ -110,9 +123,15 @@ void ErrorControl::refine(std::int32_t levels) {
     estimate_.sufficed = false;
     return;
   }
-  if (sinceTrial_ < kTrial) patience_ = std::min(2 * patience_, kMostPatience);
+  if (sinceTrial_ < kTrial) patience_ = std::max(patience_, std::min(2 * patience_, kMostPatience));
   sinceTrial_ = kTrial;
   level_ = std::min(level_ + levels, kFinestLevel);
+}
+
+/// Takes back longer substeps that have made the cloth jolt.
+void ErrorControl::endTrial() {
+  refine(1);
+  patience_ = kJoltPatience;
 }
 
 int ErrorControl::substepsFor(double dt, int configured) const {
@@ -128,7 +147,7 @@ bool ErrorControl::isPlausible() const {
     if (count < 0 || count > kMost) return false;
   }
   const bool isLevel = level_ >= 0 && level_ <= kFinestLevel;
-  return isLevel && patience_ > 0 && patience_ <= kMostPatience && dt_ >= 0.0 && elapsed_ >= 0.0;
+  return isLevel && patience_ > 0 && patience_ <= kJoltPatience && dt_ >= 0.0 && elapsed_ >= 0.0;
 }
 
 }  // namespace cloth_sim

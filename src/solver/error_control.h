@@ -29,8 +29,10 @@ struct ErrorGoal {
 ///
 /// The length of substeps is 1/1200 s over a power of the square root of two. It shrinks at once
 /// where an estimate exceeds the goal; longer substeps are tried after ten calm steps, and after
-/// twice as many whenever a trial has failed. All that depends on the steps before alone, so bits
-/// do not depend on the machine.
+/// twice as many whenever a trial has failed. Longer substeps make bending and contact softer, and
+/// a cloth that rests under load, such as a fold, jumps to another shape: such a trial ends at
+/// once, and the next one comes much later, so that the cloth comes to rest. All that depends on
+/// the steps before alone, so bits do not depend on the machine.
 class ErrorControl {
  public:
   explicit ErrorControl(const ErrorGoal& goal);
@@ -78,8 +80,10 @@ class ErrorControl {
   };
 
   double followDrift(const Particles& particles, double h, double duration);
-  void chooseLevel();
+  double squaredSpeeds(const Particles& particles) const;
+  void chooseLevel(bool hasJolted);
   void refine(std::int32_t levels);
+  void endTrial();
   static constexpr std::int32_t kPatience = 10;  ///< calm steps before a trial, at first
 
   ErrorGoal goal_;
@@ -93,6 +97,7 @@ class ErrorControl {
   std::int32_t sinceRefined_ = 1000;   ///< steps since they became shorter
   double dt_ = 0.0;                    ///< length of the last step [s]
   double elapsed_ = 0.0;               ///< of the step under way [s]
+  double speeds_ = 0.0;                ///< squares of the samples', when it began [m^2/s^2]
   ErrorEstimate estimate_;
 };
 
