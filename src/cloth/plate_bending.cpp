@@ -63,7 +63,9 @@ Vec3 deviations(const std::array<Vec2, 6>& p, const Vec2& q, const Vec3& l) {
 /// derivatives (`geometry`), and linear in the points (`offPlane`). The least-squares solution of
 /// least norm inverts the former; it is unique with three neighbours in general position, and else
 /// the one of least bending energy.
-/// \return one row of weights for each derivative, (3, 6) [1/m^2].
+/// \return one row of weights for each derivative, (3, 6) [1/m^2]; zero where the face has so
+/// little
+///         area that there are none.
 Eigen::Matrix<double, 3, 6> curvatureWeights(const std::array<Vec2, 6>& p, int neighbours) {
   Eigen::MatrixXd geometry(neighbours, 3);
   Eigen::MatrixXd offPlane = Eigen::MatrixXd::Zero(neighbours, 6);
@@ -74,6 +76,8 @@ Eigen::Matrix<double, 3, 6> curvatureWeights(const std::array<Vec2, 6>& p, int n
     offPlane.block<1, 3>(k, 0) = -l.transpose();
     offPlane(k, 3 + k) = 1.0;
   }
+  // Eigen 3.4 reads beyond the end of its arrays otherwise.
+  if (!geometry.allFinite() || !offPlane.allFinite()) return Eigen::Matrix<double, 3, 6>::Zero();
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(geometry, Eigen::ComputeThinU | Eigen::ComputeThinV);
   svd.setThreshold(kSingular);
   return svd.solve(offPlane);

@@ -18,6 +18,8 @@ constexpr double kRounding = 1e-6;   ///< of sums of masses [-]
 constexpr std::size_t kLongestText = 1000;
 /// Largest distance of material coordinates from those of the undamaged cloth, over its size [-].
 constexpr double kOutside = 1e-6;
+/// Least area of a face, over that of the undamaged cloth [-]: edits leave far more.
+constexpr double kLeastArea = 1e-15;
 
 bool isVertexOf(const Model& model, VertexId v) { return v >= 0 && v < model.particleCount(); }
 
@@ -37,6 +39,15 @@ bool liesWithin(const TriangleMesh& mesh, const TriangleMesh& undamaged) {
   const Eigen::AlignedBox2d wider(Vec2(box.min() - slack), Vec2(box.max() + slack));
   return std::all_of(mesh.material().begin(), mesh.material().end(),
                      [&](const Vec2& p) { return wider.contains(p); });
+}
+
+/// Tells whether all faces have an area: edits leave no slivers.
+bool haveAreas(const TriangleMesh& mesh, const TriangleMesh& undamaged) {
+  const double least = kLeastArea * undamaged.totalRestArea();
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    if (!(mesh.restArea(f) >= least)) return false;
+  }
+  return true;
 }
 
 bool isElementOf(const Model& model, const PlateElement& element) {
@@ -137,6 +148,7 @@ std::string validationError(const Model& model, const Model& undamaged) {
   std::string error = validationError(model.mesh);
   if (!error.empty()) return error;
   if (!liesWithin(model.mesh, undamaged.mesh)) return "the cloth is larger than that of the scene";
+  if (!haveAreas(model.mesh, undamaged.mesh)) return "a face has no area";
   error = massError(model, undamaged);
   if (error.empty()) error = model.springs.validationError(model.mesh, undamaged.springs);
   return error.empty() ? bendingError(model, undamaged) : error;

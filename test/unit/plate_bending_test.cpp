@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -48,6 +49,17 @@ double squaredCurvature(const PlateBending& bending, FaceId f, const std::vector
     sum += curvature.squaredNorm();
   }
   return sum;
+}
+
+TEST(PlateBending, HasNoElementsOnAFaceWithHardlyAnArea) {
+  // Its inverse is not finite, with which Eigen's decomposition reads beyond the end of its arrays.
+  const TriangleMesh mesh({Vec2(0.0, 0.0), Vec2(1e-160, 0.0), Vec2(0.0, 1e-160), Vec2(1.0, 1.0)},
+                          {{0, 1, 2}, {2, 1, 3}});
+  const PlateBending bending(mesh, kRigidity);
+  for (std::size_t e = 0; e < 3; ++e) EXPECT_EQ(bending.elements()[e].count, 0);
+  for (const PlateElement& element : bending.elements()) {
+    for (const double weight : element.weight) EXPECT_TRUE(std::isfinite(weight));
+  }
 }
 
 TEST(PlateBending, IsExactForQuadraticsOnIrregularMeshes) {
