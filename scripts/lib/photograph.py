@@ -61,7 +61,8 @@ def main():
     deadline = time.monotonic() + DEADLINE
     rospy.init_node('photograph', anonymous=True, disable_signals=True)
     watcher = Watcher()
-    rospy.wait_for_service('/cloth/pause', timeout=60)
+    for service in ('/cloth/pause', '/cloth/get_state'):  # offered one after the other
+        rospy.wait_for_service(service, timeout=60)
     pause = rospy.ServiceProxy('/cloth/pause', Pause)
     phases = rospy.ServiceProxy('/cloth/get_state', GetState)().phases
     for moment in args.moments:
