@@ -176,7 +176,7 @@ void Allowance::sortIntoPatches(const Model& model) {
 template <typename PlaceOf>
 Gradient Allowance::gradient(FaceId f, const PlaceOf& placeOf) const {
   const Face& face = faces_[f];
-  const Vec3 origin = placeOf(face[0]);
+  const auto& origin = placeOf(face[0]);
   return Gradient::of(placeOf(face[1]) - origin, placeOf(face[2]) - origin, inverseRest_[f]);
 }
 
