@@ -63,9 +63,8 @@ Vec3 deviations(const std::array<Vec2, 6>& p, const Vec2& q, const Vec3& l) {
 /// derivatives (`geometry`), and linear in the points (`offPlane`). The least-squares solution of
 /// least norm inverts the former; it is unique with three neighbours in general position, and else
 /// the one of least bending energy.
-/// \return one row of weights for each derivative, (3, 6) [1/m^2]; zero where the face has so
-/// little
-///         area that there are none.
+/// \return one row of weights for each derivative, (3, 6) [1/m^2]; zero on a face with hardly an
+///         area, where they are not finite.
 Eigen::Matrix<double, 3, 6> curvatureWeights(const std::array<Vec2, 6>& p, int neighbours) {
   Eigen::MatrixXd geometry(neighbours, 3);
   Eigen::MatrixXd offPlane = Eigen::MatrixXd::Zero(neighbours, 6);

@@ -82,9 +82,9 @@ bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t coun
   return areKept;
 }
 
-/// Returns the first of the faces [first, last) whose edges may have changed by more than is
-/// allowed, or one up to three before it; a number above `last - kLanes` if there is none among
-/// whole groups of lanes. A quick check.
+/// Returns the first group of `kLanes` faces in [first, last) with one whose edges may have changed
+/// by more than is allowed, by the number of its first face; the begin of the last faces, which are
+/// no whole group, if there is none. A quick check.
 /// \param corners  slots of the first, second and third corner of the faces.
 /// \param turn     square of the change that is allowed, by face [m^2].
 CLOTH_SIM_VECTOR_CLONES

@@ -254,8 +254,8 @@ void LayerContact::Impl::collect() {
   }
 }
 
-/// Tells whether nothing is near itself at the end of a substep, and nothing was before. Searches
-/// around what has left where it was allowed to be, if that is little.
+/// Tells whether no faces are near each other at the end of a substep, where none were before it.
+/// Searches around the vertices that have left where they were allowed to be, if these are few.
 bool LayerContact::Impl::isFarFromItself(const ParticleView& particles) {
   if (!isFresh_ || pairs_.count() > 0) return false;
   if (!allowance_.isKept(particles)) {

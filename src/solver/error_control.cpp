@@ -13,7 +13,7 @@ constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep [s]
 constexpr std::int32_t kFirstLevel = 0;
 constexpr std::int32_t kFinestLevel = 24;    ///< substeps of 0.2 microseconds
 constexpr std::int32_t kMostPatience = 160;  ///< calm steps before longer substeps are tried
-constexpr std::int32_t kJoltPatience = 600;  ///< the same after the cloth has jolted
+constexpr std::int32_t kJoltPatience = 600;  ///< calm steps before the next trial, after a jolt
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well
 /// Part of the goal from which on errors of positions count: they add up, and none is taken back.
 constexpr double kEarly = 0.5;

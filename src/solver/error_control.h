@@ -29,10 +29,10 @@ struct ErrorGoal {
 ///
 /// The length of substeps is 1/1200 s over a power of the square root of two. It shrinks at once
 /// where an estimate exceeds the goal; longer substeps are tried after ten calm steps, and after
-/// twice as many whenever a trial has failed. Longer substeps make bending and contact softer, and
-/// a cloth that rests under load, such as a fold, jumps to another shape: such a trial ends at
-/// once, and the next one comes much later, so that the cloth comes to rest. All that depends on
-/// the steps before alone, so bits do not depend on the machine.
+/// twice as many whenever a trial has failed. Longer substeps make bending softer, so a cloth that
+/// rests under load, such as a fold, may jolt into another shape. Such a trial ends at once, and
+/// the next one comes much later: the cloth comes to rest. All that depends on the steps before
+/// alone, so bits do not depend on the machine.
 class ErrorControl {
  public:
   explicit ErrorControl(const ErrorGoal& goal);

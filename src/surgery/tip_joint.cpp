@@ -62,8 +62,8 @@ VertexId nearestVertex(const TriangleMesh& mesh, const SurfacePoint& point, doub
   return nearest;
 }
 
-/// Returns the tip that the first point of a path joins, or else an end of the cut that it
-/// continues: one that bent to the border is no tip. kNone if there is neither.
+/// Returns the tip that the first point of a path joins; without one, the end of the cut that it
+/// continues, which is no tip where that cut bent to the border. kNone if there is neither.
 VertexId tipAtBegin(const TriangleMesh& mesh, const JoinedTips& tips, const SurfacePath& path) {
   const auto isATip = [&](VertexId v) { return isTip(mesh, v); };
   const auto isKnown = [&](VertexId v) {
