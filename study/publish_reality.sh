@@ -1,6 +1,6 @@
 #!/bin/bash
 # Publishes the comparison with theory and measured cloth: measures it, if DIR has no tables yet, and
-# writes its tables, its charts and docs/reality.md. It takes about a quarter of an hour on two quiet cores.
+# writes its tables, its charts and docs/reality.md. It takes a quarter of an hour on two quiet cores.
 #
 # usage: study/publish_reality.sh DIR   (a folder for the tables; in it, reality_machine.txt may say in
 #                                       one line where they were measured)

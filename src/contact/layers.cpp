@@ -61,7 +61,7 @@ class LayerContact::Impl {
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();
   void findPairs(const Reach& reach);
-  bool isFarFromItself(const ParticleView& particles);
+  bool searchAroundLeft(const ParticleView& particles);
   void searchAgain(const ParticleView& particles);
   void searchAround();
   void collect();
@@ -254,29 +254,20 @@ void LayerContact::Impl::collect() {
   }
 }
 
-/// Tells whether no faces are near each other at the end of a substep, where none were before it.
-/// Searches around the vertices that have left where they were allowed to be, if these are few.
-bool LayerContact::Impl::isFarFromItself(const ParticleView& particles) {
-  if (!isFresh_ || pairs_.count() > 0) return false;
-  if (!allowance_.isKept(particles)) {
-    if (!allowance_.renewLeft(particles, kFew, most_)) return false;
-    searchAround();
-    if (pairs_.count() > 0) return false;
-  }
-  vertices_.clear();
+/// Searches around what has left where it was allowed to be, from the start of the substep on.
+/// \return whether that is little; if not, there was no search.
+bool LayerContact::Impl::searchAroundLeft(const ParticleView& particles) {
+  const double few = near_.size() > faces_.size() ? kFewOfMany : kFew;
+  if (!isFresh_ || !allowance_.renewLeft(particles, few, most_)) return false;
+  searchAround();
   return true;
 }
 
-/// Searches from the start of the substep on: around what has left where it was allowed to be, if
-/// that is little. Before and after, all vertices are loaded.
+/// Searches from the start of the substep on. Before and after, all vertices are loaded.
 void LayerContact::Impl::searchAgain(const ParticleView& particles) {
-  const double few = near_.size() > faces_.size() ? kFewOfMany : kFew;
-  if (isFresh_ && allowance_.renewLeft(particles, few, most_)) {
-    searchAround();
-  } else {
-    search();
-    allowance_.follow(particles);
-  }
+  if (searchAroundLeft(particles)) return;
+  search();
+  allowance_.follow(particles);
 }
 
 /// Searches around faces with allowances that were renewed. Pairs that are known stay.
@@ -351,8 +342,12 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   report.moves += static_cast<std::int64_t>(end_.size());
   report.blocked = 0;
   std::fill(truncated_.begin(), truncated_.end(), 0);
-  if (isFarFromItself(particles)) return;
   bool isAllowed = isFresh_ && allowance_.isKept(particles);
+  if (isFresh_ && pairs_.count() == 0) {
+    isAllowed = isAllowed || searchAroundLeft(particles);
+    vertices_.clear();  // nothing is near
+    if (isAllowed && pairs_.count() == 0) return;
+  }
   if (isAllowed && !vertices_.empty()) {
     loadEnd(particles);
   } else {

@@ -16,8 +16,7 @@ using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::Marker;
 
 constexpr double kPeriod = 1.0 / 20.0;  ///< between updates [s]
-constexpr double kClampScale =
-    3.0;  ///< of a clamp's arrows and rings, over the shorter side of its plates [-]
+constexpr double kClampScale = 3.0;     ///< of a clamp's handle, over its plates' shorter side [-]
 constexpr double kLeastScale = 0.05;    ///< of them [m]
 constexpr double kMostScale = 0.22;     ///< of them [m]
 constexpr double kMargin = 0.12;        ///< of an obstacle's arrows beyond it [m]

@@ -45,7 +45,7 @@ void ErrorControl::layOut(const Model& model) {
 }
 
 void ErrorControl::begin(const Particles& particles) {
-  if (elapsed_ == 0.0) speeds_ = squaredSpeeds(particles);
+  if (isTrialStep() && elapsed_ == 0.0) speeds_ = squaredSpeeds(particles);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const auto slot = static_cast<std::size_t>(particles.slotOf[kEvery * i]);
     samples_[i].velocity = particles.v.at(slot);
@@ -94,12 +94,12 @@ void ErrorControl::end(const Particles& particles, double h, double duration, bo
   dt_ = std::exchange(elapsed_, 0.0);
   if (goal_.error > 0.0) {
     if (estimate_.position > goal_.error) estimate_.sufficed = false;
-    chooseLevel(squaredSpeeds(particles) > kJolt * speeds_);
+    chooseLevel(isTrialStep() && squaredSpeeds(particles) > kJolt * speeds_);
   }
   cancelled_ = 0.0;
 }
 
-/// \param hasJolted  whether the cloth has jolted in the last step.
+/// \param hasJolted  whether the cloth has jolted as longer substeps were tried.
 void ErrorControl::chooseLevel(bool hasJolted) {
   ++sinceRefined_;
   if (estimate_.strain > goal_.error) return refine(estimate_.strain > 2.0 * goal_.error ? 2 : 1);
@@ -107,7 +107,8 @@ void ErrorControl::chooseLevel(bool hasJolted) {
   if (drifted > 1.0 && sinceRefined_ >= kPatience) return refine(1);
   const bool mayTry = estimate_.strain < kMargin * goal_.error && std::sqrt(2.0) * drifted < 1.0;
   calm_ = mayTry ? calm_ + 1 : 0;
-  if (++sinceTrial_ == 1 && hasJolted) return endTrial();
+  if (hasJolted) return endTrial();
+  ++sinceTrial_;
   if (sinceTrial_ == kTrial) patience_ = kPatience;  // the last trial has gone well
   if (calm_ <= patience_ || level_ == 0) return;
   --level_;
@@ -130,7 +131,10 @@ void ErrorControl::refine(std::int32_t levels) {
 
 /// Takes back longer substeps that have made the cloth jolt.
 void ErrorControl::endTrial() {
-  refine(1);
+  ++level_;
+  calm_ = 0;
+  sinceRefined_ = 0;
+  sinceTrial_ = kTrial;
   patience_ = kJoltPatience;
 }
 

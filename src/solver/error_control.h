@@ -80,6 +80,8 @@ class ErrorControl {
   };
 
   double followDrift(const Particles& particles, double h, double duration);
+  /// Tells whether this step is the first one with longer substeps.
+  bool isTrialStep() const { return sinceTrial_ == 0; }
   double squaredSpeeds(const Particles& particles) const;
   void chooseLevel(bool hasJolted);
   void refine(std::int32_t levels);
@@ -97,7 +99,7 @@ class ErrorControl {
   std::int32_t sinceRefined_ = 1000;   ///< steps since they became shorter
   double dt_ = 0.0;                    ///< length of the last step [s]
   double elapsed_ = 0.0;               ///< of the step under way [s]
-  double speeds_ = 0.0;                ///< squares of the samples', when it began [m^2/s^2]
+  double speeds_ = 0.0;                ///< squares of the samples', as a trial began [m^2/s^2]
   ErrorEstimate estimate_;
 };
 

@@ -35,8 +35,8 @@ struct MoveObstacle {
 
 /// Lets an obstacle go along with a target that moves: it is where the target is at the end of
 /// every step. The first step places it there, as do those in which it would have to be faster than
-/// kFastestObstacle; in the others it moves there. MoveObstacle, or a phase that gives the obstacle a
-/// velocity, ends it.
+/// kFastestObstacle; in the others it moves there. MoveObstacle, or a phase that gives the obstacle
+/// a velocity, ends it.
 struct GuideObstacle {
   static constexpr const char* kKind = "guide_obstacle";
   static constexpr Wakes kWakes = Wakes::kIfSomethingMoves;
