@@ -12,6 +12,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 import numpy as np
 
+from cloth_sim.collada import read_collada
+
 FRONT = LinearSegmentedColormap.from_list('front', ['#7fb2d9', '#3f7fb5', '#f2c14e', '#d7263d'])
 BACK = LinearSegmentedColormap.from_list('back', ['#e3d3bd', '#c7a980', '#f2c14e', '#d7263d'])
 FULL_STRAIN = 0.2  # [-] where the colours end
@@ -134,9 +136,11 @@ def cylinder(radius, length, position, rotation, parts=48):
 
 
 def read_mesh(path):
-    """Triangles (n, 3, 3) of an STL or OBJ file, in its units."""
+    """Triangles (n, 3, 3) of an STL or OBJ file in its units, or of a Collada file in metres."""
     with open(path, 'rb') as file:
         data = file.read()
+    if path.lower().endswith('.dae'):
+        return read_collada(data)
     if path.lower().endswith('.obj'):
         vertices, triangles = [], []
         for words in (line.split() for line in data.decode('ascii', 'replace').splitlines()):
@@ -245,7 +249,7 @@ class Scene:
             if path is None:
                 raise DrawingError(f'cannot find the mesh {name}: give --scene')
             self.meshes[name] = divided(read_mesh(path))
-        return self.meshes[name] * float(entry.get('scale', 1))
+        return self.meshes[name] * np.array(entry.get('scale', 1), dtype=float)
 
     def _obstacle(self, entry, where, turn):
         if entry['type'] == 'sphere':

@@ -68,7 +68,7 @@ packages_for() {
           libvisualization-msgs-dev libdiagnostic-msgs-dev \
           libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
           python3-dynamic-reconfigure libinteractive-markers-dev libtf2-dev libtf2-ros-dev \
-          libtf2-geometry-msgs-dev liburdf-dev \
+          libtf2-geometry-msgs-dev liburdf-dev libtinyxml2-dev \
           libactionlib-dev libactionlib-msgs-dev libros-rosgraph-msgs-dev ros-actionlib-msgs
         ;;
       debian/run)  # rosrun, roslaunch and the command-line tools; python3-*-msgs: rostopic echo
@@ -95,7 +95,7 @@ packages_for() {
 
       noetic/build)
         echo g++ make cmake ros-noetic-catkin python3 \
-          libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcereal-dev \
+          libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcereal-dev libtinyxml2-dev \
           ros-noetic-message-generation ros-noetic-message-runtime ros-noetic-roscpp \
           ros-noetic-roslib ros-noetic-rosbag ros-noetic-std-msgs ros-noetic-geometry-msgs \
           ros-noetic-nav-msgs ros-noetic-sensor-msgs ros-noetic-shape-msgs \

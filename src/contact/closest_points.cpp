@@ -86,6 +86,10 @@ std::array<double, 3> closestOnTriangle(const Vec3& p, const Corners& triangle) 
   return {1.0 - vb / sum - vc / sum, vb / sum, vc / sum};
 }
 
+double angleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
+  return std::atan2((a - corner).cross(b - corner).norm(), (a - corner).dot(b - corner));
+}
+
 SegmentPoints closestOnSegments(const Vec3& a0, const Vec3& a1, const Vec3& b0, const Vec3& b1) {
   const Vec3 u = a1 - a0;
   const Vec3 v = b1 - b0;

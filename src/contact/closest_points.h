@@ -15,6 +15,9 @@ using Corners = std::array<Vec3, 3>;
 /// 0 if the point lies on the opposite side. A degenerate triangle counts as its longest side.
 std::array<double, 3> closestOnTriangle(const Vec3& p, const Corners& triangle);
 
+/// Angle between the sides of a triangle at one of its corners [rad].
+double angleAt(const Vec3& corner, const Vec3& a, const Vec3& b);
+
 /// The closest points a0 + s (a1 - a0) and b0 + t (b1 - b0) of two segments, s and t in [0, 1].
 struct SegmentPoints {
   double s = 0.0;

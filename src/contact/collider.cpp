@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "feature_contacts.h"
 #include "support/rotation.h"
 
 namespace cloth_sim {
@@ -39,6 +40,10 @@ Collider::Collider(Obstacle obstacle, std::vector<ContactProperties> properties)
   }
   require(isNotNegative(obstacle_.tangentialDecay), obstacle_, "expected a tangential decay >= 0");
   obstacle_.pose.orientation.normalize();
+  if (const auto* mesh = std::get_if<MeshShape>(&obstacle_.shape)) {
+    auto features = std::make_shared<const SharpFeatures>(*mesh->file.surface);
+    if (!features->empty()) features_ = std::move(features);
+  }
 }
 
 double Collider::margin() const {
@@ -83,6 +88,11 @@ NearTriangles* Collider::nearTriangles(std::size_t count) const {
   if (!std::holds_alternative<MeshShape>(obstacle_.shape)) return nullptr;
   if (near_.size() < count) near_.resize(count);
   return near_.data();
+}
+
+PlacedFeatures Collider::placedFeatures(const Pose& pose) const {
+  return {*std::get<MeshShape>(obstacle_.shape).file.surface, *features_, pose.position,
+          pose.orientation.toRotationMatrix()};
 }
 
 void ColliderSet::add(Obstacle obstacle, std::vector<ContactProperties> properties) {

@@ -17,19 +17,21 @@ ContactCandidates& Contacts::add(const Collider* collider, std::size_t cloth) {
   entry.collider = collider;
   entry.cloth = cloth;
   if (!spare_.empty()) {
-    entry.vertices = std::move(spare_.back());
+    entry.vertices = std::move(spare_.back().vertices);
+    entry.pairs = std::move(spare_.back().pairs);
     spare_.pop_back();
   }
   return entry;
 }
 
-void Contacts::keepBuffer(std::vector<VertexId>& vertices) {
-  vertices.clear();
-  spare_.push_back(std::move(vertices));
+void Contacts::keepBuffers(ContactCandidates& entry) {
+  entry.vertices.clear();
+  entry.pairs.clear();
+  spare_.push_back({std::move(entry.vertices), std::move(entry.pairs)});
 }
 
 void Contacts::dropLast() {
-  keepBuffer(candidates.back().vertices);
+  keepBuffers(candidates.back());
   candidates.pop_back();
 }
 
@@ -42,10 +44,13 @@ void Contacts::splitByCloth(std::size_t cloths,
       for (const VertexId v : unsplit.vertices) {
         if (clothOf(v) == cloth) part.vertices.push_back(v);
       }
-      if (part.vertices.empty()) dropLast();
+      for (const FeaturePair& pair : unsplit.pairs) {
+        if (clothOf(pair.cloth[0]) == cloth) part.pairs.push_back(pair);
+      }
+      if (part.vertices.empty() && part.pairs.empty()) dropLast();
     }
   }
-  for (ContactCandidates& unsplit : unsplit_) keepBuffer(unsplit.vertices);
+  for (ContactCandidates& unsplit : unsplit_) keepBuffers(unsplit);
   unsplit_.clear();
 }
 
@@ -65,7 +70,10 @@ void Contacts::project(const ParticleView& particles, double time, double h) {
 
 void Contacts::projectObstacles(const ParticleView& particles, double time, double h) {
   for (ContactCandidates& entry : candidates) {
-    entry.collider->project(entry.vertices, particles, time, h, entry.impulse, entry.cloth);
+    const Collider& collider = *entry.collider;
+    collider.projectFeatures(entry.pairs, particles, time, h, entry.impulse, entry.cloth);
+    collider.project(entry.vertices, particles, time, h, entry.impulse, entry.cloth);
+    collider.certifyFeatures(entry.pairs, particles, time, h, entry.impulse);
   }
 }
 

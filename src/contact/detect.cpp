@@ -4,8 +4,16 @@
 #include <cmath>
 
 #include "cloth_sim/contact/collider.h"
+#include "feature_contacts.h"
 
 namespace cloth_sim {
+namespace {
+
+/// Least distance that cloth may be pulled in one step, beyond its speed times dt, and still be
+/// among the pairs with sharp corners and edges [m].
+constexpr double kFeatureReach = 0.01;
+
+}  // namespace
 
 MotionBounds motionBounds(const State& state) {
   const std::vector<Vec3>& x = state.x.values();
@@ -68,15 +76,31 @@ void Collider::collect(const State& state, double dt, double reach,
   collectWithin(motionBounds(state), state, dt, reach, out);
 }
 
+/// The features are found anew in each step, so they need less reach than particles: what a step
+/// misses is found as pierced in the next one.
+void Collider::collectFeatures(const TriangleMesh& mesh, const State& state, double dt,
+                               double reach, std::vector<FeaturePair>& out) const {
+  if (!features_) return;
+  const FeatureSearch search{obstacle_.velocity, dt, obstacle_.angularVelocity.norm() * dt,
+                             margin() + reach};
+  collectPairs(placedFeatures(poseAt(state.t)), mesh, state, search, found_, out);
+}
+
 void ColliderSet::detect(const State& state, const MotionBounds& bounds, double dt, double reach,
-                         Contacts& out) const {
+                         const TriangleMesh& mesh, Contacts& out) const {
   out.clear();
   if (colliders_.empty() || state.x.size() == 0) return;
   for (const Collider& collider : colliders_) {
     ContactCandidates& entry = out.add(&collider);
     collider.collectWithin(bounds, state, dt, reach, entry.vertices);
-    if (entry.vertices.empty()) out.dropLast();
+    collider.collectFeatures(mesh, state, dt, std::max(kFeatureReach, bounds.speed * dt),
+                             entry.pairs);
+    if (entry.vertices.empty() && entry.pairs.empty()) out.dropLast();
   }
+}
+
+void ColliderSet::detect(const State& state, double dt, double reach, Contacts& out) const {
+  detect(state, motionBounds(state), dt, reach, TriangleMesh(), out);
 }
 
 }  // namespace cloth_sim

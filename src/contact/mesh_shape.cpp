@@ -42,7 +42,7 @@ std::vector<DrawnPart> MeshShape::drawing() const {
   part.kind = DrawnPart::Kind::kTriangles;
   part.colour = kRoundColour;
   part.surface = file.surface;
-  part.size = Vec3::Constant(scale.value_or(1.0));
+  part.size = scale.value_or(Vec3::Ones());
   if (!file.path.empty()) part.resource = "file://" + file.path;
   return {part};
 }

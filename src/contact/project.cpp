@@ -8,66 +8,12 @@
 #include <type_traits>
 
 #include "cloth_sim/contact/collider.h"
+#include "collider_substep.h"
+#include "feature_contacts.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
-
-/// Move along the normal below which a sticking particle returns to exactly the place on the
-/// collider that it had [m]. The move is round-off, and without this rule a particle at rest
-/// creeps.
-constexpr double kRestTolerance = 1e-12;
-
-/// The collider during one substep: the same for all particles.
-struct ColliderSubstep {
-  Vec3 position = Vec3::Zero();                        ///< of the collider at the end [m]
-  Vec3 before = Vec3::Zero();                          ///< its position at the start [m]
-  Vec3 carry = Vec3::Zero();                           ///< displacement of the collider [m]
-  bool turns = false;                                  ///< whether it turns
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< from the start to the end
-  double friction = 0.0;                               ///< Coulomb coefficient [-]
-  double keep = 1.0;  ///< fraction of its slip that a particle keeps after the decay [-]
-  double rise = 0.0;  ///< limit on the push of a particle that starts inside [m]
-
-  /// Returns where a particle would be if it moved along with the collider.
-  Vec3 carried(const Vec3& start) const {
-    return turns ? Vec3(position + turn * (start - before)) : Vec3(start + carry);
-  }
-};
-
-/// Returns the end of a particle of positive mass that the collider stops.
-/// \param anchor  place of the particle if it had moved along with the collider [m].
-/// \param end     place of the particle without contact [m].
-[[gnu::always_inline]] inline Vec3 stopAt(const ColliderSubstep& substep, const SweepHit& hit,
-                                          const Vec3& anchor, const Vec3& end) {
-  const Vec3 moved = end - anchor;
-  const double along = hit.normal.dot(moved);
-  const double rise = along + hit.push;
-  Vec3 slip = moved - along * hit.normal;
-  const double stopped = substep.friction * hit.push;
-  if (slip.squaredNorm() <= stopped * stopped) {
-    return std::abs(rise) <= kRestTolerance ? anchor : Vec3(anchor + rise * hit.normal);
-  }
-  slip *= substep.keep * (1.0 - stopped / slip.norm());
-  return anchor + rise * hit.normal + slip;
-}
-
-/// Moments of displacements of particles: over h, impulses.
-struct Moments {
-  Vec3 first = Vec3::Zero();    ///< mass times displacement [kg m]
-  Vec3 turning = Vec3::Zero();  ///< position times that, as a cross product [kg m^2]
-
-  /// \param at  position of the particle before its displacement `by` [m].
-  void add(double mass, const Vec3& at, const Vec3& by) {
-    const Vec3 moment = mass * by;
-    first += moment;
-    turning += at.cross(moment);
-  }
-  void operator+=(const Moments& other) {
-    first += other.first;
-    turning += other.turning;
-  }
-};
 
 /// Fast path for the most common contact, with a level top: does the work of `sweep` and `stopAt`
 /// in a quarter of the time, with the same result.
@@ -189,9 +135,7 @@ Moments projectAll(const Geometry& solid, const ColliderSubstep& substep,
 
 }  // namespace
 
-void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,
-                       double time, double h, ContactImpulse& impulse, std::size_t cloth) const {
-  const ContactProperties& properties = properties_[cloth];
+ColliderSubstep Collider::substep(double time, double h, std::size_t cloth) const {
   ColliderSubstep substep;
   const Pose pose = poseAt(time);
   substep.position = pose.position;
@@ -205,11 +149,37 @@ void Collider::project(const std::vector<VertexId>& vertices, const ParticleView
   substep.friction = friction(cloth);
   substep.keep = std::exp(-obstacle_.tangentialDecay * h);
   substep.rise = kDepenetrationSpeed * h;
+  return substep;
+}
+
+void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,
+                       double time, double h, ContactImpulse& impulse, std::size_t cloth) const {
+  const ColliderSubstep now = substep(time, h, cloth);
   const std::size_t known = vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
   NearTriangles* near = nearTriangles(known);
   const Moments moments = visitGeometry(
-      obstacle_.shape, pose.orientation, properties.margin,
-      [&](const auto& solid) { return projectAll(solid, substep, vertices, particles, near); });
+      obstacle_.shape, poseAt(time).orientation, properties_[cloth].margin,
+      [&](const auto& solid) { return projectAll(solid, now, vertices, particles, near); });
+  impulse.linear -= moments.first / h;
+  impulse.angular -= moments.turning / h;
+}
+
+void Collider::projectFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles,
+                               double time, double h, ContactImpulse& impulse,
+                               std::size_t cloth) const {
+  if (pairs.empty()) return;
+  const Moments moments = projectPairs(placedFeatures(poseAt(time)), substep(time, h, cloth),
+                                       std::max(properties_[cloth].margin, geometry::Mesh::kLeastReach),
+                                       particles, pairs);
+  impulse.linear -= moments.first / h;
+  impulse.angular -= moments.turning / h;
+}
+
+void Collider::certifyFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles,
+                               double time, double h, ContactImpulse& impulse) const {
+  if (pairs.empty()) return;
+  const Moments moments =
+      certifyPairs(placedFeatures(poseAt(time)), substep(time, h, 0), particles, pairs);
   impulse.linear -= moments.first / h;
   impulse.angular -= moments.turning / h;
 }

@@ -6,12 +6,15 @@ namespace cloth_sim {
 namespace {
 
 bool isGood(double value) { return std::isfinite(value) && value > 0.0; }
-bool isGood(const std::optional<double>& length) { return !length || isGood(*length); }
 bool isGood(const Vec3& size) { return size.allFinite() && size.minCoeff() > 0.0; }
+bool isGood(const std::optional<Vec3>& scale) {
+  return !scale || (scale->allFinite() && scale->cwiseAbs().minCoeff() > 0.0);
+}
 
 bool isGood(const SurfaceFile& file) { return file.surface != nullptr; }
 
 std::string textOfGood(const SurfaceFile& /*file*/) { return "a file of triangles"; }
+std::string textOfGood(const std::optional<Vec3>& /*scale*/) { return "numbers other than 0"; }
 template <class Length>
 std::string textOfGood(const Length& /*length*/) {
   return "a length > 0";

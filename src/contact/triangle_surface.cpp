@@ -54,10 +54,6 @@ bool meetsBox(const Vec3& from, const Vec3& path, const Vec3& low, const Vec3& h
   return first <= last;
 }
 
-double angleAt(const Vec3& corner, const Vec3& a, const Vec3& b) {
-  return std::atan2((a - corner).cross(b - corner).norm(), (a - corner).dot(b - corner));
-}
-
 /// Tells whether the foot of a point is in the triangle. \param p  relative to its first corner.
 template <class Flat>
 bool isOver(const Flat& flat, const Vec3& p) {

@@ -106,7 +106,7 @@ std::string yamlOf(const Shape& shape) {
   std::string text = "{type: " + typeNames(shape).front();
   const auto add = [&text](const char* key, const auto& value) {
     using Value = std::decay_t<decltype(value)>;
-    if constexpr (std::is_same_v<Value, std::optional<double>>) {
+    if constexpr (std::is_same_v<Value, std::optional<Vec3>>) {
       if (value) text += std::string(", ") + key + ": " + yamlOf(*value);
     } else {
       text += std::string(", ") + key + ": " + yamlOf(value);

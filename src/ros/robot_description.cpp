@@ -91,10 +91,10 @@ Shape toShape(const urdf::Geometry& geometry) {
   return MeshShape();
 }
 
-/// Returns the scale of a mesh, which must be the same along all axes.
-double uniformScale(const urdf::Vector3& scale, const std::string& link) {
-  if (scale.x > 0.0 && scale.x == scale.y && scale.x == scale.z) return scale.x;
-  throw RobotError("link '" + link + "': expected a mesh with one scale > 0 for all axes");
+Vec3 scaleOf(const urdf::Mesh& mesh, const std::string& link) {
+  const Vec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
+  if (scale.allFinite() && scale.cwiseAbs().minCoeff() > 0.0) return scale;
+  throw RobotError("link '" + link + "': expected a mesh with a scale other than 0");
 }
 
 }  // namespace
@@ -123,10 +123,10 @@ RobotDescription::RobotDescription(const std::string& urdf) {
     if (const urdf::LinkSharedPtr parent = from->getParent()) link.parent = parent->name;
     for (const urdf::CollisionSharedPtr& collision : from->collision_array) {
       if (!collision || !collision->geometry) continue;
-      Element element{poseOf(collision->origin), toShape(*collision->geometry), "", 1.0};
+      Element element{poseOf(collision->origin), toShape(*collision->geometry), "", Vec3::Ones()};
       if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(collision->geometry.get())) {
         element.mesh = mesh->filename;
-        element.scale = uniformScale(mesh->scale, name);
+        element.scale = scaleOf(*mesh, name);
       }
       link.elements.push_back(element);
     }
@@ -154,7 +154,7 @@ std::vector<CollisionPart> RobotDescription::collision(const std::string& link,
       if (auto* mesh = std::get_if<MeshShape>(&part.shape)) {
         const std::string path = find(element.mesh);
         mesh->file = readSurface(path, path, element.scale);
-        if (element.scale != 1.0) mesh->scale = element.scale;
+        if (element.scale != Vec3::Ones()) mesh->scale = element.scale;
       }
     } catch (const std::runtime_error& error) {
       throw RobotError("link '" + link + "': " + error.what());

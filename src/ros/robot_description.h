@@ -57,7 +57,7 @@ class RobotDescription {
     Pose place;
     Shape shape;
     std::string mesh;    ///< URL of its file; "": the shape is no mesh
-    double scale = 1.0;  ///< length unit of the file [m]
+    Vec3 scale = Vec3::Ones();  ///< length unit of the file along each axis [m]; not 0
   };
   struct Link {
     std::string parent;  ///< "": the root

@@ -24,18 +24,22 @@ void readDimension(const SceneNode& map, const char* key, Vec3& size) {
   size = map.need(key, "[x, y, z]").vector<3>(kPositive);
 }
 
-void readDimension(const SceneNode& map, const char* key, std::optional<double>& length) {
-  map.read(key, length, kPositive);
+/// Reads one scale for all axes, or one for each.
+void readDimension(const SceneNode& map, const char* key, std::optional<Vec3>& scale) {
+  const std::optional<SceneNode> value = map.find(key);
+  if (!value) return;
+  scale = value->isList() ? value->vector<3>() : Vec3(Vec3::Constant(value->number(kPositive)));
+  if (!(scale->cwiseAbs().minCoeff() > 0.0)) value->expected("numbers other than 0");
 }
 
 void readDimension(const SceneNode& map, const char* key, SurfaceFile& file) {
-  const std::string what = "the name of an STL or OBJ file";
+  const std::string what = "the name of an STL, OBJ or DAE file";
   const SceneNode value = map.need(key, what);
   const std::string name = value.word(what);
   if (name.empty()) value.expected(what);
-  double scale = 1.0;
-  map.read("scale", scale, kPositive);
-  file = readSurface(besideScene(value, name), name, scale);
+  std::optional<Vec3> scale;
+  readDimension(map, "scale", scale);
+  file = readSurface(besideScene(value, name), name, scale.value_or(Vec3::Ones()));
 }
 
 /// Returns the default shape of the type that the map names.

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/load.h"
+#include "dae_mesh.h"
 #include "obj_mesh.h"
 #include "support/input_file.h"
 
@@ -27,27 +28,6 @@ constexpr std::size_t kStlTriangle = 50;              // [bytes]
 [[noreturn]] void refuseCount(const std::string& path, const std::string& count) {
   refuseFile(path, "expected at most " + std::to_string(kMostTriangles) + " triangles (got " +
                        count + ")");
-}
-
-/// Makes one vertex of all corners at the same place. \param corners  three for each triangle.
-Triangles weld(std::vector<Vec3> corners) {
-  for (Vec3& x : corners) x.array() += 0.0;  // makes -0 and 0 the same
-  std::vector<std::int32_t> order(corners.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [&corners](std::int32_t k) {
-    return std::make_tuple(corners[k].x(), corners[k].y(), corners[k].z(), k);
-  };
-  std::sort(order.begin(), order.end(),
-            [&key](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
-  Triangles result;
-  result.corners.resize(corners.size() / 3);
-  for (const std::int32_t k : order) {
-    if (result.vertices.empty() || result.vertices.back() != corners[k]) {
-      result.vertices.push_back(corners[k]);
-    }
-    result.corners[k / 3][k % 3] = static_cast<std::int32_t>(result.vertices.size()) - 1;
-  }
-  return result;
 }
 
 std::uint32_t littleEndian(const char* bytes) {
@@ -168,11 +148,12 @@ std::string endingOf(const std::string& path) {
 
 Triangles readTriangles(const std::string& path) {
   const std::string ending = endingOf(path);
-  if (ending != ".stl" && ending != ".obj") {
-    refuseFile(path, "expected a file whose name ends in .stl or .obj");
+  if (ending != ".stl" && ending != ".obj" && ending != ".dae") {
+    refuseFile(path, "expected a file whose name ends in .stl, .obj or .dae");
   }
   try {
     const std::string bytes = readInputFile(path, {kMaxSurfaceSize, Links::kFollowed});
+    if (ending == ".dae") return parseDae(bytes, path);
     return ending == ".stl" ? parseStl(bytes, path) : parseObjTriangles(bytes, path);
   } catch (const FileError& error) {
     throw SceneError(error.what());
@@ -180,6 +161,26 @@ Triangles readTriangles(const std::string& path) {
 }
 
 }  // namespace
+
+Triangles weld(std::vector<Vec3> corners) {
+  for (Vec3& x : corners) x.array() += 0.0;  // makes -0 and 0 the same
+  std::vector<std::int32_t> order(corners.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&corners](std::int32_t k) {
+    return std::make_tuple(corners[k].x(), corners[k].y(), corners[k].z(), k);
+  };
+  std::sort(order.begin(), order.end(),
+            [&key](std::int32_t a, std::int32_t b) { return key(a) < key(b); });
+  Triangles result;
+  result.corners.resize(corners.size() / 3);
+  for (const std::int32_t k : order) {
+    if (result.vertices.empty() || result.vertices.back() != corners[k]) {
+      result.vertices.push_back(corners[k]);
+    }
+    result.corners[k / 3][k % 3] = static_cast<std::int32_t>(result.vertices.size()) - 1;
+  }
+  return result;
+}
 
 Triangles parseStl(const std::string& bytes, const std::string& path) {
   if (bytes.empty()) refuseFile(path, "expected an STL file (got an empty one)");
@@ -194,9 +195,9 @@ Triangles parseStl(const std::string& bytes, const std::string& path) {
   return parseBinaryStl(bytes, path);
 }
 
-SurfaceFile readSurface(const std::string& path, const std::string& name, double scale) {
+SurfaceFile readSurface(const std::string& path, const std::string& name, const Vec3& scale) {
   Triangles triangles = readTriangles(path);
-  for (Vec3& x : triangles.vertices) x *= scale;
+  for (Vec3& x : triangles.vertices) x = x.cwiseProduct(scale);
   try {
     SurfaceFile file =
         surfaceFile(name, TriangleSurface(std::move(triangles.vertices), triangles.corners));

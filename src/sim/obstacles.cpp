@@ -44,7 +44,8 @@ void Obstacles::detect(const Model& model, const State& state, double dt) {
   span_ = dt;
   const MotionBounds bounds = motionBounds(state);
   // A particle that rests may be pulled along by the fastest one.
-  colliders_.detect(state, bounds, dt, std::max(kContactReach, bounds.speed * dt), contacts_);
+  colliders_.detect(state, bounds, dt, std::max(kContactReach, bounds.speed * dt), model.mesh,
+                    contacts_);
   if (model.cloths.size() == 1) return;
   contacts_.splitByCloth(model.cloths.size(), [&model](VertexId v) { return model.clothOf(v); });
 }

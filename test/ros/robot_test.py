@@ -115,7 +115,7 @@ class RobotTest(unittest.TestCase):
         """The smallest y of the strip where the palm is [m]."""
         with Listener('/cloth/frame', msg.ClothFrame) as frames:
             flat = frames.wait().positions
-        return min((y for x, y in zip(flat[0::3], flat[1::3]) if abs(x - 0.1) < 0.01),
+        return min((y for x, y in zip(flat[0::3], flat[1::3]) if abs(x - 0.1) < 0.03),
                    default=-1.0)
 
     def test_a_reset_puts_links_back(self):

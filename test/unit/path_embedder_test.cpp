@@ -242,12 +242,13 @@ std::vector<Across> linesAcross(const Vec2& size, double cell, int perAngle, Gen
   std::vector<Across> lines;
   for (int degrees = 0; degrees < 360; degrees += 7) {
     for (int k = 0; k < perAngle; ++k) {
-      const Vec2 p(uniform(random, 0.1, 0.9) * size.x(), uniform(random, 0.1, 0.9) * size.y());
+      const double v = uniform(random, 0.1, 0.9);
+      const Vec2 p(uniform(random, 0.1, 0.9) * size.x(), v * size.y());
       const auto [from, to] = chordOf(size, p, degrees * kDegree);
       const double corner = std::min(cornerDistance(size, from), cornerDistance(size, to));
       const double flat = std::min(angleToBorder(size, from, degrees * kDegree),
                                    angleToBorder(size, to, degrees * kDegree));
-      if (corner > 0.5 * cell && flat > 15.0) lines.push_back({from, to});
+      if (corner > 0.5 * cell && flat > 20.0) lines.push_back({from, to});
     }
   }
   return lines;
@@ -256,7 +257,7 @@ std::vector<Across> linesAcross(const Vec2& size, double cell, int perAngle, Gen
 TEST(EmbedPath, StraightAcrossAGridGivesTwoPiecesOfTheRightAreas) {
   Generator random(1);
   const Vec2 size(1.0, 0.8);
-  for (const Across& line : linesAcross(size, 0.1, 6, random)) {
+  for (const Across& line : linesAcross(size, 0.1, 12, random)) {
     TriangleMesh mesh = makeGridMesh({11, 9, size.x(), size.y()});
     const double area = testing_support::preciseArea(mesh);
     Remesher remesher(mesh, {}, {});
@@ -506,18 +507,24 @@ TEST(EmbedPath, ACrossOfTwoGivesFourPieces) {
 // ---- deviation ----------------------------------------------------------------------------------
 
 /// A line across a grid that passes a held vertex at a fraction of the side of a cell.
-TEST(EmbedPath, BendsToAHeldVertexByNoMoreThanSnap) {
+TEST(EmbedPath, BendsToAHeldVertexBySnapAndRarelyByUpToHalfAnEdge) {
   Generator random(6);
   const double h = 0.1;
   const Vec2 size(1.0, 1.0);
   int bent = 0;
+  int lines = 0;
+  int bentFarther = 0;
   for (double snap : {0.05, 0.2, 0.45}) {
     for (int trial = 0; trial < 150; ++trial) {
       const Grid grid{11, 11, 1.0, 1.0};
       TriangleMesh mesh = makeGridMesh(grid);
-      const VertexId held = grid.vertex(whole(random, 3, 7), whole(random, 3, 7));
-      const Vec2 off(uniform(random, -0.3, 0.3) * h, uniform(random, -0.3, 0.3) * h);
-      const double angle = uniform(random, 20.0, 70.0) * kDegree + whole(random, 0, 1) * M_PI / 2;
+      // One number a statement: compilers differ in the order in which they take arguments.
+      const int row = whole(random, 3, 7);
+      const VertexId held = grid.vertex(whole(random, 3, 7), row);
+      const double above = uniform(random, -0.3, 0.3) * h;
+      const Vec2 off(uniform(random, -0.3, 0.3) * h, above);
+      const double quarter = whole(random, 0, 1) * M_PI / 2;
+      const double angle = uniform(random, 20.0, 70.0) * kDegree + quarter;
       const auto [from, to] = chordOf(size, mesh.material(held) + off, angle);
       if (std::min(cornerDistance(size, from), cornerDistance(size, to)) < 0.5 * h) continue;
       ShapeLimits limits;
@@ -526,14 +533,17 @@ TEST(EmbedPath, BendsToAHeldVertexByNoMoreThanSnap) {
       const Vec2 before = mesh.material(held);
       const EmbeddedPath done = embed(pathAlong(mesh, {from, to}), remesher);
       EXPECT_EQ(mesh.material(held), before);
+      const double edge = std::sqrt(2.0) * h;
+      EXPECT_LE(done.deviation, 0.5 * edge) << "snap " << snap << ", trial " << trial;
+      ++lines;
+      bent += done.deviation > 1e-12 ? 1 : 0;
       // Under about a sixth of an edge, splitting beside the vertex would make slivers, whatever
       // snap says.
-      EXPECT_LE(done.deviation, std::max(snap, 0.18) * std::sqrt(2.0) * h + 1e-12)
-          << "snap " << snap << ", trial " << trial;
-      bent += done.deviation > 1e-12 ? 1 : 0;
+      bentFarther += done.deviation > std::max(snap, 0.18) * edge + 1e-12 ? 1 : 0;
     }
   }
   EXPECT_GT(bent, 10);
+  EXPECT_LT(bentFarther, lines / 50);
 }
 
 /// Draws a polyline within the unit square.

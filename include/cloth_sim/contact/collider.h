@@ -1,6 +1,7 @@
 #pragma once
 /// \file Colliders: obstacles in motion, and the detection of particles near them.
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,11 @@
 #include "cloth_sim/contact/obstacle.h"
 
 namespace cloth_sim {
+
+class SharpFeatures;
+class TriangleMesh;
+struct ColliderSubstep;
+struct PlacedFeatures;
 
 /// Properties of a cloth that decide its contact with obstacles.
 struct ContactProperties {
@@ -62,7 +68,10 @@ class Collider {
   /// Tells whether it turns.
   bool turns() const { return !obstacle_.angularVelocity.isZero(0.0); }
   /// Takes the shape of a collider that has the same one: that of a saved state has no triangles.
-  void shareShape(const Collider& other) { obstacle_.shape = other.obstacle_.shape; }
+  void shareShape(const Collider& other) {
+    obstacle_.shape = other.obstacle_.shape;
+    features_ = other.features_;
+  }
   /// Moves the time at which the stored pose holds `by` [s] later.
   void shiftTime(double by) { referenceTime_ += by; }
 
@@ -82,6 +91,13 @@ class Collider {
   /// \param cloth  the cloth that all of the vertices belong to.
   void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
                double h, ContactImpulse& impulse, std::size_t cloth = 0) const;
+  /// The same for faces and edges of a cloth that meet sharp corners and edges of a mesh.
+  void projectFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles, double time,
+                       double h, ContactImpulse& impulse, std::size_t cloth) const;
+  /// Lets particles of faces and edges that would still pass through sharp corners and edges move
+  /// along with the collider.
+  void certifyFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles, double time,
+                       double h, ContactImpulse& impulse) const;
 
  private:
   friend class ColliderSet;
@@ -93,14 +109,21 @@ class Collider {
 
   /// Returns the triangles near each vertex up to `count`; nullptr if the shape has none.
   NearTriangles* nearTriangles(std::size_t count) const;
+  PlacedFeatures placedFeatures(const Pose& pose) const;
+  /// The motion during a substep of `h` [s] that ends at `time` [s].
+  ColliderSubstep substep(double time, double h, std::size_t cloth) const;
   void collectWithin(const MotionBounds& bounds, const State& state, double dt, double reach,
                      std::vector<VertexId>& out) const;
+  void collectFeatures(const TriangleMesh& mesh, const State& state, double dt, double reach,
+                       std::vector<FeaturePair>& out) const;
 
   Obstacle obstacle_;
   std::vector<ContactProperties> properties_;  ///< by cloth
   double referenceTime_ = 0.0;                 ///< time at which the pose of the obstacle holds [s]
   /// By vertex, if the shape is a mesh. Each is used for the motion of its vertex only.
   mutable std::vector<NearTriangles> near_;
+  std::shared_ptr<const SharpFeatures> features_;  ///< of a mesh that has some
+  mutable std::vector<std::int32_t> found_;        ///< scratch of the search for features
 };
 
 /// All obstacles of a scene.
@@ -118,16 +141,16 @@ class ColliderSet {
   Collider* find(const std::string& name);
   const Collider* find(const std::string& name) const;
 
-  /// Finds the vertices of all cloths that can touch a collider between state.t and state.t + dt. A
+  /// Finds the parts of all cloths that can touch a collider between state.t and state.t + dt. A
   /// collider out of reach costs a test of bounding boxes and gets no entry. Allocates nothing once
   /// the buffers of `out` are large enough.
   /// \param bounds  of the state.
   /// \param reach   distance that a vertex may move beyond its speed times dt [m].
+  /// \param mesh    of the cloths: its faces and edges meet sharp corners and edges of meshes.
   void detect(const State& state, const MotionBounds& bounds, double dt, double reach,
-              Contacts& out) const;
-  void detect(const State& state, double dt, double reach, Contacts& out) const {
-    detect(state, motionBounds(state), dt, reach, out);
-  }
+              const TriangleMesh& mesh, Contacts& out) const;
+  /// The same for particles without faces.
+  void detect(const State& state, double dt, double reach, Contacts& out) const;
 
  private:
   std::vector<Collider> colliders_;

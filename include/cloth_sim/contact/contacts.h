@@ -2,6 +2,7 @@
 /// \file The contacts of one step, as a solver uses them: candidate particles by collider, and
 /// their projection out of the colliders.
 
+#include <array>
 #include <functional>
 #include <vector>
 
@@ -36,11 +37,23 @@ struct ContactImpulse {
   Vec3 angular = Vec3::Zero();  ///< about the origin of the world [N m s]
 };
 
-/// The particles of one cloth that can touch one collider during one step.
+/// A sharp corner of a mesh and a face of the cloth, or a sharp edge and an edge of the cloth, that
+/// can meet during one step.
+struct FeaturePair {
+  std::int32_t feature = 0;             ///< of the collider
+  std::array<VertexId, 3> cloth{};      ///< corners of the face; of an edge, its ends and kNone
+  bool isPierced = false;               ///< whether they intersect at the start of the step
+  bool isNear = false;                  ///< whether they can meet in the present substep
+  std::int8_t side = 0;                 /**< of the cloth on which the feature is, if it stopped the
+                                             cloth in the last substep: 1 or -1; else 0 */
+};
+
+/// The parts of one cloth that can touch one collider during one step.
 struct ContactCandidates {
   const Collider* collider = nullptr;
   std::size_t cloth = 0;
-  std::vector<VertexId> vertices;  ///< ascending
+  std::vector<VertexId> vertices;   ///< ascending
+  std::vector<FeaturePair> pairs;   ///< of a mesh that has sharp corners or edges
   ContactImpulse impulse;          ///< that the cloth has given the collider since detection
 };
 
@@ -87,9 +100,15 @@ class Contacts {
 
  private:
   void projectObstacles(const ParticleView& particles, double time, double h);
-  void keepBuffer(std::vector<VertexId>& vertices);
+  /// The arrays of an entry, without their contents.
+  struct Buffers {
+    std::vector<VertexId> vertices;
+    std::vector<FeaturePair> pairs;
+  };
 
-  std::vector<std::vector<VertexId>> spare_;  ///< empty buffers for entries to come
+  void keepBuffers(ContactCandidates& entry);
+
+  std::vector<Buffers> spare_;                ///< for entries to come
   std::vector<ContactCandidates> unsplit_;    ///< scratch of splitByCloth; empty otherwise
 };
 

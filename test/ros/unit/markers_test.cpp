@@ -312,7 +312,7 @@ TEST(Markers, AMeshIsListedUnlessItIsLargeAndHasAFile) {
   MarkerBuilder builder{MarkerStyle()};
   Snapshot snapshot = flatCloth(3);
   MeshShape mesh;
-  mesh.scale = 0.001;
+  mesh.scale = Vec3(Vec3::Constant(0.001));
   mesh.file.path = "/somewhere/part.stl";
   snapshot.obstacles.resize(1);
   snapshot.obstacles[0].shape = mesh;

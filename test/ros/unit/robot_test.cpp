@@ -119,6 +119,21 @@ TEST(Robot, ReadsMeshes) {
   expectNear(2.0 * box.half, mesh.file.surface->high() - mesh.file.surface->low());
 }
 
+TEST(Robot, AMeshMayBeMirroredAndScaledByAxis) {
+  const std::string flap = CLOTH_SIM_SOURCE_DIR "/config/scenes/flap.obj";
+  const auto surfaceOf = [&flap](const std::string& scale) {
+    const Robot robot = robotOf(linkWith("<mesh filename='" + flap + "' " + scale + "/>"), {});
+    const Scene scene = parseScene(kScene, "scene.yaml", overridesOf(robot.obstacles));
+    return std::get<MeshShape>(scene.obstacles.at(0).shape).file.surface;
+  };
+  const auto plain = surfaceOf("");
+  const auto scaled = surfaceOf("scale='2 -1 0.5'");
+  expectNear(scaled->high(), Vec3(2.0 * plain->high().x(), -plain->low().y(),
+                                  0.5 * plain->high().z()));
+  expectNear(scaled->low(), Vec3(2.0 * plain->low().x(), -plain->high().y(),
+                                 0.5 * plain->low().z()));
+}
+
 TEST(Robot, RefusesABadDescriptionInOneLine) {
   EXPECT_EQ(errorOf("arm.urdf"), "the URDF is malformed: Error document empty");
   EXPECT_EQ(errorOf("<robot name='r'><link name='a'></robot>"),
@@ -134,9 +149,10 @@ TEST(Robot, RefusesABadDescriptionInOneLine) {
       << "by the parser, or because of the place where the parser takes it";
   EXPECT_EQ(errorOf(linkWith("<mesh filename='/no/palm.stl'/>")),
             "link 'palm': /no/palm.stl: cannot be read (No such file or directory)");
-  EXPECT_THAT(errorOf(linkWith("<mesh filename='/no/palm.dae'/>")), HasSubstr(".stl or .obj"));
-  EXPECT_THAT(errorOf(linkWith("<mesh filename='/no/palm.stl' scale='1 1 2'/>")),
-              HasSubstr("one scale > 0 for all axes"));
+  EXPECT_THAT(errorOf(linkWith("<mesh filename='/no/palm.dae'/>")), HasSubstr("cannot be read"));
+  EXPECT_THAT(errorOf(linkWith("<mesh filename='/no/palm.ply'/>")), HasSubstr(".obj or .dae"));
+  EXPECT_THAT(errorOf(linkWith("<mesh filename='/no/palm.stl' scale='1 0 2'/>")),
+              HasSubstr("a scale other than 0"));
 }
 
 TEST(Robot, RefusesBadLinks) {

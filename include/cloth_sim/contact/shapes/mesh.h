@@ -106,7 +106,8 @@ const SurfaceFile& defaultSurface();
 /// A surface of triangles in the axes of the obstacle.
 struct MeshShape {
   SurfaceFile file = defaultSurface();
-  std::optional<double> scale;  ///< length unit of the file [m], > 0; absent: 1 m
+  /// Length unit of the file along each axis [m], not 0; absent: 1 m, or what a Collada file says.
+  std::optional<Vec3> scale;
 
   static constexpr std::array<const char*, 1> kTypes{"mesh"};
   static constexpr auto keys() {
