@@ -8,12 +8,12 @@
 namespace cloth_sim {
 namespace {
 
-constexpr FaceId kBlock = 64;            // faces that are searched for together
-constexpr int kSweeps = 20;              // over all pairs, as long as any is pushed
-constexpr double kLeastAngle = 1e-3;       // sine of the least angle of two edges
-constexpr double kBeside = 1e-9;         // weights by which a point may be beside a face [-]
-constexpr double kMostLeverage = 4.0;    // displacement of a particle over that of the point [-]
-constexpr double kLeastPush = 1e-13;  // pushes below it are round-off [m]
+constexpr FaceId kBlock = 64;          // faces that are searched for together
+constexpr int kSweeps = 20;            // over all pairs, as long as any is pushed
+constexpr double kLeastAngle = 1e-3;   // sine of the least angle of two edges
+constexpr double kBeside = 1e-9;       // weights by which a point may be beside a face [-]
+constexpr double kMostLeverage = 4.0;  // displacement of a particle over that of the point [-]
+constexpr double kLeastPush = 1e-13;   // pushes below it are round-off [m]
 
 using Points = std::array<Vec3, 3>;     // of a face; an edge has two
 using Weights = std::array<double, 3>;  // sum 1
@@ -222,8 +222,8 @@ struct Limits {
   double rise;    ///< on the push of one that starts nearer [m]
 };
 
-/// Finds the weights of the point of the cloth that is opposite to the feature at a time from 0 to 1.
-/// \return false if there is none.
+/// Finds the weights of the point of the cloth that is opposite to the feature at a time from 0
+/// to 1. \return false if there is none.
 template <class Meeting>
 bool weighAt(const Meeting& meeting, const ClothPaths& paths, double t, Weights& weight) {
   const Points x = paths.at(t);
@@ -284,9 +284,9 @@ class Cubic {
   std::array<double, 4> coefficients_{};
 };
 
-/// Finds the weights of the point at which the cloth passes through the feature first. (Provot 1997:
-/// corners and edges of triangles on straight paths meet at roots of a cubic.)
-/// \return false if it does not.
+/// Finds the weights of the point at which the cloth passes through the feature first. (Provot
+/// 1997: corners and edges of triangles on straight paths meet at roots of a cubic.) \return false
+/// if it does not.
 template <class Meeting>
 bool weighCrossing(const Meeting& meeting, const ClothPaths& paths, Weights& weight) {
   const Cubic volume({meeting.volume(paths.start), meeting.volume(paths.at(1.0 / 3.0)),
@@ -302,6 +302,7 @@ bool findStop(const Meeting& meeting, const ClothPaths& paths, const Limits& lim
   Vec3 first;
   Vec3 last;
   if (!meeting.normal(paths.start, first) || !meeting.normal(paths.end, last)) return false;
+  if (first.dot(last) <= 0.0) return false;  // it turns over: no plane tells the side
   const double distance = first.dot(meeting.point - paths.start[0]);
   if (pair.isPierced) {
     side = first.dot(outwards) > 0.0 ? -1 : 1;
@@ -325,10 +326,7 @@ class PairProjection {
  public:
   PairProjection(const PlacedFeatures& placed, const ColliderSubstep& substep, double margin,
                  const ParticleView& particles)
-      : placed_(placed),
-        substep_(substep),
-        limits_{margin, substep.rise},
-        particles_(particles) {}
+      : placed_(placed), substep_(substep), limits_{margin, substep.rise}, particles_(particles) {}
 
   Moments project(std::vector<FeaturePair>& pairs) {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -339,6 +337,8 @@ class PairProjection {
           pair.side = 0;
           continue;
         }
+        // Of what intersects, corners part, once in a substep: more throws the cloth away.
+        if (pair.isPierced && (sweep > 0 || pair.cloth[2] == kNone)) continue;
         const bool isPushed = push(pair);
         if (sweep == 0 && !isPushed) pair.side = 0;
         isAnyPushed |= isPushed;
@@ -349,7 +349,8 @@ class PairProjection {
   }
 
   /// Lets all particles of a pair whose paths pass through each other move along with the collider,
-  /// as long as there are such pairs. Where the cloth does not move relative to it, nothing can pass.
+  /// as long as there are such pairs. Where the cloth does not move relative to it, nothing can
+  /// pass.
   Moments certify(std::vector<FeaturePair>& pairs) {
     // What intersects must be able to part.
     if (std::any_of(pairs.begin(), pairs.end(), [](const FeaturePair& p) { return p.isPierced; })) {
@@ -370,9 +371,8 @@ class PairProjection {
   bool passes(const FeaturePair& pair) const {
     const ClothPaths paths = pathsOf(pair);
     Weights weight;
-    return visitFeature(placed_, pair.feature, [&](const auto& meeting) {
-      return weighCrossing(meeting, paths, weight);
-    });
+    return visitFeature(placed_, pair.feature,
+                        [&](const auto& meeting) { return weighCrossing(meeting, paths, weight); });
   }
 
   /// Lets the particles of a pair move along with the collider. \return whether any did not.
@@ -400,7 +400,8 @@ class PairProjection {
   bool isNear(const FeaturePair& pair) const {
     const SharpFeature& feature = placed_.features[pair.feature];
     const Vec3 a = placed_.position + placed_.rotation * feature.ends[0];
-    const Vec3 b = feature.isCorner ? a : Vec3(placed_.position + placed_.rotation * feature.ends[1]);
+    const Vec3 b =
+        feature.isCorner ? a : Vec3(placed_.position + placed_.rotation * feature.ends[1]);
     PointBox box;
     for (int k = 0; k < countOf(pair); ++k) {
       const std::int32_t slot = particles_.slot(pair.cloth[k]);
@@ -438,6 +439,9 @@ class PairProjection {
       anchor += stop.weight[k] * paths.start[k];
       end += stop.weight[k] * paths.end[k];
     }
+    // What has not moved towards the feature is not too near because of this substep.
+    const double approach = std::max(0.0, stop.hit.normal.dot(anchor - end));
+    stop.hit.push = std::min(stop.hit.push, approach + limits_.rise);
     return move(pair, stop.weight, stopAt(substep_, stop.hit, anchor, end) - end);
   }
 

@@ -36,11 +36,10 @@ void collectPairs(const PlacedFeatures& placed, const TriangleMesh& mesh, const 
 /// Moves faces and edges of the cloth away from corners and edges of the mesh, with friction, as
 /// displacements of their particles in proportion to their weights and inverse masses. Corners and
 /// edges stay on the side of the cloth where they are at the start of the substep; paths are swept
-/// as straight lines in the frame of the collider. Pairs that intersect at the start of the step,
-/// of a closed mesh, part at up to `kDepenetrationSpeed`.
-/// \param placed  at the end of the substep.
-/// \param margin  distance that cloth keeps [m].
-/// \return the moments of all displacements.
+/// as straight lines in the frame of the collider. Faces of the cloth that a corner of a closed
+/// mesh has pierced at the start of the step leave it at up to `kDepenetrationSpeed`. \param placed
+/// at the end of the substep. \param margin  distance that cloth keeps [m]. \return the moments of
+/// all displacements.
 Moments projectPairs(const PlacedFeatures& placed, const ColliderSubstep& substep, double margin,
                      const ParticleView& particles, std::vector<FeaturePair>& pairs);
 

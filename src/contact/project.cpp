@@ -168,9 +168,9 @@ void Collider::projectFeatures(std::vector<FeaturePair>& pairs, const ParticleVi
                                double time, double h, ContactImpulse& impulse,
                                std::size_t cloth) const {
   if (pairs.empty()) return;
-  const Moments moments = projectPairs(placedFeatures(poseAt(time)), substep(time, h, cloth),
-                                       std::max(properties_[cloth].margin, geometry::Mesh::kLeastReach),
-                                       particles, pairs);
+  const Moments moments = projectPairs(
+      placedFeatures(poseAt(time)), substep(time, h, cloth),
+      std::max(properties_[cloth].margin, geometry::Mesh::kLeastReach), particles, pairs);
   impulse.linear -= moments.first / h;
   impulse.angular -= moments.turning / h;
 }

@@ -21,8 +21,7 @@ struct Edge {
 
   bool isSame(const Edge& other) const { return first == other.first && second == other.second; }
   bool operator<(const Edge& other) const {
-    return std::tie(first, second, triangle) <
-           std::tie(other.first, other.second, other.triangle);
+    return std::tie(first, second, triangle) < std::tie(other.first, other.second, other.triangle);
   }
 };
 

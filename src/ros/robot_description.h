@@ -56,7 +56,7 @@ class RobotDescription {
   struct Element {
     Pose place;
     Shape shape;
-    std::string mesh;    ///< URL of its file; "": the shape is no mesh
+    std::string mesh;           ///< URL of its file; "": the shape is no mesh
     Vec3 scale = Vec3::Ones();  ///< length unit of the file along each axis [m]; not 0
   };
   struct Link {

@@ -83,9 +83,8 @@ std::vector<Number> numbersOf(const XMLElement& element, const Place& place, Con
 }
 
 std::vector<double> realNumbers(const XMLElement& element, const Place& place) {
-  std::vector<double> numbers = numbersOf<double>(element, place, [](const char* text, char** end) {
-    return std::strtod(text, end);
-  });
+  std::vector<double> numbers = numbersOf<double>(
+      element, place, [](const char* text, char** end) { return std::strtod(text, end); });
   for (const double number : numbers) {
     if (!std::isfinite(number)) place.refuse("expected finite numbers", element);
   }
@@ -307,9 +306,8 @@ class DaeFile {
 
   Triangles read() {
     if (const XMLElement* scene = visualScene()) {
-      forEachChild(*scene, "node", [&](const XMLElement& node) {
-        visit(node, Eigen::Affine3d::Identity());
-      });
+      forEachChild(*scene, "node",
+                   [&](const XMLElement& node) { visit(node, Eigen::Affine3d::Identity()); });
     } else {
       forEachChild(*root_, "library_geometries", [&](const XMLElement& library) {
         forEachChild(library, "geometry", [&](const XMLElement& geometry) {

@@ -1,10 +1,11 @@
 /// \file Collada files: the triangles of their scene, and refusals.
 
+#include "scene/dae_mesh.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "cloth_sim/scene/load.h"
-#include "scene/dae_mesh.h"
 
 namespace cloth_sim {
 namespace {
@@ -56,9 +57,8 @@ double areaOf(const Triangles& it) {
 
 TEST(Collada, FacesOfEveryKindMakeTheSquare) {
   for (const std::string& faces :
-       {kSquare, facesOf("triangles", "<p>0 1 2 0 2 3</p>"),
-        facesOf("polygons", "<p>0 1 2 3</p>"), facesOf("trifans", "<p>0 1 2 3</p>"),
-        facesOf("tristrips", "<p>0 1 3 2</p>"),
+       {kSquare, facesOf("triangles", "<p>0 1 2 0 2 3</p>"), facesOf("polygons", "<p>0 1 2 3</p>"),
+        facesOf("trifans", "<p>0 1 2 3</p>"), facesOf("tristrips", "<p>0 1 3 2</p>"),
         "<triangles><input semantic='NORMAL' source='#points' offset='0'/>"
         "<input semantic='VERTEX' source='#corners' offset='1'/><p>3 0 3 1 3 2 3 0 3 2 3 3</p>"
         "</triangles>" +
@@ -81,9 +81,9 @@ TEST(Collada, NodesMoveTheirGeometriesInTheOrderOfTheirTransforms) {
   EXPECT_EQ(placeOfX("<node><translate>0 0 2</translate>" + square + "</node>"), Vec3(1, 0, 2));
   EXPECT_EQ(placeOfX("<node><scale>2 3 4</scale><translate>1 1 1</translate>" + square + "</node>"),
             Vec3(4, 3, 4));
-  EXPECT_EQ(placeOfX("<node><matrix>0 -1 0 5  1 0 0 6  0 0 1 7  0 0 0 1</matrix>" + square +
-                     "</node>"),
-            Vec3(5, 1 + 6, 7));
+  EXPECT_EQ(
+      placeOfX("<node><matrix>0 -1 0 5  1 0 0 6  0 0 1 7  0 0 0 1</matrix>" + square + "</node>"),
+      Vec3(5, 1 + 6, 7));
   const Vec3 turned = placeOfX("<node><rotate>0 0 2 90</rotate>" + square + "</node>");
   EXPECT_LT((turned - Vec3::UnitY()).norm(), 1e-15);
   EXPECT_EQ(placeOfX("<node><translate>0 0 1</translate><node><translate>0 1 0</translate>" +
@@ -102,8 +102,9 @@ TEST(Collada, LengthsAreInMetresAndTheUpAxisTurnsNothing) {
 }
 
 TEST(Collada, AGeometryIsInstantiatedAsOftenAsNodesDo) {
-  const std::string twice = "<node id='a'><instance_geometry url='#square'/></node>"
-                            "<node><translate>0 0 1</translate><instance_node url='#a'/></node>";
+  const std::string twice =
+      "<node id='a'><instance_geometry url='#square'/></node>"
+      "<node><translate>0 0 1</translate><instance_node url='#a'/></node>";
   EXPECT_EQ(parsed(kSquare, twice).corners.size(), 4u);
 }
 
@@ -143,9 +144,9 @@ TEST(Collada, BadFilesAreRefusedInOneLine) {
               HasSubstr("as many as vcount says"));
   EXPECT_THAT(refusalOf("<triangles><p>0 1 2</p></triangles>", kInstance),
               HasSubstr("expected an input VERTEX"));
-  EXPECT_THAT(refusalOf("<triangles><input semantic='VERTEX' source='#no'/></triangles>",
-                        kInstance),
-              HasSubstr("no such source"));
+  EXPECT_THAT(
+      refusalOf("<triangles><input semantic='VERTEX' source='#no'/></triangles>", kInstance),
+      HasSubstr("no such source"));
   EXPECT_THAT(refusalOf(facesOf("polygons", "<ph><p>0 1 2</p></ph>"), kInstance),
               HasSubstr("without holes"));
   EXPECT_THAT(refusalOf(kSquare, "<node><instance_geometry url='#no'/></node>"),

@@ -23,8 +23,8 @@ std::vector<std::int32_t> allOf(const SharpFeatures& features) {
 
 std::pair<int, int> edgesAndCorners(const SharpFeatures& features) {
   const std::vector<std::int32_t> all = allOf(features);
-  const auto corners = std::count_if(all.begin(), all.end(),
-                                     [&](std::int32_t k) { return features[k].isCorner; });
+  const auto corners =
+      std::count_if(all.begin(), all.end(), [&](std::int32_t k) { return features[k].isCorner; });
   return {static_cast<int>(all.size() - corners), static_cast<int>(corners)};
 }
 
@@ -87,8 +87,7 @@ TEST(SharpFeatures, AHollowHasNoSharpEdgeInside) {
     const int b = (k + 1) % 6;
     step.triangles.insert(step.triangles.end(), {{{a, b, b + 6}}, {{a, b + 6, a + 6}}});
   }
-  for (const auto& [a, b, c] :
-       {std::array<int, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
+  for (const auto& [a, b, c] : {std::array<int, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}}) {
     step.triangles.insert(step.triangles.end(), {{{a, c, b}}, {{a + 6, b + 6, c + 6}}});
   }
   ASSERT_TRUE(step.surface().isClosed());

@@ -22,8 +22,8 @@ constexpr double kDt = 1.0 / 60.0;  // [s]
 SurfaceParts spikeOf(double height, double width) {
   SurfaceParts spike;
   const double w = 0.5 * width;
-  spike.vertices = {{0, 0, 0}, {-w, -w, -height}, {w, -w, -height}, {w, w, -height},
-                    {-w, w, -height}};
+  spike.vertices = {
+      {0, 0, 0}, {-w, -w, -height}, {w, -w, -height}, {w, w, -height}, {-w, w, -height}};
   spike.triangles = {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 4}}, {{0, 4, 1}}, {{1, 3, 2}}, {{1, 4, 3}}};
   return spike;
 }
@@ -77,8 +77,8 @@ int intersections(const Simulation& simulation, const SurfaceParts& parts) {
 class ContactFeatures : public testing::TestWithParam<std::string> {};
 
 INSTANTIATE_TEST_SUITE_P(Methods, ContactFeatures,
-                         testing::Values("line_xpbd", "xpbd", "pbd", "projective",
-                                         "implicit_euler", "verlet"));
+                         testing::Values("line_xpbd", "xpbd", "pbd", "projective", "implicit_euler",
+                                         "verlet"));
 
 TEST_P(ContactFeatures, ASpikeBetweenParticlesLiftsTheCloth) {
   const SurfaceParts spike = spikeOf(0.3, 0.006);
@@ -118,7 +118,8 @@ TEST(ContactFeature, AClothOnThePointsOfABedOfNailsPressesWithItsWeight) {
     for (int j = -2; j <= 2; ++j) {
       const SurfaceParts spike = spikeOf(0.2, 0.004);
       const auto first = static_cast<std::int32_t>(nails.vertices.size());
-      for (const Vec3& x : spike.vertices) nails.vertices.push_back(x + Vec3(0.09 * i, 0.09 * j, 0));
+      for (const Vec3& x : spike.vertices)
+        nails.vertices.push_back(x + Vec3(0.09 * i, 0.09 * j, 0));
       for (const auto& [a, b, c] : spike.triangles) {
         nails.triangles.push_back({{first + a, first + b, first + c}});
       }

@@ -40,20 +40,20 @@ struct ContactImpulse {
 /// A sharp corner of a mesh and a face of the cloth, or a sharp edge and an edge of the cloth, that
 /// can meet during one step.
 struct FeaturePair {
-  std::int32_t feature = 0;             ///< of the collider
-  std::array<VertexId, 3> cloth{};      ///< corners of the face; of an edge, its ends and kNone
-  bool isPierced = false;               ///< whether they intersect at the start of the step
-  bool isNear = false;                  ///< whether they can meet in the present substep
-  std::int8_t side = 0;                 /**< of the cloth on which the feature is, if it stopped the
-                                             cloth in the last substep: 1 or -1; else 0 */
+  std::int32_t feature = 0;         ///< of the collider
+  std::array<VertexId, 3> cloth{};  ///< corners of the face; of an edge, its ends and kNone
+  bool isPierced = false;           ///< whether they intersect at the start of the step
+  bool isNear = false;              ///< whether they can meet in the present substep
+  std::int8_t side = 0;             /**< of the cloth on which the feature is, if it stopped the
+                                         cloth in the last substep: 1 or -1; else 0 */
 };
 
 /// The parts of one cloth that can touch one collider during one step.
 struct ContactCandidates {
   const Collider* collider = nullptr;
   std::size_t cloth = 0;
-  std::vector<VertexId> vertices;   ///< ascending
-  std::vector<FeaturePair> pairs;   ///< of a mesh that has sharp corners or edges
+  std::vector<VertexId> vertices;  ///< ascending
+  std::vector<FeaturePair> pairs;  ///< of a mesh that has sharp corners or edges
   ContactImpulse impulse;          ///< that the cloth has given the collider since detection
 };
 
@@ -108,8 +108,8 @@ class Contacts {
 
   void keepBuffers(ContactCandidates& entry);
 
-  std::vector<Buffers> spare_;                ///< for entries to come
-  std::vector<ContactCandidates> unsplit_;    ///< scratch of splitByCloth; empty otherwise
+  std::vector<Buffers> spare_;              ///< for entries to come
+  std::vector<ContactCandidates> unsplit_;  ///< scratch of splitByCloth; empty otherwise
 };
 
 }  // namespace cloth_sim

@@ -128,10 +128,10 @@ TEST(Robot, AMeshMayBeMirroredAndScaledByAxis) {
   };
   const auto plain = surfaceOf("");
   const auto scaled = surfaceOf("scale='2 -1 0.5'");
-  expectNear(scaled->high(), Vec3(2.0 * plain->high().x(), -plain->low().y(),
-                                  0.5 * plain->high().z()));
-  expectNear(scaled->low(), Vec3(2.0 * plain->low().x(), -plain->high().y(),
-                                 0.5 * plain->low().z()));
+  expectNear(scaled->high(),
+             Vec3(2.0 * plain->high().x(), -plain->low().y(), 0.5 * plain->high().z()));
+  expectNear(scaled->low(),
+             Vec3(2.0 * plain->low().x(), -plain->high().y(), 0.5 * plain->low().z()));
 }
 
 TEST(Robot, RefusesABadDescriptionInOneLine) {
