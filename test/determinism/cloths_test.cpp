@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "cloth_sim/scene/load.h"
@@ -29,10 +31,12 @@ obstacles: {ball: {type: sphere, radius: 0.1, position: [2.0, -0.1, 0.75]}}
 drag: 1
 )";
 
-/// Methods with a stability limit get substeps of 0.1 ms, which is below their limits.
+/// Methods with a stability limit get substeps of 0.1 ms, which is below a limit of 2 / omega_max,
+/// or shorter ones if their limit is less.
 Scene sceneOf(const std::string& cloths, const std::string& method, const std::string& more = "") {
-  const bool limited = std::isfinite(findSolver(method).stabilityLimit);
-  const std::string substeps = limited ? "50" : "5";
+  const double limit = findSolver(method).stabilityLimit;
+  const double count = std::isfinite(limit) ? std::ceil(50.0 * std::max(1.0, 2.0 / limit)) : 5.0;
+  const std::string substeps = std::to_string(static_cast<int>(count));
   return parseScene("cloth:" + cloths + kRest + more, "cloths.yaml",
                     {"solver={method: " + method + ", dt: 0.005, substeps: " + substeps + "}"});
 }
