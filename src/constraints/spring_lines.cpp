@@ -101,9 +101,9 @@ void SpringLines::build(const Model& model, const std::vector<std::int32_t>& slo
   springs_.clear();
   longest_ = 0;
   listSprings(model.springs);
-  for (const SpringKind kind : {SpringKind::kBend, SpringKind::kShear, SpringKind::kStructural}) {
+  for (int kind = kSpringKinds - 1; kind >= 0; --kind) {  // structural springs last
     findLines(model.mesh, ofKind_[static_cast<std::size_t>(kind)]);
-    appendColours(kind, slotOf);
+    appendColours(static_cast<SpringKind>(kind), slotOf);
   }
 }
 

@@ -143,7 +143,7 @@ class StateFormat {
   static std::string historyError(const FailureHistory& failures) {
     if (failures.taken_ > failures.events_.size()) return "more springs were told of than failed";
     for (const FailureEvent& event : failures.events_) {
-      if (event.kind > SpringKind::kBend || event.cause > FailureCause::kCut) {
+      if (static_cast<int>(event.kind) >= kSpringKinds || event.cause > FailureCause::kCut) {
         return "a spring has failed that is of no kind";
       }
     }
