@@ -123,10 +123,12 @@ std::string SpringNetwork::tableError(const TriangleMesh& mesh,
       return "the springs of vertex " + std::to_string(v) + " are not in order";
     }
   }
-  const auto edges = 2 * (count[0] + count[1]);  // each has two supports, a bend spring has one
-  const auto bends = count[static_cast<std::size_t>(SpringKind::kBend)];
-  return listed == static_cast<std::size_t>(edges + bends) ? ""
-                                                           : "a spring is missing at its vertices";
+  std::size_t supports = 0;
+  for (const SpringKindTraits& traits : kSpringKindTraits) {
+    const std::int32_t ofKind = count[static_cast<std::size_t>(traits.kind)];
+    supports += static_cast<std::size_t>(traits.bridgesAVertex ? ofKind : 2 * ofKind);
+  }
+  return listed == supports ? "" : "a spring is missing at its vertices";
 }
 
 }  // namespace cloth_sim
