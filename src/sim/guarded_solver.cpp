@@ -26,7 +26,8 @@ void gatherControls(const SteppedCloth& cloth) {
 }  // namespace
 
 GuardedSolver::GuardedSolver(const SolverSpec& spec, const Model& model, const State& state)
-    : solver_(makeSolver(spec, model, state)), watch_(spec, solver_->substeps()) {}
+    : solver_(makeSolver(spec, model, state)), watch_(spec, solver_->substeps()),
+      meetsSharpFeatures_(findSolver(spec.method).meetsSharpFeatures) {}
 
 StepStatus GuardedSolver::advance(const StepLength& length, const SteppedCloth& cloth) {
   gatherControls(cloth);
@@ -48,7 +49,7 @@ StepStatus GuardedSolver::advance(const StepLength& length, const SteppedCloth& 
 /// ends. A jump of the energy counts as divergence.
 StepStatus GuardedSolver::attempt(const StepLength& length, const SteppedCloth& cloth) {
   while (true) {
-    cloth.obstacles.detect(cloth.model, cloth.state, length.left());
+    cloth.obstacles.detect(cloth.model, cloth.state, length.left(), meetsSharpFeatures_);
     cloth.obstacles.contacts().layers = cloth.layers;
     if (cloth.layers != nullptr) cloth.layers->beginStep();
     report_ =

@@ -39,13 +39,15 @@ void Obstacles::guide(const std::string& obstacle, const MovingPose& target) {
   guides_.set(obstacle, target);
 }
 
-void Obstacles::detect(const Model& model, const State& state, double dt) {
+void Obstacles::detect(const Model& model, const State& state, double dt,
+                       bool meetsSharpFeatures) {
   if (colliders_.all().empty()) return;
   span_ = dt;
   const MotionBounds bounds = motionBounds(state);
+  const TriangleMesh noFaces;
   // A particle that rests may be pulled along by the fastest one.
-  colliders_.detect(state, bounds, dt, std::max(kContactReach, bounds.speed * dt), model.mesh,
-                    contacts_);
+  colliders_.detect(state, bounds, dt, std::max(kContactReach, bounds.speed * dt),
+                    meetsSharpFeatures ? model.mesh : noFaces, contacts_);
   if (model.cloths.size() == 1) return;
   contacts_.splitByCloth(model.cloths.size(), [&model](VertexId v) { return model.clothOf(v); });
 }

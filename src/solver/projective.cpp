@@ -332,6 +332,7 @@ SolverInfo projectiveInfo() {
       "backward Euler's damping; converges slowly where stiff cloth turns in a substep; "
       "single edges strain near obstacles at long substeps";
   info.order = 1;
+  info.meetsSharpFeatures = false;  // in its long steps they throw the cloth away
   info.noLayers = "its global solve does not know of them";
   SolverParameter iterations = substepsParameter(10);
   iterations.name = "iterations";

@@ -77,8 +77,7 @@ int intersections(const Simulation& simulation, const SurfaceParts& parts) {
 class ContactFeatures : public testing::TestWithParam<std::string> {};
 
 INSTANTIATE_TEST_SUITE_P(Methods, ContactFeatures,
-                         testing::Values("line_xpbd", "xpbd", "pbd", "projective", "implicit_euler",
-                                         "verlet"));
+                         testing::Values("line_xpbd", "xpbd", "pbd", "implicit_euler", "verlet"));
 
 TEST_P(ContactFeatures, ASpikeBetweenParticlesLiftsTheCloth) {
   const SurfaceParts spike = spikeOf(0.3, 0.006);
@@ -141,9 +140,9 @@ TEST(ContactFeature, AClothOnThePointsOfABedOfNailsPressesWithItsWeight) {
   EXPECT_NEAR(force, -9.81 * mass, 0.02 * 9.81 * mass);
 }
 
-TEST(ContactFeature, AClothThatBeginsOnASpikeIsPushedOff) {
+TEST(ContactFeature, AClothThatBeginsOnTheTipOfASpikeIsPushedOff) {
   const SurfaceParts spike = spikeOf(0.3, 0.006);
-  Scene scene = coarseCloth(spike, -0.02, "line_xpbd");
+  Scene scene = coarseCloth(spike, -0.005, "line_xpbd");
   Simulation simulation(scene);
   EXPECT_GT(intersections(simulation, spike), 0);
   for (int k = 0; k < 30; ++k) simulation.step();

@@ -54,6 +54,7 @@ class GuardedSolver {
 
   std::unique_ptr<Solver> solver_;
   StepWatch watch_;
+  bool meetsSharpFeatures_;  ///< whether the method does
   StepReport report_;
   State start_;  ///< of the step, if the step may be taken back after it has ended
 };

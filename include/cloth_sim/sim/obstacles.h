@@ -33,8 +33,9 @@ class Obstacles {
   /// Turns the targets of guided obstacles into velocities for the step from `time` to `time + dt`.
   void steer(double time, double dt) { guides_.steer(time, dt, colliders_); }
 
-  /// Finds the particles that may touch an obstacle before `state.t + dt`.
-  void detect(const Model& model, const State& state, double dt);
+  /// Finds the particles that may touch an obstacle before `state.t + dt`, and the faces and edges
+  /// that may meet its sharp corners and edges, if they are to.
+  void detect(const Model& model, const State& state, double dt, bool meetsSharpFeatures);
 
   /// Returns the wrench of the cloth on each obstacle: the mean over the last step, or over its
   /// last part if the step was divided; about the origin of the obstacle at `time` [s], in the axes

@@ -44,6 +44,9 @@ struct SolverInfo {
   /// Tells whether each spring is projected by itself, once in a substep of length h. A spring of
   /// tension T at rest is then longer by T h^2 (w_a + w_b), with w the inverse masses of its ends.
   bool projectsSpringsAlone = false;
+  /// Tells whether faces and edges of cloth meet sharp corners and edges of meshes; if not, only
+  /// particles do.
+  bool meetsSharpFeatures = true;
   /// Tells whether its forces are more accurate where a scene declares quasi-static motion.
   bool usesQuasiStatic = false;
   /// Stability limit: the largest omega h at which an undamped oscillator of angular frequency
