@@ -8,9 +8,8 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::size_t kUsualPairs = 8192;
 constexpr FaceId kBlock = 64;          // faces that are searched for together
-constexpr int kSweeps = 20; // over all pairs, as long as any is pushed
+constexpr int kSweeps = 20;            // over all pairs, as long as any is pushed
 constexpr double kLeastAngle = 1e-3;   // sine of the least angle of two edges
 constexpr double kBeside = 1e-9;       // weights by which a point may be beside a face [-]
 constexpr double kMostLeverage = 4.0;  // displacement of a particle over that of the point [-]
@@ -333,7 +332,7 @@ class PairProjection {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       bool isAnyPushed = false;
       for (FeaturePair& pair : pairs) {
-        if (sweep == 0) pair.isNear = isNear(pair);
+        if (sweep == 0) pair.isNear = pair.isPierced || isNear(pair);
         if (!pair.isNear) {
           pair.side = 0;
           continue;
@@ -480,8 +479,6 @@ class PairProjection {
 void collectPairs(const PlacedFeatures& placed, const TriangleMesh& mesh, const State& state,
                   const FeatureSearch& search, std::vector<std::int32_t>& scratch,
                   std::vector<FeaturePair>& out) {
-  out.reserve(kUsualPairs);  // more are rare, so that few later steps allocate
-  scratch.reserve(kUsualPairs);
   PairSearch(placed, mesh, state, search, scratch, out).run();
 }
 

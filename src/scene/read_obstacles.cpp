@@ -14,7 +14,8 @@ const Section<Obstacle> kObstacleSection{
      {"velocity", &Obstacle::velocity},
      {"angular_velocity", &Obstacle::angularVelocity},
      {"friction", &Obstacle::friction, kNotNegative},
-     {"tangential_decay", &Obstacle::tangentialDecay, kNotNegative}}};
+     {"tangential_decay", &Obstacle::tangentialDecay, kNotNegative},
+     {"sharp_edges"}}};
 
 void readDimension(const SceneNode& map, const char* key, double& length) {
   length = map.need(key, kPositive.text()).number(kPositive);
@@ -80,6 +81,10 @@ Obstacle readObstacle(const SceneNode& map) {
   obstacle.shape = readShape(map);
   readPose(map, obstacle.pose);
   kObstacleSection.readKnown(map, obstacle);
+  map.read("sharp_edges", obstacle.sharpEdges);
+  if (obstacle.sharpEdges && !std::holds_alternative<MeshShape>(obstacle.shape)) {
+    map.need("sharp_edges", "").refuse("only a mesh has sharp edges");
+  }
   return obstacle;
 }
 

@@ -46,6 +46,7 @@ Scene coarseCloth(const SurfaceParts& parts, double height, const std::string& m
   obstacle.name = "it";
   obstacle.shape = parts.shape();
   obstacle.friction = 0.5;
+  obstacle.sharpEdges = true;
   scene.obstacles = {obstacle};
   scene.solver.method = method;
   scene.solver.dt = kDt;

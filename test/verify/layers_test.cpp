@@ -415,9 +415,10 @@ TEST_P(ShippedLayers, EndWithoutAnIntersection) {
   verify_support::record("truncated", share);
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, ShippedLayers,
-                         testing::Values("fold_quarters", "fold_towel", "knot", "napkin_ring",
-                                         "pile", "stack", "twist"));
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, ShippedLayers,
+    testing::ValuesIn(fewerCasesOf<const char*>({"twist", "stack", "pile", "napkin_ring", "knot",
+                                                 "fold_quarters", "fold_towel"})));
 
 }  // namespace
 }  // namespace cloth_sim
