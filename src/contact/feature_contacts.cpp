@@ -425,7 +425,8 @@ class PairProjection {
 
   bool push(FeaturePair& pair) {
     const ClothPaths paths = pathsOf(pair);
-    int side = pair.side;
+    int side = 0;
+    if (pair.side != 0) side = pair.side > 0 ? 1 : -1;
     Stop stop;
     const Vec3 outwards = placed_.rotation * placed_.features[pair.feature].outwards;
     const bool stops = visitFeature(placed_, pair.feature, [&](const auto& meeting) {

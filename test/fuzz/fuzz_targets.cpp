@@ -8,8 +8,8 @@
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
 #include "determinism/busy_scene.h"
-#include "scene/obj_mesh.h"
 #include "scene/dae_mesh.h"
+#include "scene/obj_mesh.h"
 #include "scene/surface_reader.h"
 #include "sim/command_text.h"
 #include "sim/state_format.h"
@@ -258,23 +258,25 @@ std::string binaryStl() {
 }
 
 std::vector<std::string> surfaceSeeds() {
-  return {"s" + binaryStl(),
-          "ssolid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n"
-          "   vertex 0 1 0\n  endloop\n endfacet\n facet normal 0 0 1\n  outer loop\n"
-          "   vertex 1 0 0\n   vertex 1 1 0.5\n   vertex 0 1 0\n  endloop\n endfacet\n"
-          "endsolid a\n",
-          "d<COLLADA><asset><unit meter='0.5'/></asset><library_geometries><geometry id='g'><mesh>"
-          "<source id='s'><float_array>0 0 0 1 0 0 1 1 0 0 1 1</float_array><technique_common>"
-          "<accessor stride='3'/></technique_common></source><vertices id='v'><input "
-          "semantic='POSITION' source='#s'/></vertices><polylist><input semantic='VERTEX' "
-          "source='#v' offset='0'/><vcount>4 3</vcount><p>0 1 2 3 0 3 2</p></polylist></mesh>"
-          "</geometry></library_geometries><library_visual_scenes><visual_scene id='a'><node id='n'>"
-          "<translate>1 2 3</translate><rotate>0 0 1 30</rotate><instance_geometry url='#g'/>"
-          "</node><node><scale>2 2 2</scale><instance_node url='#n'/></node></visual_scene>"
-          "</library_visual_scenes><scene><instance_visual_scene url='#a'/></scene></COLLADA>",
-          "ov 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\n"
-          "f 3 4 5\nf 4 1 5\n",
-          "o# open\nv 0 0 0\nv 1e-3 0 0\nv 0 1e3 0\nv 2 2 2\nf 1/1/1 2//2 3\nf -1 -2 -3\n"};
+  return {
+      "s" + binaryStl(),
+      // NOLINTNEXTLINE(bugprone-suspicious-missing-comma): one file in several lines
+      "ssolid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n"
+      "   vertex 0 1 0\n  endloop\n endfacet\n facet normal 0 0 1\n  outer loop\n"
+      "   vertex 1 0 0\n   vertex 1 1 0.5\n   vertex 0 1 0\n  endloop\n endfacet\n"
+      "endsolid a\n",
+      "d<COLLADA><asset><unit meter='0.5'/></asset><library_geometries><geometry id='g'><mesh>"
+      "<source id='s'><float_array>0 0 0 1 0 0 1 1 0 0 1 1</float_array><technique_common>"
+      "<accessor stride='3'/></technique_common></source><vertices id='v'><input "
+      "semantic='POSITION' source='#s'/></vertices><polylist><input semantic='VERTEX' "
+      "source='#v' offset='0'/><vcount>4 3</vcount><p>0 1 2 3 0 3 2</p></polylist></mesh>"
+      "</geometry></library_geometries><library_visual_scenes><visual_scene id='a'><node id='n'>"
+      "<translate>1 2 3</translate><rotate>0 0 1 30</rotate><instance_geometry url='#g'/>"
+      "</node><node><scale>2 2 2</scale><instance_node url='#n'/></node></visual_scene>"
+      "</library_visual_scenes><scene><instance_visual_scene url='#a'/></scene></COLLADA>",
+      "ov 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nf 4 3 2 1\nf 1 2 5\nf 2 3 5\n"
+      "f 3 4 5\nf 4 1 5\n",
+      "o# open\nv 0 0 0\nv 1e-3 0 0\nv 0 1e3 0\nv 2 2 2\nf 1/1/1 2//2 3\nf -1 -2 -3\n"};
 }
 
 // ---- strokes and commands ---------------------------------------------------------------------
