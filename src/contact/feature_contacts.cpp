@@ -352,7 +352,7 @@ class PairProjection {
   /// as long as there are such pairs. Where the cloth does not move relative to it, nothing can
   /// pass.
   Moments certify(std::vector<FeaturePair>& pairs) {
-    // What intersects must be able to part.
+    // Intersecting pairs must be able to part.
     if (std::any_of(pairs.begin(), pairs.end(), [](const FeaturePair& p) { return p.isPierced; })) {
       return moments_;
     }
@@ -440,7 +440,7 @@ class PairProjection {
       anchor += stop.weight[k] * paths.start[k];
       end += stop.weight[k] * paths.end[k];
     }
-    // What has not moved towards the feature is not too near because of this substep.
+    // A point that has not moved towards the feature is not too near because of this substep.
     const double approach = std::max(0.0, stop.hit.normal.dot(anchor - end));
     stop.hit.push = std::min(stop.hit.push, approach + limits_.rise);
     return move(pair, stop.weight, stopAt(substep_, stop.hit, anchor, end) - end);

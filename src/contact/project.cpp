@@ -133,6 +133,12 @@ Moments projectAll(const Geometry& solid, const ColliderSubstep& substep,
   return sum;
 }
 
+/// Adds the impulse that displacements of particles in a substep of `h` [s] give the collider.
+void takeReaction(const Moments& moments, double h, ContactImpulse& impulse) {
+  impulse.linear -= moments.first / h;
+  impulse.angular -= moments.turning / h;
+}
+
 }  // namespace
 
 ColliderSubstep Collider::substep(double time, double h, std::size_t cloth) const {
@@ -160,8 +166,7 @@ void Collider::project(const std::vector<VertexId>& vertices, const ParticleView
   const Moments moments = visitGeometry(
       obstacle_.shape, poseAt(time).orientation, properties_[cloth].margin,
       [&](const auto& solid) { return projectAll(solid, now, vertices, particles, near); });
-  impulse.linear -= moments.first / h;
-  impulse.angular -= moments.turning / h;
+  takeReaction(moments, h, impulse);
 }
 
 void Collider::projectFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles,
@@ -171,8 +176,7 @@ void Collider::projectFeatures(std::vector<FeaturePair>& pairs, const ParticleVi
   const Moments moments = projectPairs(
       placedFeatures(poseAt(time)), substep(time, h, cloth),
       std::max(properties_[cloth].margin, geometry::Mesh::kLeastReach), particles, pairs);
-  impulse.linear -= moments.first / h;
-  impulse.angular -= moments.turning / h;
+  takeReaction(moments, h, impulse);
 }
 
 void Collider::certifyFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles,
@@ -180,8 +184,7 @@ void Collider::certifyFeatures(std::vector<FeaturePair>& pairs, const ParticleVi
   if (pairs.empty()) return;
   const Moments moments =
       certifyPairs(placedFeatures(poseAt(time)), substep(time, h, 0), particles, pairs);
-  impulse.linear -= moments.first / h;
-  impulse.angular -= moments.turning / h;
+  takeReaction(moments, h, impulse);
 }
 
 }  // namespace cloth_sim

@@ -19,8 +19,7 @@ struct Triangles {
 /// \param scale  length unit of the file along each axis [m]; for `.dae`, which tells its unit, a
 ///               factor [-]. Negative: mirrored.
 /// \throws SceneError with the name of the file in one line.
-SurfaceFile readSurface(const std::string& path, const std::string& name,
-                        const Vec3& scale);
+SurfaceFile readSurface(const std::string& path, const std::string& name, const Vec3& scale);
 
 /// Makes one vertex of all corners at the same place. \param corners  three for each triangle.
 Triangles weld(std::vector<Vec3> corners);

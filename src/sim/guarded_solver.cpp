@@ -26,7 +26,8 @@ void gatherControls(const SteppedCloth& cloth) {
 }  // namespace
 
 GuardedSolver::GuardedSolver(const SolverSpec& spec, const Model& model, const State& state)
-    : solver_(makeSolver(spec, model, state)), watch_(spec, solver_->substeps()),
+    : solver_(makeSolver(spec, model, state)),
+      watch_(spec, solver_->substeps()),
       meetsSharpFeatures_(findSolver(spec.method).meetsSharpFeatures) {}
 
 StepStatus GuardedSolver::advance(const StepLength& length, const SteppedCloth& cloth) {

@@ -39,8 +39,7 @@ void Obstacles::guide(const std::string& obstacle, const MovingPose& target) {
   guides_.set(obstacle, target);
 }
 
-void Obstacles::detect(const Model& model, const State& state, double dt,
-                       bool meetsSharpFeatures) {
+void Obstacles::detect(const Model& model, const State& state, double dt, bool meetsSharpFeatures) {
   if (colliders_.all().empty()) return;
   span_ = dt;
   const MotionBounds bounds = motionBounds(state);
