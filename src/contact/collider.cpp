@@ -41,8 +41,7 @@ Collider::Collider(Obstacle obstacle, std::vector<ContactProperties> properties)
   require(isNotNegative(obstacle_.tangentialDecay), obstacle_, "expected a tangential decay >= 0");
   obstacle_.pose.orientation.normalize();
   const auto* mesh = std::get_if<MeshShape>(&obstacle_.shape);
-  require(mesh != nullptr || !obstacle_.sharpEdges, obstacle_, "only a mesh has sharp edges");
-  if (obstacle_.sharpEdges) {
+  if (mesh != nullptr && mesh->sharpEdges) {
     auto features = std::make_shared<const SharpFeatures>(*mesh->file.surface);
     if (!features->empty()) features_ = std::move(features);
   }

@@ -11,6 +11,7 @@ bool isGood(const std::optional<Vec3>& scale) {
   return !scale || (scale->allFinite() && scale->cwiseAbs().minCoeff() > 0.0);
 }
 
+bool isGood(bool /*isOn*/) { return true; }
 bool isGood(const SurfaceFile& file) { return file.surface != nullptr; }
 
 std::string textOfGood(const SurfaceFile& /*file*/) { return "a file of triangles"; }

@@ -35,20 +35,11 @@ class SharpFeatures {
   void find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& out) const;
 
  private:
-  struct Node {
-    Vec3 low;
-    Vec3 high;
-    std::int32_t right = 0;  ///< second child; the first one follows
-    std::int32_t first = 0;  ///< feature of a leaf
-    std::int32_t count = 0;  ///< features of a leaf; 0: no leaf
-  };
-
-  void build(std::int32_t first, std::int32_t last);
-  template <class Function>
-  bool visit(const Vec3& low, const Vec3& high, Function&& function) const;
+  void sort();
+  bool meetsBox(std::int32_t feature, const Vec3& low, const Vec3& high) const;
 
   std::vector<SharpFeature> features_;  ///< in the order of the leaves
-  std::vector<Node> nodes_;             ///< the root first
+  std::vector<BoxNode> nodes_;          ///< over the features; empty without them
 };
 
 }  // namespace cloth_sim

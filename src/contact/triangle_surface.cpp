@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
@@ -15,8 +14,6 @@
 namespace cloth_sim {
 namespace {
 
-constexpr std::int32_t kLeaf = 4;       ///< most triangles of a leaf
-constexpr std::size_t kDeepest = 64;    ///< of the hierarchy, which halves the triangles
 constexpr double kNoDistance = 1e-12;   ///< below which round-off decides a direction [m]
 constexpr double kCancelled = 1e-9;     ///< size of a sum of unit vectors that cancel
 constexpr double kPushRoundOff = 1e-13; /**< pushes below it are round-off [m] */
@@ -107,26 +104,12 @@ bool hasVertex(const TriangleSurface::Triangle& triangle, std::int32_t vertex) {
 
 }  // namespace
 
-/// One side of a triangle.
-struct TriangleSurface::Edge {
-  std::int32_t low = 0;   ///< the smaller of its vertices
-  std::int32_t high = 0;  ///< the larger one
-  std::int32_t triangle = 0;
-  std::int32_t corner = 0;  ///< of the triangle where it begins
-  bool isUp = false;        ///< whether it begins at the smaller one
-};
-
 TriangleSurface::TriangleSurface(std::vector<Vec3> vertices, const std::vector<Triangle>& triangles)
     : vertices_(std::move(vertices)) {
   takeTriangles(triangles);
   findWhetherClosed();
   if (isClosed_) turnOutwards();
-  std::vector<std::int32_t> order(triangles_.size());
-  std::iota(order.begin(), order.end(), 0);
-  build(order, 0, static_cast<std::int32_t>(order.size()));
-  std::vector<Triangle> sorted;
-  for (const std::int32_t k : order) sorted.push_back(triangles_[k]);
-  triangles_ = std::move(sorted);
+  sortTriangles();
   finish();
 }
 
@@ -171,23 +154,18 @@ std::vector<TriangleSurface::Edge> TriangleSurface::sortedEdges() const {
 }
 
 void TriangleSurface::findWhetherClosed() {
-  const std::vector<Edge> edges = sortedEdges();
   std::size_t open = 0;
   std::size_t flipped = 0;
-  for (std::size_t k = 0, next = 0; k < edges.size(); k = next) {
-    const auto isSame = [&](const Edge& e) {
-      return e.low == edges[k].low && e.high == edges[k].high;
-    };
-    while (next < edges.size() && isSame(edges[next])) ++next;
-    if (next - k != 2) {
+  forEachEdge([&](const Edge* first, const Edge* last) {
+    if (last - first != 2) {
       ++open;
-    } else if (edges[k].isUp == edges[k + 1].isUp) {
+    } else if (first[0].isUp == first[1].isUp) {
       ++flipped;
     }
-  }
+  });
   isClosed_ = open + flipped == 0;
   // A few bad edges are a mistake; the border of a sheet has about the root of their number.
-  if (!isClosed_ && 20 * (open + flipped) * (open + flipped) <= edges.size()) {
+  if (!isClosed_ && 20 * (open + flipped) * (open + flipped) <= 3 * triangles_.size()) {
     doubt_ = "its surface is nearly closed, but " + std::to_string(open) +
              " edges do not have two triangles, and at " + std::to_string(flipped) +
              " they turn opposite ways: it is taken as an open sheet, without an inside";
@@ -206,44 +184,20 @@ void TriangleSurface::turnOutwards() {
   for (Triangle& t : triangles_) std::swap(t[1], t[2]);
 }
 
-/// Appends the node of a range of `order` and those below, splitting at the median of the centres.
-std::int32_t TriangleSurface::build(std::vector<std::int32_t>& order, std::int32_t first,
-                                    std::int32_t last) {
-  const auto index = static_cast<std::int32_t>(nodes_.size());
-  nodes_.emplace_back();
-  Node node;
-  const auto centre = [this](std::int32_t t) {
-    const Triangle& c = triangles_[t];
-    return Vec3(vertices_[c[0]] + vertices_[c[1]] + vertices_[c[2]]);  // times three
-  };
-  node.low = node.high = vertices_[triangles_[order[first]][0]];
-  Vec3 least = centre(order[first]);
-  Vec3 most = least;
-  for (std::int32_t k = first; k < last; ++k) {
-    for (const std::int32_t v : triangles_[order[k]]) {
-      node.low = node.low.cwiseMin(vertices_[v]);
-      node.high = node.high.cwiseMax(vertices_[v]);
-    }
-    least = least.cwiseMin(centre(order[k]));
-    most = most.cwiseMax(centre(order[k]));
+/// Builds the hierarchy, and brings the triangles into the order of its leaves.
+void TriangleSurface::sortTriangles() {
+  std::vector<BoxedItem> items;
+  for (const Triangle& t : triangles_) {
+    const auto& [a, b, c] = t;
+    const Vec3 low = vertices_[a].cwiseMin(vertices_[b]).cwiseMin(vertices_[c]);
+    const Vec3 high = vertices_[a].cwiseMax(vertices_[b]).cwiseMax(vertices_[c]);
+    items.push_back({low, high, vertices_[a] + vertices_[b] + vertices_[c]});
   }
-  if (last - first <= kLeaf) {
-    node.first = first;
-    node.count = last - first;
-  } else {
-    int axis = 0;
-    (most - least).maxCoeff(&axis);
-    const std::int32_t middle = first + (last - first) / 2;
-    std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last,
-                     [&](std::int32_t a, std::int32_t b) {
-                       return std::make_pair(centre(a)[axis], a) <
-                              std::make_pair(centre(b)[axis], b);
-                     });
-    build(order, first, middle);
-    node.right = build(order, middle, last);
-  }
-  nodes_[index] = node;
-  return index;
+  std::vector<std::int32_t> order;
+  nodes_ = buildBoxTree(items, order);
+  std::vector<Triangle> sorted;
+  for (const std::int32_t k : order) sorted.push_back(triangles_[k]);
+  triangles_ = std::move(sorted);
 }
 
 /// Computes what follows from the triangles in their final order.
@@ -280,12 +234,10 @@ void TriangleSurface::findPseudonormals() {
           angleAt(x[k], x[(k + 1) % 3], x[(k + 2) % 3]) * flats_[t].normal;
     }
   }
-  const std::vector<Edge> edges = sortedEdges();
-  for (std::size_t k = 0; k + 1 < edges.size(); k += 2) {
-    const Vec3 sum = flats_[edges[k].triangle].normal + flats_[edges[k + 1].triangle].normal;
-    for (const Edge& edge : {edges[k], edges[k + 1]})
-      edgeNormals_[edge.triangle][edge.corner] = sum;
-  }
+  forEachEdge([this](const Edge* first, const Edge* last) {
+    const Vec3 sum = flats_[first[0].triangle].normal + flats_[first[1].triangle].normal;
+    for (const Edge* it = first; it != last; ++it) edgeNormals_[it->triangle][it->corner] = sum;
+  });
 }
 
 std::array<Vec3, 3> TriangleSurface::cornersOf(std::int32_t triangle) const {
@@ -318,7 +270,7 @@ TrianglePoint TriangleSurface::closestOf(std::int32_t triangle, const Vec3& p) c
 TrianglePoint TriangleSurface::closest(const Vec3& p, double within) const {
   TrianglePoint best;
   best.distance = within;
-  std::array<std::pair<double, std::int32_t>, kDeepest> stack;
+  std::array<std::pair<double, std::int32_t>, kDeepestBox> stack;
   std::size_t size = 0;
   const auto squared = [&](std::int32_t k) {
     return squaredDistanceToBox(p, nodes_[k].low, nodes_[k].high);
@@ -327,7 +279,7 @@ TrianglePoint TriangleSurface::closest(const Vec3& p, double within) const {
   while (size > 0) {
     const auto [distance2, k] = stack[--size];
     if (distance2 > best.distance * best.distance) continue;
-    const Node& node = nodes_[k];
+    const BoxNode& node = nodes_[k];
     for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
       const Vec3 relative = p - flats_[t].corner;
       const double height = flats_[t].normal.dot(relative);
@@ -373,12 +325,12 @@ bool TriangleSurface::isWithin(const Vec3& p, double limit, const NearTriangles&
     if (near.count > 0 && (p - flats_[near.triangles[0]].corner).squaredNorm() <= limit2) {
       return true;  // as most particles near the surface
     }
-    std::array<std::int32_t, kDeepest> stack;
+    std::array<std::int32_t, kDeepestBox> stack;
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
       const std::int32_t k = stack[--size];
-      const Node& node = nodes_[k];
+      const BoxNode& node = nodes_[k];
       if (squaredDistanceToBox(p, node.low, node.high) > limit2) continue;
       const Vec3 farthest = (p - node.low).cwiseAbs().cwiseMax((node.high - p).cwiseAbs());
       if (farthest.squaredNorm() <= limit2) return true;
@@ -397,23 +349,6 @@ bool TriangleSurface::isWithin(const Vec3& p, double limit, const NearTriangles&
   return distance(p) <= limit;
 }
 
-/// Calls `function` with the triangles of the leaves that `isNear` leads to, in their order.
-template <class IsNear, class Function>
-void TriangleSurface::visitLeaves(IsNear&& isNear, Function&& function) const {
-  std::array<std::int32_t, kDeepest> stack;
-  std::size_t size = 0;
-  stack[size++] = 0;
-  while (size > 0) {
-    const std::int32_t k = stack[--size];
-    const Node& node = nodes_[k];
-    if (!isNear(node)) continue;
-    for (std::int32_t t = node.first; t < node.first + node.count; ++t) function(t);
-    if (node.count > 0) continue;
-    stack[size++] = node.right;
-    stack[size++] = k + 1;
-  }
-}
-
 /// Calls `function` with each triangle that a part of the path may come nearer to than `reach`, and
 /// with others.
 template <class Function>
@@ -426,7 +361,8 @@ void TriangleSurface::visitNear(const Vec3& from, const Vec3& to, double reach,
   const Vec3 path = to - from;
   const Vec3 room = Vec3::Constant(reach + 2.0 * geometry::kEntryTolerance);
   visitLeaves(
-      [&](const Node& node) { return meetsBox(from, path, node.low - room, node.high + room); },
+      nodes_,
+      [&](const BoxNode& node) { return meetsBox(from, path, node.low - room, node.high + room); },
       function);
 }
 
@@ -483,12 +419,12 @@ bool TriangleSurface::list(double reach, NearTriangles& near) const {
   const Vec3 low = near.centre - room;
   const Vec3 high = near.centre + room;
   const auto overlaps = [&](const Vec3& least, const Vec3& most) {
-    return (least - high).maxCoeff() <= 0.0 && (low - most).maxCoeff() <= 0.0;
+    return boxesMeet(least, most, low, high);
   };
-  const auto isNear = [&](const Node& node) {
+  const auto isNear = [&](const BoxNode& node) {
     return near.count != kNone && overlaps(node.low, node.high);
   };
-  visitLeaves(isNear, [&](std::int32_t t) {
+  visitLeaves(nodes_, isNear, [&](std::int32_t t) {
     if (near.count == kNone) return;
     const std::array<Vec3, 3> x = cornersOf(t);
     if (!overlaps(x[0].cwiseMin(x[1]).cwiseMin(x[2]), x[0].cwiseMax(x[1]).cwiseMax(x[2]))) return;

@@ -92,6 +92,7 @@ std::string yamlOf(double value) {
   std::snprintf(text, sizeof text, "%.17g", value);
   return text;
 }
+std::string yamlOf(bool isOn) { return isOn ? "true" : "false"; }
 std::string yamlOf(const Vec3& value) {
   return "[" + yamlOf(value.x()) + ", " + yamlOf(value.y()) + ", " + yamlOf(value.z()) + "]";
 }

@@ -14,8 +14,7 @@ const Section<Obstacle> kObstacleSection{
      {"velocity", &Obstacle::velocity},
      {"angular_velocity", &Obstacle::angularVelocity},
      {"friction", &Obstacle::friction, kNotNegative},
-     {"tangential_decay", &Obstacle::tangentialDecay, kNotNegative},
-     {"sharp_edges"}}};
+     {"tangential_decay", &Obstacle::tangentialDecay, kNotNegative}}};
 
 void readDimension(const SceneNode& map, const char* key, double& length) {
   length = map.need(key, kPositive.text()).number(kPositive);
@@ -24,6 +23,8 @@ void readDimension(const SceneNode& map, const char* key, double& length) {
 void readDimension(const SceneNode& map, const char* key, Vec3& size) {
   size = map.need(key, "[x, y, z]").vector<3>(kPositive);
 }
+
+void readDimension(const SceneNode& map, const char* key, bool& isOn) { map.read(key, isOn); }
 
 /// Reads one scale for all axes, or one for each.
 void readDimension(const SceneNode& map, const char* key, std::optional<Vec3>& scale) {
@@ -81,10 +82,6 @@ Obstacle readObstacle(const SceneNode& map) {
   obstacle.shape = readShape(map);
   readPose(map, obstacle.pose);
   kObstacleSection.readKnown(map, obstacle);
-  map.read("sharp_edges", obstacle.sharpEdges);
-  if (obstacle.sharpEdges && !std::holds_alternative<MeshShape>(obstacle.shape)) {
-    map.need("sharp_edges", "").refuse("only a mesh has sharp edges");
-  }
   return obstacle;
 }
 

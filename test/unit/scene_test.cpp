@@ -577,7 +577,7 @@ INSTANTIATE_TEST_SUITE_P(
             CLOTH "obstacles: {a: {type: sphere, radus: 1}}",
             "s.yaml:2: obstacles.a.radus: unknown key, did you mean 'radius'? expected one "
             "of type, radius, position, rpy, orientation, velocity, angular_velocity, friction, "
-            "tangential_decay, sharp_edges"},
+            "tangential_decay"},
         BadScene{CLOTH "obstacles: {a: {type: board, size: [1, 1, 0]}}",
                  "s.yaml:2: obstacles.a.size.2: expected a number > 0 (got 0)"},
         BadScene{CLOTH "clamps: {c: {}}",

@@ -44,9 +44,10 @@ Scene coarseCloth(const SurfaceParts& parts, double height, const std::string& m
   scene.cloths[0].pose.position = Vec3(0.02, 0.015, height);
   Obstacle obstacle;
   obstacle.name = "it";
-  obstacle.shape = parts.shape();
+  MeshShape shape = parts.shape();
+  shape.sharpEdges = true;
+  obstacle.shape = shape;
   obstacle.friction = 0.5;
-  obstacle.sharpEdges = true;
   scene.obstacles = {obstacle};
   scene.solver.method = method;
   scene.solver.dt = kDt;

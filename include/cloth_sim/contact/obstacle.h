@@ -21,13 +21,10 @@ struct Obstacle {
   /// Rate at which touching particles lose their tangential speed relative to the obstacle, in
   /// addition to friction [1/s], >= 0.
   double tangentialDecay = 0.0;
-  /// Whether faces and edges of the cloth meet the sharp corners and edges of a mesh; otherwise
-  /// only particles do.
-  bool sharpEdges = false;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(name, shape, pose, velocity, angularVelocity, friction, tangentialDecay, sharpEdges);
+    archive(name, shape, pose, velocity, angularVelocity, friction, tangentialDecay);
   }
 };
 

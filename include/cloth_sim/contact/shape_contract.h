@@ -45,7 +45,7 @@ namespace cloth_sim {
 class TriangleSurface;
 
 /// A dimension of a shape: a length or the three edge lengths of a box [m], > 0; a file of
-/// triangles, or its optional scale.
+/// triangles, its optional scale, or a switch.
 template <class S, class Value>
 struct ShapeKey {
   constexpr ShapeKey(const char* key, Value S::*where) : name(key), member(where) {}

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cloth_sim/contact/box_tree.h"
 #include "cloth_sim/types.h"
 
 namespace cloth_sim {
@@ -50,6 +51,14 @@ struct NearTriangles {
 class TriangleSurface {
  public:
   using Triangle = std::array<std::int32_t, 3>;
+  /// One side of a triangle.
+  struct Edge {
+    std::int32_t low = 0;   ///< the smaller of its vertices
+    std::int32_t high = 0;  ///< the larger one
+    std::int32_t triangle = 0;
+    std::int32_t corner = 0;  ///< of the triangle where it begins
+    bool isUp = false;        ///< whether it begins at the smaller one
+  };
 
   /// Leaves out triangles without area.
   /// \param vertices   positions [m].
@@ -62,6 +71,20 @@ class TriangleSurface {
   /// The triangles with an area; those of a closed surface are counter-clockwise from outside.
   const std::vector<Triangle>& triangles() const { return triangles_; }
   bool isClosed() const { return isClosed_; }
+  /// The unit normal of a triangle.
+  const Vec3& normal(std::int32_t triangle) const { return flats_[triangle].normal; }
+  /// The sum of the normals around a vertex of a closed surface, weighted by the angles there.
+  const Vec3& vertexNormal(std::int32_t vertex) const { return vertexNormals_[vertex]; }
+  /// Calls `function(first, last)` with the sides of triangles along each edge, sorted.
+  template <class Function>
+  void forEachEdge(Function&& function) const {
+    const std::vector<Edge> edges = sortedEdges();
+    for (const Edge *first = edges.data(), *end = first + edges.size(), *last = first; first != end;
+         first = last) {
+      while (last != end && last->low == first->low && last->high == first->high) ++last;
+      function(first, last);
+    }
+  }
   /// Corners of the bounding box [m].
   const Vec3& low() const { return nodes_.front().low; }
   const Vec3& high() const { return nodes_.front().high; }
@@ -86,27 +109,19 @@ class TriangleSurface {
              SurfaceHit& hit) const;
 
  private:
-  struct Node {
-    Vec3 low;
-    Vec3 high;
-    std::int32_t right = 0;  ///< second child; the first one follows
-    std::int32_t first = 0;  ///< triangle of a leaf
-    std::int32_t count = 0;  ///< triangles of a leaf; 0: no leaf
-  };
   /// A triangle ready for use.
   struct Flat {
     Vec3 corner;                    ///< the first one [m]
     Vec3 normal;                    ///< of unit length
     std::array<Vec3, 2> gradients;  ///< of the weights of the other two, along the plane [1/m]
   };
-  struct Edge;
 
   std::array<Vec3, 3> cornersOf(std::int32_t triangle) const;
   void takeTriangles(const std::vector<Triangle>& triangles);
   std::vector<Edge> sortedEdges() const;
   void findWhetherClosed();
   void turnOutwards();
-  std::int32_t build(std::vector<std::int32_t>& order, std::int32_t first, std::int32_t last);
+  void sortTriangles();
   void finish();
   void findPseudonormals();
 
@@ -121,8 +136,6 @@ class TriangleSurface {
              SurfaceHit& hit, TrianglePoint& at) const;
   bool isBesideNearer(const TrianglePoint& at, const Vec3& p, double reach,
                       const NearTriangles& near) const;
-  template <class IsNear, class Function>
-  void visitLeaves(IsNear&& isNear, Function&& function) const;
   template <class Function>
   void visitNear(const Vec3& from, const Vec3& to, double reach, const NearTriangles& near,
                  Function&& function) const;
@@ -130,7 +143,7 @@ class TriangleSurface {
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;               ///< in the order of the leaves
   std::vector<Flat> flats_;                       ///< by triangle
-  std::vector<Node> nodes_;                       ///< the root first
+  std::vector<BoxNode> nodes_;                    ///< over the triangles
   std::vector<Vec3> vertexNormals_;               ///< weighted by angles; of closed surfaces
   std::vector<std::array<Vec3, 3>> edgeNormals_;  ///< by triangle, from its corner k to k + 1
   bool isClosed_ = false;

@@ -108,11 +108,14 @@ struct MeshShape {
   SurfaceFile file = defaultSurface();
   /// Length unit of the file along each axis [m], not 0; absent: 1 m, or what a Collada file says.
   std::optional<Vec3> scale;
+  /// Whether faces and edges of the cloth meet the sharp corners and edges; otherwise only
+  /// particles do.
+  bool sharpEdges = false;
 
   static constexpr std::array<const char*, 1> kTypes{"mesh"};
   static constexpr auto keys() {
-    return std::make_tuple(ShapeKey("file", &MeshShape::file),
-                           ShapeKey("scale", &MeshShape::scale));
+    return std::make_tuple(ShapeKey("file", &MeshShape::file), ShapeKey("scale", &MeshShape::scale),
+                           ShapeKey("sharp_edges", &MeshShape::sharpEdges));
   }
 
   template <class Function>
