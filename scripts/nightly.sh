@@ -3,20 +3,22 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib/common.sh"
 
 usage() {
   cat <<USAGE
-usage: scripts/nightly.sh [--rows a,b,...] [--short] [--out DIR]
+usage: scripts/nightly.sh [--rows a,b,...] [--resume] [--short] [--out DIR]
 
 Runs what is too slow for every change, and prints one table. Rows:
 
   tests     scripts/test.sh
   address   scripts/test.sh --sanitize=address,undefined
   thread    scripts/test.sh --sanitize=thread
-  fuzz      scripts/fuzz.sh, an hour for each target
+  fuzz      scripts/fuzz.sh, 20 minutes for each target
   soak      a node whose cloth is cut, torn, saved, loaded and reset for an hour by one client; its
             memory must stay flat to 1 % after the first fifth
   clients   two clients send a node requests and goals, good and bad, for half an hour
   tidy      scripts/lint.sh over everything
 
   --rows LIST   only these, separated by commas
+  --resume      keeps the rows of the same commit that have ended well in the same folder, and runs
+                the others
   --short       tests without a master, a minute for each target of fuzz, 5 minutes of soak and 2 of
                 clients, clang-tidy for 10 minutes: to try the script
   --out DIR     for the logs (default: .ws-nightly)
@@ -29,6 +31,7 @@ USAGE
 readonly all_rows=(tests address thread fuzz soak clients tidy)
 rows=("${all_rows[@]}")
 short=no
+resume=no
 out=$repo_root/.ws-nightly
 while [[ $# -gt 0 ]]; do
   case $1 in
@@ -36,6 +39,7 @@ while [[ $# -gt 0 ]]; do
     --rows) IFS=, read -r -a rows <<<"${2:?--rows needs a list}" && shift ;;
     --rows=*) IFS=, read -r -a rows <<<"${1#*=}" ;;
     --short) short=yes ;;
+    --resume) resume=yes ;;
     --out) out=${2:?--out needs a folder} && shift ;;
     --out=*) out=${1#*=} ;;
     *) bad_usage "unknown argument '$1'" ;;
@@ -48,7 +52,7 @@ for row in "${rows[@]}"; do
 done
 
 # The commands of the rows; the last line of what each prints goes into the table.
-quick=() fuzz_seconds=3600 soak_minutes=60 client_minutes=30 tidy=()
+quick=() fuzz_seconds=1200 soak_minutes=60 client_minutes=30 tidy=()
 if [[ $short == yes ]]; then
   quick=(--quick) fuzz_seconds=60 soak_minutes=5 client_minutes=2 tidy=(--minutes 10)
 fi
@@ -82,18 +86,33 @@ summary_of() {
   esac
 }
 
+# run_and_record <row>: leaves the line of the row in $out/<row>.result.
+run_and_record() {
+  local began=$SECONDS ended=well
+  (run_row "$1") >"$out/$1.log" 2>&1 </dev/null || ended=BADLY
+  printf '%-8s  %-6s  %7.1f  %s  %s\n' "$1" "$ended" \
+    "$(awk -v s=$((SECONDS - began)) 'BEGIN { print s / 60 }')" "$(date +%F)" \
+    "$(summary_of "$1" "$out/$1.log")" >"$out/$1.result"
+}
+
+ended_well() { grep -qs "^$1 *well" "$out/$1.result"; }
+
 mkdir -p "$out"
-table=$out/table.txt
-printf '%-8s  %-6s  %7s  %s\n' row ended minutes found >"$table"
-failed=0
+commit=$(git -C "$repo_root" describe --always --dirty 2>/dev/null || echo no-commit-dirty)
+if [[ $resume == no || $commit == *-dirty || $commit != "$(cat "$out/commit" 2>/dev/null)" ]]; then
+  rm -f "$out"/*.result
+fi
+echo "$commit" >"$out/commit"
 for row in "${rows[@]}"; do
+  if ended_well "$row"; then continue; fi
   say "$row (log: $out/$row.log)"
-  began=$SECONDS
-  ended=well
-  (run_row "$row") >"$out/$row.log" 2>&1 </dev/null || { ended=BADLY && failed=$((failed + 1)); }
-  printf '%-8s  %-6s  %7.1f  %s\n' "$row" "$ended" \
-    "$(awk -v s=$((SECONDS - began)) 'BEGIN { print s / 60 }')" \
-    "$(summary_of "$row" "$out/$row.log")" >>"$table"
+  run_and_record "$row"
 done
-cat "$table"
-[[ $failed -eq 0 ]]
+{
+  printf '%-8s  %-6s  %7s  %-10s  %s\n' row ended minutes date "found ($commit)"
+  for row in "${all_rows[@]}"; do
+    if [[ -f $out/$row.result ]]; then cat "$out/$row.result"; fi
+  done
+} >"$out/table.txt"
+cat "$out/table.txt"
+for row in "${rows[@]}"; do ended_well "$row" || exit 1; done

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """The scripts configure again when packages come, and name what was not built or not run."""
+import fnmatch
 import os
 import pathlib
 import subprocess
@@ -9,7 +10,7 @@ import unittest
 import rosunit
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from scratch import ScratchTest  # noqa: E402
+from scratch import ScratchTest, find_program  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / 'scripts' / 'lib'))
@@ -195,10 +196,33 @@ class InterpreterTest(unittest.TestCase):
                         self.assertEqual(first, b'#!/usr/bin/python3\n')
 
 
+class TooLongTest(unittest.TestCase):
+    """test/sanitizers/too_long.txt, whose patterns test.sh makes a filter of gtest of."""
+
+    def test_each_pattern_names_a_case(self):
+        lines = (ROOT / 'test/sanitizers/too_long.txt').read_text().splitlines()
+        patterns = [line.split()[0] for line in lines if line and not line.startswith('#')]
+        environment = {name: value for name, value in os.environ.items()
+                       if name not in ('GTEST_FILTER', 'CLOTH_SIM_FEWER_CASES')}
+        cases = []
+        for folder in ('determinism', 'study', 'surgery', 'verify'):
+            listed = subprocess.check_output(
+                [find_program(f'cloth_sim_{folder}_test'), '--gtest_list_tests'], text=True,
+                env=environment)
+            for line in listed.splitlines():
+                if line.startswith('  '):
+                    cases.append(suite + line.split()[0])
+                else:
+                    suite = line.split()[0]
+        self.assertGreater(len(cases), 1000)
+        unknown = [pattern for pattern in patterns if not fnmatch.filter(cases, pattern)]
+        self.assertEqual(unknown, [])
+
+
 class ScriptsTests(unittest.TestSuite):
     def __init__(self):
         super().__init__(unittest.defaultTestLoader.loadTestsFromTestCase(case)
-                         for case in (ConfigurationTest, SuitesTest, InterpreterTest))
+                         for case in (ConfigurationTest, SuitesTest, InterpreterTest, TooLongTest))
 
 
 if __name__ == '__main__':
