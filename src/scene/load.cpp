@@ -34,7 +34,7 @@ std::string readFile(const std::string& path) {
 /// Keys of the top level, in the order of reading: clamps refer to cloths, and phases to all keys
 /// before them.
 const Section<Scene> kSceneSection{
-    "Top level",
+    kTopLevel,
     {Key<Scene>::required("cloth", "a map", readCloths),
      {"solver", [](const SceneNode& value, Scene& scene) { readSolver(value, scene.solver); }},
      {"gravity", &Scene::gravity},

@@ -171,7 +171,10 @@ void readSolver(const SceneNode& node, SolverSpec& solver) {
   const SolverInfo* info = readMethod(node, solver);
   std::vector<std::string> allowed = kSolverSection.keys().names;
   if (info != nullptr) {
-    for (const SolverParameter& parameter : info->parameters) allowed.push_back(parameter.name);
+    for (const SolverParameter& parameter : info->parameters) {
+      const bool isNew = std::find(allowed.begin(), allowed.end(), parameter.name) == allowed.end();
+      if (isNew) allowed.push_back(parameter.name);
+    }
   }
   node.expectKeys(allowed);
   kSolverSection.readKnown(node, solver);

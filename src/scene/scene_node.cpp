@@ -8,6 +8,7 @@
 
 #include "cloth_sim/scene/load.h"
 #include "names.h"
+#include "section.h"
 
 namespace cloth_sim {
 
@@ -47,6 +48,25 @@ std::optional<double> parseNumber(const YamlValue& value) {
   stream >> number;
   if (stream.fail() || stream.peek() != std::istringstream::traits_type::eof()) return std::nullopt;
   return number;
+}
+
+/// Says what a key that a map does not have may have been meant to be: a key of another map, or a
+/// similar one; "" if there is none.
+std::string hintFor(const std::string& key, const std::vector<std::string>& known) {
+  std::vector<std::string> places;
+  for (const KeyTable& table : sceneKeys()) {
+    const auto has = [&](const std::string& name) {
+      return std::find(table.names.begin(), table.names.end(), name) != table.names.end();
+    };
+    const bool isThisMap = std::all_of(known.begin(), known.end(), has);
+    if (isThisMap || !has(key)) continue;
+    places.push_back(table.heading == kTopLevel ? "the top level" : table.heading);
+  }
+  constexpr std::size_t kMostPlaces = 2;  // a key of more says little
+  if (!places.empty() && places.size() <= kMostPlaces)
+    return "it belongs to " + joinNames(places) + "; ";
+  const std::string near = nearestName(key, known);
+  return near.empty() ? "" : "did you mean '" + near + "'? ";
 }
 
 template <typename Integer>
@@ -129,10 +149,8 @@ void SceneNode::expectKeys(const std::vector<std::string>& known) const {
   if (!isMap()) expected("a map with keys from " + joinNames(known));
   for (const YamlValue& item : value_->items) {
     if (std::find(known.begin(), known.end(), item.key) != known.end()) continue;
-    const std::string near = nearestName(item.key, known);
     throw SceneError(location(item.keyLine) + at(path_, item.key) + ": unknown key, " +
-                     (near.empty() ? "" : "did you mean '" + near + "'? ") + "expected one of " +
-                     joinNames(known));
+                     hintFor(item.key, known) + "expected one of " + joinNames(known));
   }
 }
 

@@ -9,6 +9,8 @@
 
 namespace cloth_sim {
 
+constexpr const char* kTopLevel = "Top level";  ///< heading of the keys outside of all maps
+
 /// The keys of one map, and the heading that docs/scene.md gives them.
 struct KeyTable {
   std::string heading;

@@ -511,7 +511,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{CLOTH "solver: {sleep: {after: .inf}}",
                  "s.yaml:2: solver.sleep.after: expected a number > 0 (got .inf)"},
         BadScene{CLOTH "solver: {sleep: {below: 1}}",
-                 "s.yaml:2: solver.sleep.below: unknown key, expected one of speed, after"},
+                 "s.yaml:2: solver.sleep.below: unknown key, it belongs to "
+                 "`phases.<name>.until.mean_speed`; expected one of speed, after"},
         BadScene{CLOTH "seed: -1",
                  "s.yaml:2: seed: expected a whole number >= 0 and < 2^64 (got -1)"},
         BadScene{CLOTH "gravity: [0, 0]",
@@ -578,6 +579,14 @@ INSTANTIATE_TEST_SUITE_P(
             "s.yaml:2: obstacles.a.radus: unknown key, did you mean 'radius'? expected one "
             "of type, radius, position, rpy, orientation, velocity, angular_velocity, friction, "
             "tangential_decay"},
+        BadScene{
+            CLOTH "obstacles: {a: {type: plane, drag: 1}}",
+            "s.yaml:2: obstacles.a.drag: unknown key, it belongs to the top level; expected one "
+            "of type, position, rpy, orientation, velocity, angular_velocity, friction, "
+            "tangential_decay"},
+        BadScene{CLOTH "obstacles: {a: {type: plane, radius: 1}}",
+                 "s.yaml:2: obstacles.a.radius: unknown key, expected one of type, position, rpy, "
+                 "orientation, velocity, angular_velocity, friction, tangential_decay"},
         BadScene{CLOTH "obstacles: {a: {type: board, size: [1, 1, 0]}}",
                  "s.yaml:2: obstacles.a.size.2: expected a number > 0 (got 0)"},
         BadScene{CLOTH "clamps: {c: {}}",
