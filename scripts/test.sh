@@ -87,6 +87,7 @@ watch_sanitizers() {
   rm -rf "$reports"
   mkdir -p "$reports"
   export ASAN_OPTIONS=log_path=$reports/report
+  export LSAN_OPTIONS=suppressions=$repo_root/test/sanitizers/leak.supp:print_suppressions=0
   export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
   export TSAN_OPTIONS=log_path=$reports/report:suppressions=$repo_root/test/sanitizers/thread.supp
   export CXXFLAGS=-fsanitize=$sanitize  # of test/consumer, which links the libraries

@@ -36,6 +36,9 @@ void* allocate(std::size_t size, std::align_val_t alignment) {
 
 }  // namespace
 
+// Where the compiler inlines only one of the two, it takes free() for a mistake.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return allocate(size, alignment);
 }
