@@ -49,7 +49,7 @@ SceneTuning sceneTuning(const Scene& scene) {
 }
 
 ClothConfig toConfig(const Tuning& tuning) {
-  ClothConfig config;
+  auto config = ClothConfig();  // sets to 0 what the generated class copies without having set it
   const Vec3 wind = tuning.wind ? tuning.wind->velocity : Vec3::Zero();
   config.gravity = tuning.gravity.norm();
   config.wind_x = wind.x();

@@ -11,6 +11,19 @@ def find_program(name):
         ['catkin_find', '--first-only', '--libexec', 'cloth_sim', name], text=True).strip()
 
 
+def processes(text):
+    """The numbers of all processes whose command has a text."""
+    found = set()
+    for number in filter(str.isdigit, os.listdir('/proc')):
+        try:
+            with open('/proc/%s/cmdline' % number, errors='replace') as file:
+                if text in file.read():
+                    found.add(int(number))
+        except OSError:  # it has ended
+            pass
+    return found
+
+
 class ScratchTest(unittest.TestCase):
     """A test with a temporary folder, which is removed after it."""
 

@@ -2,6 +2,7 @@
 """The recipes of docs/sweeps.md, for real: GNU parallel here, GNU parallel over ssh to a server of
 our own, and a job array in a Slurm cluster of one node. Each is left out where its programs are not
 installed (scripts/test.sh installs them)."""
+import contextlib
 import getpass
 import os
 import shutil
@@ -14,6 +15,7 @@ import time
 import rosunit
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from scratch import processes  # noqa: E402
 from sweep_support import ROOT, SweepTest  # noqa: E402
 
 os.environ['PATH'] += ':/usr/sbin:/sbin'  # where the servers are
@@ -63,6 +65,12 @@ class RecipesTest(SweepTest):
                 process.kill()
                 process.wait()
 
+    def end_runs(self):
+        """Ends the runs of this test that have outlived the program that started them."""
+        for process in processes(self.folder.name):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+
     def check(self, *command, **options):
         result = subprocess.run(command, capture_output=True, text=True, timeout=120, **options)
         self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
@@ -81,6 +89,7 @@ class RecipesTest(SweepTest):
 
     def test_parallel_that_is_killed_is_resumed(self):
         self.need('parallel')
+        self.addCleanup(self.end_runs)
         process = self.start('parallel', '--jobs', '2', '--arg-file', self.job_list(*self.LONG),
                              '{}')
         self.wait_until(lambda: self.summaries(), 'the short run')

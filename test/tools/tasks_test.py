@@ -21,7 +21,7 @@ from cloth_sim.spaces import Box
 from cloth_sim.tasks import TASKS, find_task
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from scratch import ScratchTest  # noqa: E402
+from scratch import ScratchTest, processes  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 CLOTH_TASKS = os.path.join(ROOT, 'scripts', 'cloth_tasks')
@@ -273,19 +273,6 @@ class ClothTasksTest(ScratchTest):
         while not holds():
             self.assertLess(time.monotonic(), end)
             time.sleep(0.1)
-
-
-def processes(text):
-    """The numbers of all processes whose command has a text."""
-    found = set()
-    for number in filter(str.isdigit, os.listdir('/proc')):
-        try:
-            with open('/proc/%s/cmdline' % number, errors='replace') as file:
-                if text in file.read():
-                    found.add(int(number))
-        except OSError:  # it has ended
-            pass
-    return found
 
 
 class TasksTests(unittest.TestSuite):
