@@ -16,7 +16,8 @@ First installs the missing packages of ROS and the libraries (as root or with su
 
 With sanitizers, long suites run fewer cases (test/fewer_cases.h), the cases of
 test/sanitizers/too_long.txt are left out, and whatever a process reports counts as failed, also if no
-test looks at how it ended.
+test looks at how it ended. The thread sanitizer runs, of suites about what one thread does, only the
+cases that name threads.
 
 A suite of tests that was not built or not run (scripts/lib/suites.txt) is named and counts as failed.
 Ends with a line 'N passed, N failed'; the exit status is 0 only if nothing failed.
@@ -61,6 +62,7 @@ if [[ -n $sanitize ]]; then
   export CLOTH_SIM_FEWER_CASES=10
   export GTEST_FILTER=-$(grep -o '^[^ #]\+' "$repo_root/test/sanitizers/too_long.txt" | paste -sd:)
   suite_options+=(--without rviz --fewer-cases "$CLOTH_SIM_FEWER_CASES")
+  if [[ $sanitize == thread ]]; then suite_options+=(--without one_thread); fi
 fi
 reports=$workspace/log/sanitizers
 
@@ -113,8 +115,14 @@ results=$workspace/build/test_results/cloth_sim
 rm -rf "$results"
 if [[ -n $sanitize ]]; then watch_sanitizers; fi
 export ROS_HOME=$workspace/ros_home  # logs and the like: not in the user's ~/.ros
-run_tests "core tests" '_(gtest|gmock)_' "$(build_jobs)"
-run_tests "tests of the programs" '_tool_' 1
+if [[ $sanitize == thread ]]; then
+  run_tests "core tests" '_gtest_.*_(unit|determinism)_test' "$(build_jobs)"
+  GTEST_FILTER='*Thread*' run_tests "core tests with threads" \
+    '_gtest_.*_(verify|surgery|study|allocation|fuzz)_test' "$(build_jobs)"
+else
+  run_tests "core tests" '_(gtest|gmock)_' "$(build_jobs)"
+  run_tests "tests of the programs" '_tool_' 1
+fi
 if [[ $quick == no ]]; then
   run_tests "ROS tests" '_rostest_' 1
 fi
