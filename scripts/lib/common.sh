@@ -287,6 +287,20 @@ drop_stale_configuration() {
   printf '%s\n' "$inputs" >"$record"
 }
 
+# leave_workspace <workspace>: takes a workspace that the user has sourced out of the paths. catkin
+# keeps what the workspace adds to the paths for the tests; where it configures with the workspace in
+# them, that is nothing, and tests that another shell starts find no program.
+leave_workspace() {
+  local name entry kept
+  for name in CMAKE_PREFIX_PATH LD_LIBRARY_PATH PATH PKG_CONFIG_PATH PYTHONPATH ROS_PACKAGE_PATH; do
+    kept=
+    while IFS= read -r -d : entry; do
+      if [[ -n $entry && $entry != "$1"/* ]]; then kept+=${kept:+:}$entry; fi
+    done <<<"${!name:-}:"
+    if [[ -n $kept ]]; then export "$name=$kept"; else unset "$name"; fi
+  done
+}
+
 # build_workspace <workspace> <make targets> [cmake argument]...: configures if necessary, and builds.
 #
 # CLOTH_SIM_HIDE names packages that CMake shall not find although they are installed; .ci/run uses it
@@ -302,12 +316,15 @@ build_workspace() {
     flock 9
   fi
   link_package "$workspace"
+  leave_workspace "$workspace"
   drop_stale_configuration "$workspace" "$@"
 
   # catkin gives tests only those folders of the workspace that exist when it configures. In a new
   # workspace, the first run of the tests would not find the Python modules of the messages.
   local modules=$workspace/devel/lib/python3/dist-packages
-  if [[ ! -f $workspace/build/CMakeCache.txt || ! -d $modules ]]; then
+  local paths=$workspace/build/catkin_generated/setup_cached.sh  # see leave_workspace
+  if [[ ! -f $workspace/build/CMakeCache.txt || ! -d $modules ]] ||
+    ! grep -qs "$workspace/devel" "$paths"; then
     mkdir -p "$modules"
     set -- --force-cmake "$@"
   fi

@@ -86,6 +86,19 @@ CASE = '<testcase name="{}" file="/x/{}">{}</testcase>'
 SEQUENCES = '<properties><property name="sequences" value="{}"/></properties>'
 
 
+class LeaveWorkspaceTest(unittest.TestCase):
+    def test_a_sourced_workspace_is_taken_out_of_the_paths(self):
+        common = ROOT / 'scripts' / 'lib' / 'common.sh'
+        variables = {'PYTHONPATH': '/w/devel/lib/python3:/other:/w2/lib',
+                     'CMAKE_PREFIX_PATH': '/w/devel', 'ROS_PACKAGE_PATH': '/usr/share'}
+        shown = subprocess.run(
+            ['bash', '-c', 'source "$1"; leave_workspace /w; '
+             'echo "$PYTHONPATH ${CMAKE_PREFIX_PATH-none} $ROS_PACKAGE_PATH"; ls / >/dev/null',
+             'bash', common], check=True, capture_output=True, text=True,
+            env={**os.environ, **variables}).stdout
+        self.assertEqual(shown, '/other:/w2/lib none /usr/share\n')
+
+
 class SuitesTest(ScratchTest):
     """check_suites, on a tree with one test file of each kind."""
 
@@ -222,7 +235,8 @@ class TooLongTest(unittest.TestCase):
 class ScriptsTests(unittest.TestSuite):
     def __init__(self):
         super().__init__(unittest.defaultTestLoader.loadTestsFromTestCase(case)
-                         for case in (ConfigurationTest, SuitesTest, InterpreterTest, TooLongTest))
+                         for case in (ConfigurationTest, LeaveWorkspaceTest, SuitesTest,
+                                      InterpreterTest, TooLongTest))
 
 
 if __name__ == '__main__':
