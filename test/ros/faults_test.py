@@ -19,6 +19,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from polling import wait_until  # noqa: E402
 
 MEGABYTE = 1 << 20
+# The address sanitizer keeps what is freed, up to 256 MiB and as much again around it.
+ALLOWED_GROWTH = (600 if 'CLOTH_SIM_FEWER_CASES' in os.environ else 30) * MEGABYTE
 READER = '''
 import rospy
 from cloth_sim.msg import ClothFrame
@@ -68,7 +70,7 @@ class FaultsTest(unittest.TestCase):
         self.assertGreater(float(rate), 9000.0)
         self.steps_on()
         self.assertFalse(self.get_state().state.failed)
-        self.assertLess(resident(self.pid) - before, 30 * MEGABYTE)
+        self.assertLess(resident(self.pid) - before, ALLOWED_GROWTH)
         # Commands are taken as before, and the last ones count.
         grasp = rospy.ServiceProxy('/cloth/grasp', srv.Grasp)
         for closed in (True, False):
@@ -126,7 +128,7 @@ class FaultsTest(unittest.TestCase):
             self.steps_on(60)
             before = resident(self.pid)
             self.steps_on(240)
-            self.assertLess(resident(self.pid) - before, 30 * MEGABYTE)
+            self.assertLess(resident(self.pid) - before, ALLOWED_GROWTH)
         finally:
             reader.kill()
             reader.wait()
