@@ -99,7 +99,8 @@ ended_well() { grep -qs "^$1 *well" "$out/$1.result"; }
 
 mkdir -p "$out"
 commit=$(git -C "$repo_root" describe --always --dirty 2>/dev/null || echo no-commit-dirty)
-if [[ $resume == no || $commit == *-dirty || $commit != "$(cat "$out/commit" 2>/dev/null)" ]]; then
+if [[ $short == yes ]]; then commit+=', short'; fi
+if [[ $resume == no || $commit == *-dirty* || $commit != "$(cat "$out/commit" 2>/dev/null)" ]]; then
   rm -f "$out"/*.result
 fi
 echo "$commit" >"$out/commit"

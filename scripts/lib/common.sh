@@ -324,7 +324,7 @@ build_workspace() {
   local modules=$workspace/devel/lib/python3/dist-packages
   local paths=$workspace/build/catkin_generated/setup_cached.sh  # see leave_workspace
   if [[ ! -f $workspace/build/CMakeCache.txt || ! -d $modules ]] ||
-    ! grep -qs "$workspace/devel" "$paths"; then
+    ! grep -qsF "$workspace/devel" "$paths"; then
     mkdir -p "$modules"
     set -- --force-cmake "$@"
   fi
