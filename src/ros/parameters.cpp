@@ -18,6 +18,7 @@ constexpr double kMaxRate = 1000.0;    ///< [Hz]
 constexpr double kMaxFactor = 1000.0;  ///< of real time [-]
 constexpr int kMaxThreads = 1024;
 constexpr double kMaxDepth = 1000.0;  ///< of a camera [m]
+constexpr double kMaxFriction = 10.0;
 
 /// The valid range of a number.
 struct Range {
@@ -74,8 +75,8 @@ class Reader {
     if (find(name, raw)) value = strings(name, "a list of strings \"dotted.key=value\"", raw);
   }
 
-  /// {description: PARAMETER, links: [...], self_filter: [...], clamps: {name: [link, link]}}; an
-  /// empty map is no robot.
+  /// {description: PARAMETER, links: [...], self_filter: [...], clamps: {name: GRIPPER}}; an empty
+  /// map is no robot.
   void read(const std::string& name, std::optional<RobotSettings>& value) {
     XmlRpcValue raw;
     if (!find(name, raw)) return;
@@ -204,7 +205,7 @@ class Reader {
       } else if (key == "self_filter") {
         robot.selfFilter = strings(path, "a list of links", value);
       } else if (key == "clamps") {
-        robot.clamps = readPlates(path, value);
+        robot.clamps = readGrippers(path, value);
       } else {
         throw ParameterError(
             node_.resolveName(name) + ": " +
@@ -214,17 +215,45 @@ class Reader {
     return robot;
   }
 
-  std::map<std::string, std::array<std::string, 2>> readPlates(const std::string& name,
-                                                               XmlRpcValue& raw) const {
-    static const char* const expected = "a map {clamp: [link, link]}";
-    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, expected, raw);
-    std::map<std::string, std::array<std::string, 2>> result;
-    for (auto& [clamp, value] : raw) {
-      const std::vector<std::string> links = strings(name + "/" + clamp, "two links", value);
-      if (links.size() != 2) fail(name + "/" + clamp, "two links", value);
-      result[clamp] = {links[0], links[1]};
-    }
+  std::map<std::string, GripperSettings> readGrippers(const std::string& name,
+                                                      XmlRpcValue& raw) const {
+    if (raw.getType() != XmlRpcValue::TypeStruct) fail(name, "a map {clamp: [link, link]}", raw);
+    std::map<std::string, GripperSettings> result;
+    for (auto& [clamp, value] : raw) result[clamp] = readGripper(name + "/" + clamp, value);
     return result;
+  }
+
+  /// [link, link], or {plates: [link, link], motor: JOINT, friction: MU}.
+  GripperSettings readGripper(const std::string& name, XmlRpcValue& raw) const {
+    GripperSettings gripper;
+    if (raw.getType() != XmlRpcValue::TypeStruct) {
+      gripper.plates = readPlates(name, raw);
+      return gripper;
+    }
+    if (!raw.hasMember("plates")) fail(name, "two links as plates", raw);
+    if (!raw.hasMember("motor")) fail(name, "a joint as motor", raw);
+    for (auto& [key, value] : raw) {
+      const std::string path = name + "/" + key;
+      if (key == "plates") {
+        gripper.plates = readPlates(path, value);
+      } else if (key == "motor") {
+        if (value.getType() != XmlRpcValue::TypeString) fail(path, "the name of a joint", value);
+        gripper.motor = static_cast<std::string>(value);
+      } else if (key == "friction") {
+        gripper.friction = number(path, Range{0.0, kMaxFriction, false}, value);
+      } else {
+        throw ParameterError(node_.resolveName(name) + ": " +
+                             unknownName("key", key, {"friction", "motor", "plates"}));
+      }
+    }
+    return gripper;
+  }
+
+  std::array<std::string, 2> readPlates(const std::string& name, XmlRpcValue& raw) const {
+    static const char* const expected = "two links";
+    const std::vector<std::string> links = strings(name, expected, raw);
+    if (links.size() != 2) fail(name, expected, raw);
+    return {links[0], links[1]};
   }
 
   static constexpr const char* kSources =

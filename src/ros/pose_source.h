@@ -17,7 +17,8 @@ struct PoseSource {
   std::string name;        ///< of the tf frame or of the topic
   std::string graspWidth;  ///< topic of std_msgs/Float64 [m]; "": none
   double patience =
-      kSourceTimeout;  ///< how long the first pose may take until it counts as lost [s]
+      kSourceTimeout;          ///< how long the first pose may take until it counts as lost [s]
+  bool repeatsStatic = false;  ///< a static frame is passed on at each look-up
 };
 
 /// Describes a source: "tf frame gripper_link", "topic /hand/pose", "nothing".

@@ -101,6 +101,7 @@ void PoseTracker::accept(double stamp, const Pose& pose) {
     isStatic_ = stamp == 0.0;
     problem_.clear();
     target = motion_.add(stamp, pose);
+    if (!target && isStatic_ && source_.repeatsStatic) target = motion_.rest();
     if (target) {
       lastNews_ = Clock::now();
       lastNewsTime_ = ros::Time::now();

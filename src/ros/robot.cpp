@@ -21,8 +21,8 @@ bool isIn(const std::string& name, const std::vector<std::string>& names) {
 
 std::vector<std::string> plateLinks(const RobotSettings& settings) {
   std::vector<std::string> links;
-  for (const auto& [clamp, plates] : settings.clamps) {
-    links.insert(links.end(), plates.begin(), plates.end());
+  for (const auto& [clamp, gripper] : settings.clamps) {
+    links.insert(links.end(), gripper.plates.begin(), gripper.plates.end());
   }
   return links;
 }
@@ -73,15 +73,29 @@ std::string nameFor(const std::string& link, std::set<std::string>& taken) {
   return name;
 }
 
+/// The motor of a gripper; nothing if it has none.
+std::optional<GripMotor> motorOf(const RobotDescription& description,
+                                 const GripperSettings& settings) {
+  if (settings.motor.empty()) return std::nullopt;
+  const RobotJoint joint = description.joint(settings.motor);
+  const bool movesFirst = description.hangsOn(settings.plates[0], joint.link);
+  if (movesFirst == description.hangsOn(settings.plates[1], joint.link)) {
+    throw RobotError("joint '" + settings.motor + "' does not move one plate against the other");
+  }
+  return GripMotor{settings.motor, joint, movesFirst ? 0U : 1U, settings.friction};
+}
+
 RobotGripper gripperOf(const RobotDescription& description, const std::string& clamp,
-                       const std::array<std::string, 2>& links, const MeshFinder& find) {
-  RobotGripper gripper{clamp, "", {}};
+                       const GripperSettings& settings, const MeshFinder& find) {
+  const std::array<std::string, 2>& links = settings.plates;
+  RobotGripper gripper{clamp, "", {}, {}};
   if (links[0] == links[1]) throw RobotError("clamp '" + clamp + "': expected two links as plates");
   for (std::size_t k = 0; k < links.size(); ++k) {
     requireSolid(description, links[k]);
     gripper.plates[k] = {links[k], boxAround(description.collision(links[k], find))};
   }
   gripper.base = description.commonParent(links[0], links[1]);
+  gripper.motor = motorOf(description, settings);
   return gripper;
 }
 
@@ -128,8 +142,8 @@ Robot chooseLinks(const RobotDescription& description, const RobotSettings& sett
       robot.obstacles.push_back({nameFor(link, taken), link, part});
     }
   }
-  for (const auto& [clamp, links] : settings.clamps) {
-    robot.grippers.push_back(gripperOf(description, clamp, links, find));
+  for (const auto& [clamp, gripper] : settings.clamps) {
+    robot.grippers.push_back(gripperOf(description, clamp, gripper, find));
   }
   return robot;
 }

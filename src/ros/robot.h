@@ -3,21 +3,29 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "grip_motor.h"
 #include "gripper_plates.h"
 #include "robot_description.h"
 
 namespace cloth_sim {
+
+/// A clamp of the scene whose plates are two links.
+struct GripperSettings {
+  std::array<std::string, 2> plates;
+  std::string motor;      ///< joint that presses the plates together; "": none limits the grip
+  double friction = 0.5;  ///< Coulomb coefficient between plates and cloth, > 0 [-]
+};
 
 /// The parameter ~robot.
 struct RobotSettings {
   std::string description = "robot_description";  ///< name of the parameter with the URDF
   std::vector<std::string> links;       ///< that are obstacles; empty: all with collision geometry
   std::vector<std::string> selfFilter;  ///< links that are none
-  /// By clamp, the two links that are its plates.
-  std::map<std::string, std::array<std::string, 2>> clamps;
+  std::map<std::string, GripperSettings> clamps;  ///< by clamp
 };
 
 /// One element of the collision geometry of a link, as an obstacle of the scene.
@@ -32,6 +40,7 @@ struct RobotGripper {
   std::string clamp;
   std::string base;  ///< link from which both plates hang, and its tf frame
   std::array<GripperPlate, 2> plates;
+  std::optional<GripMotor> motor;  ///< whose effort limits the grip force
 };
 
 /// A robot in a scene.

@@ -91,6 +91,15 @@ Shape toShape(const urdf::Geometry& geometry) {
   return MeshShape();
 }
 
+std::optional<RobotJoint> toJoint(const urdf::Joint& joint) {
+  const bool isSliding = joint.type == urdf::Joint::PRISMATIC;
+  const bool isTurning =
+      joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
+  const Vec3 axis(joint.axis.x, joint.axis.y, joint.axis.z);
+  if ((!isSliding && !isTurning) || !axis.allFinite() || axis.isZero()) return std::nullopt;
+  return RobotJoint{joint.child_link_name, axis.normalized(), isSliding};
+}
+
 Vec3 scaleOf(const urdf::Mesh& mesh, const std::string& link) {
   const Vec3 scale(mesh.scale.x, mesh.scale.y, mesh.scale.z);
   if (scale.allFinite() && scale.cwiseAbs().minCoeff() > 0.0) return scale;
@@ -133,6 +142,7 @@ RobotDescription::RobotDescription(const std::string& urdf) {
     links_.push_back(name);
     byName_.emplace(name, link);
   }
+  for (const auto& [name, from] : model->joints_) joints_.emplace(name, toJoint(*from));
 }
 
 const RobotDescription::Link& RobotDescription::need(const std::string& link) const {
@@ -180,6 +190,25 @@ std::string RobotDescription::commonParent(const std::string& a, const std::stri
     if (it != b && it != a && std::find(ofA.begin(), ofA.end(), it) != ofA.end()) return it;
   }
   throw RobotError("links '" + a + "' and '" + b + "' hang on no common link");
+}
+
+bool RobotDescription::hangsOn(const std::string& link, const std::string& other) const {
+  need(other);
+  const std::vector<std::string> all = ancestors(link);
+  return std::find(all.begin(), all.end(), other) != all.end();
+}
+
+RobotJoint RobotDescription::joint(const std::string& name) const {
+  const auto found = joints_.find(name);
+  if (found == joints_.end()) {
+    std::vector<std::string> known;
+    for (const auto& [other, joint] : joints_) known.push_back(other);
+    throw RobotError(unknownName("joint", name, known));
+  }
+  if (!found->second) {
+    throw RobotError("joint '" + name + "': expected one that slides or turns about an axis");
+  }
+  return *found->second;
 }
 
 }  // namespace cloth_sim

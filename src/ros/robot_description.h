@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -31,6 +32,13 @@ struct LinkBox {
 /// \param parts  at least one.
 LinkBox boxAround(const std::vector<CollisionPart>& parts);
 
+/// A joint with one degree of freedom.
+struct RobotJoint {
+  std::string link;        ///< that it moves; the tf frame of this link is the frame of the joint
+  Vec3 axis;               ///< in this frame, of unit length
+  bool isSliding = false;  ///< prismatic; otherwise it turns
+};
+
 /// Returns the path of the file that a mesh names, such as "package://arm/palm.stl".
 /// \throws RobotError if there is no such package.
 using MeshFinder = std::function<std::string(const std::string& url)>;
@@ -50,6 +58,12 @@ class RobotDescription {
   std::vector<CollisionPart> collision(const std::string& link, const MeshFinder& find) const;
   /// The nearest link from which both hang by joints. \throws RobotError if there is none.
   std::string commonParent(const std::string& a, const std::string& b) const;
+  /// Tells whether a link is another or hangs on it by joints. \throws RobotError for unknown
+  /// links.
+  bool hangsOn(const std::string& link, const std::string& other) const;
+  /// Returns a joint that slides or turns.
+  /// \throws RobotError if there is no such joint, or if it has not one degree of freedom.
+  RobotJoint joint(const std::string& name) const;
 
  private:
   /// An element before its mesh is read.
@@ -69,6 +83,7 @@ class RobotDescription {
 
   std::vector<std::string> links_;
   std::map<std::string, Link> byName_;
+  std::map<std::string, std::optional<RobotJoint>> joints_;  ///< nothing: of another kind
 };
 
 }  // namespace cloth_sim

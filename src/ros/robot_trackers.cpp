@@ -11,9 +11,31 @@ namespace {
 
 /// Time for which tf may lack a link at the start, until a warning names it [s].
 constexpr double kFirstSight = 5.0;
-/// Changes of a gap below this are not told, so that other commands to the plates last [m].
-constexpr double kLeastChange = 1e-5;
-constexpr double kWarningPeriod = 5.0;  ///< [s]
+/// Changes below these are not told, so that other commands to the clamp last.
+constexpr double kLeastChange = 1e-5;       ///< of a gap or place [m]
+constexpr double kLeastTurn = 1e-4;         ///< [rad]
+constexpr double kLeastForceChange = 0.01;  ///< of the grip force, as a share of it
+constexpr double kWarningPeriod = 5.0;      ///< [s]
+
+bool areNear(const Pose& a, const Pose& b) {
+  return (a.position - b.position).norm() < kLeastChange &&
+         a.orientation.angularDistance(b.orientation) < kLeastTurn;
+}
+
+/// Tells whether a number differs from the last one by more than `least`, and keeps it then.
+bool isNews(std::optional<double>& last, double now, double least) {
+  if (last && std::abs(*last - now) < least) return false;
+  last = now;
+  return true;
+}
+
+std::vector<std::string> motorNames(const std::vector<RobotGripper>& grippers) {
+  std::vector<std::string> names;
+  for (const RobotGripper& it : grippers) {
+    if (it.motor) names.push_back(it.motor->name);
+  }
+  return names;
+}
 
 PoseSource linkSource(const std::string& frame) {
   PoseSource source;
@@ -31,6 +53,8 @@ RobotTrackers::RobotTrackers(ros::NodeHandle& node, const Robot& robot, double r
   std::map<std::string, Obstacles> ofLink;
   for (const RobotObstacle& it : robot.obstacles) ofLink[it.link].push_back(it);
   for (const auto& [link, obstacles] : ofLink) trackLink(node, link, obstacles);
+  const std::vector<std::string> motors = motorNames(robot.grippers);
+  if (!motors.empty()) efforts_ = JointEfforts::subscribe(motors);
   for (const RobotGripper& gripper : robot.grippers) trackGripper(node, gripper);
 }
 
@@ -47,8 +71,10 @@ void RobotTrackers::trackGripper(ros::NodeHandle& node, const RobotGripper& grip
   const PoseTracker::Sink sink = [this, gripper](const MovingPose& target) {
     moveClamp(gripper, target);
   };
-  trackers_.push_back(PoseTracker::track(node, "clamp " + gripper.clamp, linkSource(gripper.base),
-                                         world_, rate_, sink));
+  PoseSource source = linkSource(gripper.base);
+  source.repeatsStatic = true;  // fingers move on a base that stands, too
+  trackers_.push_back(
+      PoseTracker::track(node, "clamp " + gripper.clamp, source, world_, rate_, sink));
 }
 
 void RobotTrackers::place(const Obstacles& obstacles, const MovingPose& link) {
@@ -70,21 +96,44 @@ void RobotTrackers::moveClamp(const RobotGripper& gripper, const MovingPose& bas
   }
   const std::optional<PlatePlacement> between = placeBetween(gripper.plates, poses);
   if (!between) return;
+  const MovingPose target = carried(base, between->pose);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Told& told = told_[gripper.clamp];
   const std::string topic = "robot/" + gripper.clamp;
-  submit(topic, Command{GuideClamp{gripper.clamp, carried(base, between->pose)}}, simulation_);
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const auto told = gaps_.find(gripper.clamp);
-    if (told != gaps_.end() && std::abs(told->second - between->gap) < kLeastChange) return;
-    gaps_[gripper.clamp] = between->gap;
+  if (target.horizon > 0.0 || !told.pose || !areNear(*told.pose, target.pose)) {
+    told.pose = target.pose;
+    submit(topic, Command{GuideClamp{gripper.clamp, target}}, simulation_);
   }
-  submit(topic, Command{SetGapWidth{gripper.clamp, between->gap}}, simulation_);
+  const std::optional<double> force = forceOf(gripper, poses);
+  if (force && isNews(told.force, *force, kLeastForceChange * *force)) {
+    submit(topic, Command{SetGripForce{gripper.clamp, force}}, simulation_);
+  }
+  if (isNews(told.gap, between->gap, kLeastChange)) {
+    submit(topic, Command{SetGapWidth{gripper.clamp, between->gap}}, simulation_);
+  }
+}
+
+/// The grip force of a gripper by the effort of its motor [N]; nothing as long as that is unknown.
+std::optional<double> RobotTrackers::forceOf(const RobotGripper& gripper,
+                                             const std::array<Pose, 2>& plates) const {
+  if (!gripper.motor) return std::nullopt;
+  const std::optional<double> effort = efforts_->of(gripper.motor->name);
+  if (!effort) return std::nullopt;
+  try {
+    const Pose joint = world_.latestIn(gripper.base, gripper.motor->joint.link);
+    return gripForce(*gripper.motor, *effort, joint,
+                     {plates[0].toWorld(gripper.plates[0].box.centre),
+                      plates[1].toWorld(gripper.plates[1].box.centre)});
+  } catch (const std::runtime_error& error) {
+    ROS_WARN_STREAM_THROTTLE(kWarningPeriod, "clamp " << gripper.clamp << ": " << error.what());
+    return std::nullopt;
+  }
 }
 
 void RobotTrackers::repeat() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    gaps_.clear();
+    told_.clear();
   }
   for (const auto& tracker : trackers_) tracker->repeat();
 }

@@ -3,19 +3,23 @@
 
 #include <ros/node_handle.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "joint_efforts.h"
 #include "pose_tracker.h"
 #include "robot.h"
 #include "simulation_thread.h"
 
 namespace cloth_sim {
 
-/// Moves the obstacles of a robot with their links, and clamps with the plates of its grippers:
-/// a clamp closes and opens as the plates do. Thread-safe.
+/// Moves the obstacles of a robot with their links, and clamps with the plates of its grippers: a
+/// clamp closes and opens as the plates do, and holds with the force of their motor. Thread-safe.
 class RobotTrackers {
  public:
   /// All arguments but `robot` must outlive this.
@@ -35,14 +39,23 @@ class RobotTrackers {
   void trackGripper(ros::NodeHandle& node, const RobotGripper& gripper);
   void place(const Obstacles& obstacles, const MovingPose& link);
   void moveClamp(const RobotGripper& gripper, const MovingPose& base);
+  std::optional<double> forceOf(const RobotGripper& gripper,
+                                const std::array<Pose, 2>& plates) const;
 
   double rate_;
   const WorldFrame& world_;
   SimulationThread& simulation_;
 
-  mutable std::mutex mutex_;
-  std::map<std::string, double> gaps_;  ///< between the plates of each clamp, as last told [m]
+  /// The last commands to a clamp.
+  struct Told {
+    std::optional<Pose> pose;     ///< in the world
+    std::optional<double> gap;    ///< between the plates [m]
+    std::optional<double> force;  ///< of the grip [N]
+  };
+  std::mutex mutex_;
+  std::map<std::string, Told> told_;  ///< by clamp
 
+  std::shared_ptr<JointEfforts> efforts_;  ///< of motors; null without any
   std::vector<std::shared_ptr<PoseTracker>> trackers_;
 };
 

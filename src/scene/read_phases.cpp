@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <set>
 
 #include "readers.h"
 #include "section.h"
@@ -215,12 +215,10 @@ PhaseSpec readPhase(const SceneNode& node, const Scene& scene) {
 }  // namespace
 
 void readPhases(const SceneNode& node, const Scene& scene, std::vector<PhaseSpec>& phases) {
+  std::set<std::string> names;
   for (const SceneNode& item : node.list("a list of phases")) {
     PhaseSpec phase = readPhase(item, scene);
-    const bool twice = std::any_of(phases.begin(), phases.end(), [&](const PhaseSpec& other) {
-      return other.name == phase.name;
-    });
-    if (twice) item.refuse("expected a name that no other phase has");
+    if (!names.insert(phase.name).second) item.refuse("expected a name that no other phase has");
     phases.push_back(std::move(phase));
   }
 }

@@ -10,6 +10,7 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
@@ -72,7 +73,9 @@ class RobotTest(unittest.TestCase):
         rospy.wait_for_service('/cloth/get_state', 30.0)
         cls.get_state = rospy.ServiceProxy('/cloth/get_state', srv.GetState)
         cls.static = connected('/tf_static', TFMessage, latch=True)
-        cls.static.publish(TFMessage([transform('world', 'stand', (-0.5, 0.3, 0.1))]))
+        cls.static.publish(TFMessage([transform('world', 'stand', (-0.5, 0.3, 0.1)),
+                                      transform('world', 'post', (0.19, 0.0, 0.0))]))
+        cls.joints = connected('/joint_states', JointState)
         cls.gripper = Gripper()
 
     @classmethod
@@ -83,7 +86,11 @@ class RobotTest(unittest.TestCase):
         self.gripper.palm, self.gripper.half = (0.19, 0.0, 0.0), 0.04
 
     def hand(self):
-        return next(it for it in self.get_state().state.clamps if it.name == 'hand')
+        return self.hand_of(self.get_state)
+
+    @staticmethod
+    def hand_of(get_state):
+        return next(it for it in get_state().state.clamps if it.name == 'hand')
 
     def place_is(self, *place):
         """Waits for an obstacle at a place."""
@@ -153,6 +160,62 @@ class RobotTest(unittest.TestCase):
         self.gripper.half = 0.04
         wait_until(lambda: self.hand().held == 0, 'an open hand')
 
+    def press(self, *effort):
+        """The gripper reports the effort of the joint of its upper finger [N]."""
+        self.joints.publish(JointState(name=['arm', 'b'], effort=[0.0, *effort] if effort else []))
+
+    def grip_is(self, force):
+        wait_until(lambda: abs(self.hand().grip_force - force) < 1e-9, 'a grip of %g N' % force)
+
+    def test_the_motor_limits_the_grip(self):
+        self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
+        self.press(50.0)
+        self.grip_is(40.0)  # friction of 0.4 at both plates
+        self.gripper.half = 0.01
+        wait_until(lambda: self.hand().held > 0, 'a grasp')
+        self.press()  # a message without efforts
+        self.press(float('nan'))
+        self.press(50.1)  # hardly a change
+        self.gripper.palm = (0.15, 0.0, 0.1)
+        wait_until(lambda: abs(self.hand().pose.position.z - 0.1) < 1e-3, 'a lift')
+        self.assertGreater(self.hand().held, 0)
+        self.assertAlmostEqual(self.hand().grip_force, 40.0)
+        self.press(0.0)  # the motor is off
+        self.grip_is(0.001)
+        wait_until(lambda: self.hand().held == 0, 'that the strip slips out')
+        self.press(-50.0)  # drivers differ in the sign
+        self.grip_is(40.0)
+        self.gripper.half = 0.04
+        self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
+        self.grip_is(40.0)
+
+    def test_fingers_close_on_a_base_that_stands(self):
+        """About a base in /tf_static there is no news, but there is about its fingers."""
+        with open(os.path.join(HERE, 'robot.urdf')) as file:
+            text = file.read()
+        for old, new in (('stand', 'rack'), ('palm', 'post'), ('lower', 'left'),
+                         ('upper', 'right')):
+            text = text.replace('"%s"' % old, '"%s"' % new)
+        rospy.set_param('/bolted_urdf', text)
+        process = self.start('bolted', description='/bolted_urdf', links=['post'],
+                             clamps={'hand': ['left', 'right']})
+        try:
+            rospy.wait_for_service('/bolted/get_state', 30.0)
+            get_state = rospy.ServiceProxy('/bolted/get_state', srv.GetState)
+
+            def is_at(half, state):
+                self.gripper.publisher.publish(TFMessage([
+                    transform('post', 'left', (0.0, 0.0, -half)),
+                    transform('post', 'right', (0.0, 0.0, half))]))
+                return self.hand_of(get_state).state == state
+            for half, state in ((0.04, msg.ClampStatus.OPEN), (0.01, msg.ClampStatus.CLOSED),
+                                (0.04, msg.ClampStatus.OPEN)):
+                wait_until(lambda h=half, s=state: is_at(h, s), 'state %d of the hand' % state)
+        finally:
+            process.terminate()
+            _, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 0, errors)
+
     def test_commands_to_the_plates_last(self):
         wait_until(lambda: self.hand().state == msg.ClampStatus.OPEN, 'an open hand')
         reply = rospy.ServiceProxy('/cloth/grasp', srv.Grasp)('hand', True)
@@ -190,6 +253,18 @@ class RobotTest(unittest.TestCase):
         self.refused("unknown key 'link'", description='gripper', link=['palm'])
         self.refused('expected two links', description='gripper', clamps={'hand': ['lower']})
         self.refused('expected a list of links', description='gripper', links='palm')
+
+        def refused_hand(says, **hand):
+            self.refused(says, description='gripper', clamps={'hand': hand})
+        refused_hand('expected two links as plates', motor='b')
+        refused_hand('expected a joint as motor', plates=['lower', 'upper'], friction=0.4)
+        refused_hand("unknown key 'moter'", plates=['lower', 'upper'], motor='b', moter='b')
+        refused_hand("unknown joint 'c' (known: a, arm, b, eye)", plates=['lower', 'upper'],
+                     motor='c')
+        refused_hand("joint 'arm': expected one that slides or turns", plates=['lower', 'upper'],
+                     motor='arm')
+        refused_hand('expected a number > 0 and <= 10', plates=['lower', 'upper'], motor='b',
+                     friction=0.0)
         rospy.set_param('/malformed', text.replace('</link>', '', 1))
         self.refused('the URDF is malformed', description='malformed')
         rospy.set_param('/bare', '<robot name="r"><link name="palm"/></robot>')

@@ -29,7 +29,8 @@ const char* const kArm = R"(<robot name="arm">
   <joint name="shoulder" type="fixed"><parent link="base"/><child link="upper-arm"/></joint>
   <joint name="wrist" type="fixed"><parent link="upper-arm"/><child link="palm"/></joint>
   <joint name="lower_joint" type="fixed"><parent link="palm"/><child link="lower"/></joint>
-  <joint name="upper_joint" type="fixed"><parent link="palm"/><child link="upper"/></joint>
+  <joint name="upper_joint" type="prismatic"><parent link="palm"/><child link="upper"/>
+    <axis xyz="0 0 2"/><limit lower="0" upper="0.1" effort="1" velocity="1"/></joint>
 </robot>)";
 
 const char* const kScene = "cloth: {size: [0.2, 0.2], particles: [5, 5]}\n";
@@ -100,7 +101,7 @@ TEST(Robot, TheOriginOfAnElementIsItsPlace) {
 
 TEST(Robot, PlatesAndFilteredLinksAreNoObstacles) {
   RobotSettings settings;
-  settings.clamps["hand"] = {"lower", "upper"};
+  settings.clamps["hand"].plates = {"lower", "upper"};
   settings.selfFilter = {"upper-arm"};
   EXPECT_THAT(obstacleNames(robotOf(kArm, settings)), ElementsAre("palm"));
   settings.links = {"upper", "palm", "upper-arm", "palm"};
@@ -166,7 +167,7 @@ TEST(Robot, RefusesBadLinks) {
   settings.selfFilter = {"hand"};
   EXPECT_THAT(errorOf(kArm, settings), HasSubstr("unknown link 'hand'"));
   settings = {};
-  settings.clamps["hand"] = {"lower", "lower"};
+  settings.clamps["hand"].plates = {"lower", "lower"};
   EXPECT_EQ(errorOf(kArm, settings), "clamp 'hand': expected two links as plates");
 }
 
@@ -184,18 +185,80 @@ TEST(Robot, ListsTenLinksAtMost) {
 
 TEST(Robot, RefusesNamesOfTheSceneAndUnknownClamps) {
   RobotSettings settings;
-  settings.clamps["hand"] = {"lower", "upper"};
+  settings.clamps["hand"].plates = {"lower", "upper"};
   const Robot robot = robotOf(kArm, settings);
   EXPECT_NO_THROW(checkNames(robot, {"table"}, {"hand"}));
   EXPECT_THROW(checkNames(robot, {"palm"}, {"hand"}), RobotError);
   EXPECT_THROW(checkNames(robot, {"table"}, {"left"}), RobotError);
 }
 
+// ---- motors of grippers -----------------------------------------------------------------------
+
+TEST(GripMotor, MovesOnePlate) {
+  RobotSettings settings;
+  settings.clamps["hand"] = {{"lower", "upper"}, "upper_joint", 0.4};
+  const auto motor = robotOf(kArm, settings).grippers.at(0).motor;
+  ASSERT_TRUE(motor);
+  EXPECT_EQ(motor->name, "upper_joint");
+  EXPECT_EQ(motor->plate, 1U);
+  EXPECT_EQ(motor->friction, 0.4);
+  EXPECT_EQ(motor->joint.link, "upper");
+  EXPECT_TRUE(motor->joint.isSliding);
+  expectNear(motor->joint.axis, Vec3::UnitZ());
+  settings.clamps["hand"].motor = "";
+  EXPECT_FALSE(robotOf(kArm, settings).grippers.at(0).motor);
+}
+
+TEST(GripMotor, RefusesAJointThatMovesNoPlateAgainstTheOther) {
+  RobotSettings settings;
+  settings.clamps["hand"] = {{"lower", "upper"}, "finger", 0.5};
+  EXPECT_EQ(errorOf(kArm, settings),
+            "unknown joint 'finger' (known: lower_joint, shoulder, upper_joint, wrist)");
+  settings.clamps["hand"].motor = "lower_joint";
+  EXPECT_EQ(errorOf(kArm, settings),
+            "joint 'lower_joint': expected one that slides or turns about an axis");
+  std::string arm = kArm;
+  arm.replace(arm.find("\"wrist\" type=\"fixed\""), 20, "\"wrist\" type=\"continuous\"");
+  settings.clamps["hand"].motor = "wrist";
+  EXPECT_EQ(errorOf(arm, settings), "joint 'wrist' does not move one plate against the other");
+}
+
+/// A sliding joint presses with its effort, whatever the direction of its axis is called.
+TEST(GripMotor, ASlidingJointPressesWithItsEffort) {
+  GripMotor motor{"finger", {"upper", Vec3::UnitZ(), true}, 1, 0.4};
+  const std::array<Vec3, 2> middles{Vec3(0.1, 0.0, -0.01), Vec3(0.1, 0.0, 0.01)};
+  const Pose joint{Vec3(0.05, 0.0, 0.0), Quat::Identity()};
+  EXPECT_NEAR(gripForce(motor, 10.0, joint, middles).value(), 8.0, 1e-12);
+  EXPECT_NEAR(gripForce(motor, -10.0, joint, middles).value(), 8.0, 1e-12);
+  const Quat inclined(Eigen::AngleAxisd(M_PI / 3.0, Vec3::UnitX()));
+  EXPECT_NEAR(gripForce(motor, 10.0, {joint.position, inclined}, middles).value(), 16.0, 1e-9)
+      << "half of its motion closes the gap, so it presses twice as hard";
+}
+
+TEST(GripMotor, AJointThatTurnsPressesByItsLever) {
+  const GripMotor motor{"finger", {"lower", Vec3::UnitY(), false}, 0, 0.5};
+  const std::array<Vec3, 2> middles{Vec3(0.08, 0.02, -0.01), Vec3(0.08, 0.02, 0.01)};
+  const Pose joint{Vec3(0.03, 0.5, 0.3), Quat::Identity()};
+  EXPECT_NEAR(gripForce(motor, 2.0, joint, middles).value(), 2.0 / 0.05, 1e-9);
+}
+
+TEST(GripMotor, TellsNoForceWithoutALeverOrANumber) {
+  const GripMotor motor{"finger", {"upper", Vec3::UnitX(), true}, 1, 0.5};
+  const std::array<Vec3, 2> middles{Vec3(0.0, 0.0, -0.01), Vec3(0.0, 0.0, 0.01)};
+  EXPECT_FALSE(gripForce(motor, 10.0, Pose(), middles)) << "it slides along the plates";
+  GripMotor across = motor;
+  across.joint.axis = Vec3::UnitZ();
+  EXPECT_FALSE(gripForce(across, std::nan(""), Pose(), middles));
+  EXPECT_FALSE(gripForce(across, 10.0, Pose(), {Vec3::Zero(), Vec3::Zero()})) << "no direction";
+  EXPECT_NEAR(gripForce(across, 0.0, Pose(), middles).value(), 1e-3, 1e-12)
+      << "a motor that is off";
+}
+
 // ---- clamps between fingers -------------------------------------------------------------------
 
 TEST(GripperPlates, TheClampIsBetweenTheirInnerSides) {
   RobotSettings settings;
-  settings.clamps["hand"] = {"lower", "upper"};
+  settings.clamps["hand"].plates = {"lower", "upper"};
   const RobotGripper gripper = robotOf(kArm, settings).grippers.at(0);
   EXPECT_EQ(gripper.base, "palm");
   EXPECT_EQ(gripper.plates[0].frame, "lower");
