@@ -329,8 +329,8 @@ struct LineProjection::Kernel {
     f.leastW = first.w;
     if constexpr (kDamped) f.displacement = displacement(m, offsets[0], first.offset);
     for (std::ptrdiff_t s = 0; s < steps; ++s) {
-      eliminate<kDamped, kMeasured>(m, offsets[s + 1], parameters[s], gamma + kWidth * s, f,
-                                    rows[s]);
+      eliminate<kDamped, kMeasured>(m, offsets[s + 1], parameters[s],
+                                    kDamped ? gamma + kWidth * s : nullptr, f, rows[s]);
     }
     if (hasZero(f.leastW)) {
       substitute<kMeasured, true>(m, block, first, rows);
