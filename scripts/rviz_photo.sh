@@ -13,7 +13,7 @@ packages first. rviz draws in software here, so the run is slow.
   --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2);
                  of a scene without phases: --at +2.0
   --out DIR      folder of the pictures rviz_<phase>.png (default: the current folder)
-  --size WxH     size of the screen in pixels (default: 1600x1000)
+  --size WxH     size of the screen in pixels (default: 1600x1000; at least 1440x940, for the window)
   --speed F      simulated time over wall time (default: 0.5)
   -h, --help     this text
 USAGE
@@ -42,6 +42,9 @@ while [[ $# -gt 0 ]]; do
   esac
   shift
 done
+[[ $size =~ ^([1-9][0-9]{3,4})x([1-9][0-9]{2,4})$ ]] &&
+  ((BASH_REMATCH[1] >= 1440 && BASH_REMATCH[2] >= 940)) ||
+  bad_usage "--size: expected a screen of at least 1440x940 (got '$size')"
 [[ ${#moments[@]} -gt 0 ]] || moments=(settle lift pull_and_tear+2)
 [[ -f $scene ]] && scene=$(readlink -f "$scene")
 mkdir -p "$out"

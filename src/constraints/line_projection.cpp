@@ -225,8 +225,9 @@ struct LineProjection::Kernel {
   /// Eliminates a step whose springs end at the particles at `at`.
   template <bool kDamped, bool kMeasured>
   [[gnu::always_inline]] static void eliminate(const Arrays& m, const Offsets& at,
-                                               const Parameters& springs, const float* gamma,
-                                               Forward& f, Row& row) {
+                                               const Parameters& springs,
+                                               [[maybe_unused]] const float* gamma, Forward& f,
+                                               Row& row) {
     Bodies end;
     load(m, at, end);
     const Vectors d =
