@@ -321,14 +321,17 @@ class Picture:
     def __init__(self, camera):
         self.camera = camera
         self.parts = []  # (corners on the screen, depth, colour, width of the outline)
+        self.solid = []  # for each part, whether cloth that lies on it is drawn over it
+        self.reach = 0.0  # how much farther than its nearest corner the middle of a face is [m]
 
     def add_solid(self, triangles, colour):
-        """Adds triangles (n, 3, 3) of a closed body; cloth that lies on it is drawn over it."""
+        """Adds triangles (n, 3, 3) of a closed body, over which cloth that lies on it is drawn."""
         normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
         towards_us = np.einsum('td,td->t', normal, self.camera.eye - triangles[:, 0]) > 0
         triangles, normal = triangles[towards_us], unit(normal[towards_us])
         screen = self.camera.project(triangles)
-        self._add(screen, screen[..., 2].max(axis=1), colour * lighting(normal)[:, None])
+        self._add(screen, screen[..., 2].max(axis=1), colour * lighting(normal)[:, None],
+                  is_solid=True)
 
     def add_cloth(self, points, topology):
         """Adds both sides of a cloth, coloured by strain, and its torn edges."""
@@ -339,18 +342,21 @@ class Picture:
         colours = np.where(from_front[:, None], FRONT(level)[:, :3], BACK(level)[:, :3])
         light = lighting(unit(np.where(from_front[:, None], normals, -normals)))
         screen = self.camera.project(points[faces])
-        self._add(screen, screen[..., 2].mean(axis=1), colours * light[:, None])
+        middle = screen[..., 2].mean(axis=1)
+        self.reach = max(self.reach, np.percentile(middle - screen[..., 2].min(axis=1), 95))
+        self._add(screen, middle, colours * light[:, None])
         torn = self.camera.project(points[topology.torn])[:, [0, 1, 1]]
         self._add(torn, torn[..., 2].min(axis=1), TORN, width=1.5)
 
-    def _add(self, screen, depth, colours, width=0.5):
+    def _add(self, screen, depth, colours, width=0.5, is_solid=False):
         shape = (len(screen), 3)
+        self.solid.append(np.full(len(screen), is_solid))
         self.parts.append((screen[..., :2], depth, np.broadcast_to(np.clip(colours, 0, 1), shape),
                            np.full(len(screen), width)))
 
     def draw(self, axes):
         corners, depth, colours, widths = (np.concatenate(part) for part in zip(*self.parts))
-        order = np.argsort(-depth)
+        order = np.argsort(-(depth + self.reach * np.concatenate(self.solid)))
         # Outlines in the colour of the face, so that no background shows between two faces.
         axes.add_collection(PolyCollection(corners[order], facecolors=colours[order],
                                            edgecolors=colours[order], linewidths=widths[order]))

@@ -17,6 +17,19 @@ void require(bool holds, const Obstacle& obstacle, const std::string& error) {
 
 bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 
+/// The surface whose sharp corners and edges the cloth meets with its faces and edges, too; null if
+/// only particles meet the shape.
+std::shared_ptr<const TriangleSurface> sharpSurface(const Shape& shape) {
+  if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
+    return mesh->sharpEdges ? mesh->file.surface : nullptr;
+  }
+  if (const auto* box = std::get_if<BoxShape>(&shape)) {
+    return box->sharpEdges ? std::make_shared<const TriangleSurface>(boxSurface(box->size))
+                           : nullptr;
+  }
+  return nullptr;
+}
+
 /// The first collider of that name in a vector that may be const; nullptr if there is none.
 template <class Colliders>
 auto findByName(Colliders& colliders, const std::string& name) -> decltype(colliders.data()) {
@@ -40,9 +53,9 @@ Collider::Collider(Obstacle obstacle, std::vector<ContactProperties> properties)
   }
   require(isNotNegative(obstacle_.tangentialDecay), obstacle_, "expected a tangential decay >= 0");
   obstacle_.pose.orientation.normalize();
-  const auto* mesh = std::get_if<MeshShape>(&obstacle_.shape);
-  if (mesh != nullptr && mesh->sharpEdges) {
-    auto features = std::make_shared<const SharpFeatures>(*mesh->file.surface);
+  sharpSurface_ = sharpSurface(obstacle_.shape);
+  if (sharpSurface_ != nullptr) {
+    auto features = std::make_shared<const SharpFeatures>(*sharpSurface_);
     if (!features->empty()) features_ = std::move(features);
   }
 }
@@ -92,8 +105,7 @@ NearTriangles* Collider::nearTriangles(std::size_t count) const {
 }
 
 PlacedFeatures Collider::placedFeatures(const Pose& pose) const {
-  return {*std::get<MeshShape>(obstacle_.shape).file.surface, *features_, pose.position,
-          pose.orientation.toRotationMatrix()};
+  return {*sharpSurface_, *features_, pose.position, pose.orientation.toRotationMatrix()};
 }
 
 void ColliderSet::add(Obstacle obstacle, std::vector<ContactProperties> properties) {

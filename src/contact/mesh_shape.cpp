@@ -3,12 +3,12 @@
 #include "cloth_sim/contact/shapes/mesh.h"
 
 namespace cloth_sim {
-namespace {
 
-TriangleSurface cube(double half) {
+TriangleSurface boxSurface(const Vec3& size) {
   std::vector<Vec3> corners;
   for (int k = 0; k < 8; ++k) {
-    corners.push_back(half * Vec3(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0));
+    const Vec3 side(k & 1 ? 1.0 : -1.0, k & 2 ? 1.0 : -1.0, k & 4 ? 1.0 : -1.0);
+    corners.emplace_back(0.5 * size.cwiseProduct(side));
   }
   return {std::move(corners),
           {{{0, 2, 1}},
@@ -25,15 +25,13 @@ TriangleSurface cube(double half) {
            {{3, 7, 5}}}};
 }
 
-}  // namespace
-
 SurfaceFile surfaceFile(std::string name, TriangleSurface surface) {
   const std::uint64_t hash = surface.contentHash();
   return {std::move(name), std::make_shared<const TriangleSurface>(std::move(surface)), hash, ""};
 }
 
 const SurfaceFile& defaultSurface() {
-  static const SurfaceFile file = surfaceFile("cube", cube(0.1));
+  static const SurfaceFile file = surfaceFile("cube", boxSurface(Vec3::Constant(0.2)));
   return file;
 }
 

@@ -37,15 +37,19 @@ SurfaceParts bladeOf(double length, double height) {
   return blade;
 }
 
+Shape sharpMesh(const SurfaceParts& parts) {
+  MeshShape shape = parts.shape();
+  shape.sharpEdges = true;
+  return shape;
+}
+
 /// A cloth of 9 x 9 particles, 50 mm apart, above the origin, which is in the middle of a face.
-Scene coarseCloth(const SurfaceParts& parts, double height, const std::string& method) {
+Scene coarseCloth(const Shape& shape, double height, const std::string& method) {
   Scene scene;
   scene.cloths[0] = clothOf(9, 9, 0.05, fabricPreset("cotton"));
   scene.cloths[0].pose.position = Vec3(0.02, 0.015, height);
   Obstacle obstacle;
   obstacle.name = "it";
-  MeshShape shape = parts.shape();
-  shape.sharpEdges = true;
   obstacle.shape = shape;
   obstacle.friction = 0.5;
   scene.obstacles = {obstacle};
@@ -81,9 +85,11 @@ class ContactFeatures : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Methods, ContactFeatures,
                          testing::Values("line_xpbd", "xpbd", "pbd", "implicit_euler", "verlet"));
 
-/// Drives a mesh up through the cloth, and checks after each step that neither passes the other.
-Simulation driveUp(const SurfaceParts& parts, double speed, const std::string& method) {
-  Scene scene = coarseCloth(parts, 0.05, method);
+/// Drives an obstacle up through the cloth, and checks after each step that neither passes the
+/// other. \param parts  its surface.
+Simulation driveUp(const Shape& shape, const SurfaceParts& parts, double speed,
+                   const std::string& method) {
+  Scene scene = coarseCloth(shape, 0.05, method);
   scene.obstacles[0].velocity = Vec3(0.0, 0.0, speed);
   Simulation simulation(scene);
   const int steps = static_cast<int>(std::lround((0.15 / speed + 0.05) / kDt)) + 1;
@@ -95,8 +101,9 @@ Simulation driveUp(const SurfaceParts& parts, double speed, const std::string& m
 }
 
 TEST_P(ContactFeatures, ASpikeBetweenParticlesLiftsTheCloth) {
+  const SurfaceParts spike = spikeOf(0.3, 0.006);
   for (const double speed : {0.5, 5.0, 20.0}) {
-    const Simulation simulation = driveUp(spikeOf(0.3, 0.006), speed, GetParam());
+    const Simulation simulation = driveUp(sharpMesh(spike), spike, speed, GetParam());
     const Pose pose = simulation.colliders().all()[0].poseAt(simulation.time());
     double highest = -1.0;
     for (const Vec3& x : simulation.state().x) highest = std::max(highest, pose.toLocal(x).z());
@@ -105,7 +112,17 @@ TEST_P(ContactFeatures, ASpikeBetweenParticlesLiftsTheCloth) {
 }
 
 TEST_P(ContactFeatures, ABladeBetweenParticlesLiftsTheCloth) {
-  for (const double speed : {0.5, 20.0}) driveUp(bladeOf(1.0, 0.4), speed, GetParam());
+  const SurfaceParts blade = bladeOf(1.0, 0.4);
+  for (const double speed : {0.5, 20.0}) driveUp(sharpMesh(blade), blade, speed, GetParam());
+}
+
+/// A box smaller than the cloth, whose edges and corners are between its particles.
+TEST_P(ContactFeatures, ABoxBetweenParticlesLiftsTheCloth) {
+  BoxShape box{Vec3(0.13, 0.09, 0.06)};
+  box.sharpEdges = true;
+  const TriangleSurface surface = boxSurface(box.size);
+  const SurfaceParts parts{surface.vertices(), surface.triangles()};
+  for (const double speed : {0.5, 5.0}) driveUp(box, parts, speed, GetParam());
 }
 
 TEST(ContactFeature, AClothOnThePointsOfABedOfNailsPressesWithItsWeight) {
@@ -121,7 +138,7 @@ TEST(ContactFeature, AClothOnThePointsOfABedOfNailsPressesWithItsWeight) {
       }
     }
   }
-  Scene scene = coarseCloth(nails, 0.01, "line_xpbd");
+  Scene scene = coarseCloth(sharpMesh(nails), 0.01, "line_xpbd");
   scene.drag = 5.0;
   Simulation simulation(scene);
   double force = 0.0;
@@ -139,7 +156,7 @@ TEST(ContactFeature, AClothOnThePointsOfABedOfNailsPressesWithItsWeight) {
 
 TEST(ContactFeature, AClothThatBeginsOnTheTipOfASpikeIsPushedOff) {
   const SurfaceParts spike = spikeOf(0.3, 0.006);
-  Scene scene = coarseCloth(spike, -0.005, "line_xpbd");
+  Scene scene = coarseCloth(sharpMesh(spike), -0.005, "line_xpbd");
   Simulation simulation(scene);
   EXPECT_GT(intersections(simulation, spike), 0);
   for (int k = 0; k < 30; ++k) simulation.step();

@@ -70,6 +70,7 @@ class Collider {
   /// Takes the shape of a collider that has the same one: that of a saved state has no triangles.
   void shareShape(const Collider& other) {
     obstacle_.shape = other.obstacle_.shape;
+    sharpSurface_ = other.sharpSurface_;
     features_ = other.features_;
   }
   /// Moves the time at which the stored pose holds `by` [s] later.
@@ -91,7 +92,7 @@ class Collider {
   /// \param cloth  the cloth that all of the vertices belong to.
   void project(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
                double h, ContactImpulse& impulse, std::size_t cloth = 0) const;
-  /// The same for faces and edges of a cloth that meet sharp corners and edges of a mesh.
+  /// The same for faces and edges of a cloth that meet sharp corners and edges.
   void projectFeatures(std::vector<FeaturePair>& pairs, const ParticleView& particles, double time,
                        double h, ContactImpulse& impulse, std::size_t cloth) const;
   /// Lets particles of faces and edges that would still pass through sharp corners and edges move
@@ -122,8 +123,9 @@ class Collider {
   double referenceTime_ = 0.0;                 ///< time at which the pose of the obstacle holds [s]
   /// By vertex, if the shape is a mesh. Each is used for the motion of its vertex only.
   mutable std::vector<NearTriangles> near_;
-  std::shared_ptr<const SharpFeatures> features_;  ///< of a mesh that has some
-  mutable std::vector<std::int32_t> found_;        ///< scratch of the search for features
+  std::shared_ptr<const TriangleSurface> sharpSurface_;  ///< null if only particles meet the shape
+  std::shared_ptr<const SharpFeatures> features_;        ///< of it; null if it has none
+  mutable std::vector<std::int32_t> found_;              ///< scratch of the search for features
 };
 
 /// All obstacles of a scene.

@@ -115,9 +115,14 @@ class Box {
 /// A solid box around the obstacle's position.
 struct BoxShape {
   Vec3 size = Vec3::Ones();  ///< edge lengths [m], > 0
+  /// Whether faces and edges of the cloth meet its corners and edges; otherwise only particles do.
+  bool sharpEdges = false;
 
   static constexpr std::array<const char*, 2> kTypes{"board", "box"};
-  static constexpr auto keys() { return std::make_tuple(ShapeKey("size", &BoxShape::size)); }
+  static constexpr auto keys() {
+    return std::make_tuple(ShapeKey("size", &BoxShape::size),
+                           ShapeKey("sharp_edges", &BoxShape::sharpEdges));
+  }
 
   template <class Function>
   decltype(auto) visitGeometry(const Quat& orientation, double margin, Function&& function) const {

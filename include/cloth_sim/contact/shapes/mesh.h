@@ -98,6 +98,8 @@ struct SurfaceFile {
   }
 };
 
+/// Returns the surface of a box around the origin. \param size  edge lengths [m].
+TriangleSurface boxSurface(const Vec3& size);
 /// Returns the file with these triangles.
 SurfaceFile surfaceFile(std::string name, TriangleSurface surface);
 /// A cube with edges of 0.2 m around the origin.
