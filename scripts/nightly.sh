@@ -5,16 +5,18 @@ usage() {
   cat <<USAGE
 usage: scripts/nightly.sh [--rows a,b,...] [--resume] [--short] [--out DIR]
 
-Runs what is too slow for every change, and prints one table. Rows:
+Runs what is too slow for every change, and prints one table; three hours on two cores. Rows:
 
   tests     scripts/test.sh
   address   scripts/test.sh --sanitize=address,undefined
   thread    scripts/test.sh --sanitize=thread
-  fuzz      scripts/fuzz.sh, 20 minutes for each target
+  fuzz      scripts/fuzz.sh, 10 minutes for each target
   soak      a node whose cloth is cut, torn, saved, loaded and reset for an hour by one client; its
             memory must stay flat to 1 % after the first fifth
   clients   two clients send a node requests and goals, good and bad, for half an hour
   tidy      scripts/lint.sh over everything
+
+Rows that end by the clock (fuzz; soak and clients) run beside the others.
 
   --rows LIST   only these, separated by commas
   --resume      keeps the rows of the same commit that have ended well in the same folder, and runs
@@ -28,7 +30,9 @@ The exit status is 0 only if every row ended well.
 USAGE
 }
 
-readonly all_rows=(tests address thread fuzz soak clients tidy)
+# The rows of a line run one after the other, the lines beside each other.
+readonly lines=("tests address thread tidy" "fuzz" "soak clients")
+read -r -a all_rows <<<"${lines[*]}"
 rows=("${all_rows[@]}")
 short=no
 resume=no
@@ -52,7 +56,7 @@ for row in "${rows[@]}"; do
 done
 
 # The commands of the rows; the last line of what each prints goes into the table.
-quick=() fuzz_seconds=1200 soak_minutes=60 client_minutes=30 tidy=()
+quick=() fuzz_seconds=600 soak_minutes=60 client_minutes=30 tidy=()
 if [[ $short == yes ]]; then
   quick=(--quick) fuzz_seconds=60 soak_minutes=5 client_minutes=2 tidy=(--minutes 10)
 fi
@@ -104,11 +108,33 @@ if [[ $resume == no || $commit == *-dirty* || $commit != "$(cat "$out/commit" 2>
   rm -f "$out"/*.result
 fi
 echo "$commit" >"$out/commit"
-for row in "${rows[@]}"; do
-  if ended_well "$row"; then continue; fi
-  say "$row (log: $out/$row.log)"
-  run_and_record "$row"
+# run_line <row>...: those that are asked for and have not ended well before.
+run_line() {
+  local row
+  for row in "$@"; do
+    if [[ " ${rows[*]} " != *" $row "* ]] || ended_well "$row"; then continue; fi
+    say "$row (log: $out/$row.log)"
+    run_and_record "$row"
+  done
+}
+
+# Whoever ends this script ends what it has started: each line is a process group of its own.
+running=()
+end_lines() {
+  local group
+  for group in "${running[@]}"; do kill -- "-$group" 2>/dev/null || true; done
+  exit 130
+}
+trap end_lines INT TERM
+set -m
+for line in "${lines[@]}"; do
+  # shellcheck disable=SC2086
+  run_line $line &
+  running+=($!)
 done
+for group in "${running[@]}"; do wait "$group" || true; done
+set +m
+trap - INT TERM
 {
   printf '%-8s  %-6s  %7s  %-10s  %s\n' row ended minutes date "found ($commit)"
   for row in "${all_rows[@]}"; do
