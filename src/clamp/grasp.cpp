@@ -19,17 +19,21 @@ bool isWithin(const Vec2& p, const Vec2& low, const Vec2& high) {
 }  // namespace
 
 std::vector<VertexId> patchParticles(const Model& model, const ClampPatch& patch) {
-  const ClothPart& cloth = model.cloths.at(patch.cloth);
+  if (patch.cloth >= model.cloths.size()) {
+    throw std::invalid_argument("the patch is on a cloth that does not exist");
+  }
+  const ClothPart& cloth = model.cloths[patch.cloth];
   if (!cloth.grid) throw std::invalid_argument("a patch needs a cloth that is a grid");
   const Grid& grid = *cloth.grid;
   if (patch.column < 0 || patch.column >= grid.columns || patch.row < 0 || patch.row >= grid.rows ||
       patch.radius < 0) {
     throw std::invalid_argument("the patch's centre is outside of the grid");
   }
-  const int left = std::max(patch.column - patch.radius, 0);
-  const int right = std::min(patch.column + patch.radius, grid.columns - 1);
-  const int bottom = std::max(patch.row - patch.radius, 0);
-  const int top = std::min(patch.row + patch.radius, grid.rows - 1);
+  const int radius = std::min(patch.radius, std::max(grid.columns, grid.rows));
+  const int left = std::max(patch.column - radius, 0);
+  const int right = std::min(patch.column + radius, grid.columns - 1);
+  const int bottom = std::max(patch.row - radius, 0);
+  const int top = std::min(patch.row + radius, grid.rows - 1);
 
   const auto vertex = [&](int i, int j) { return cloth.firstVertex + grid.vertex(i, j); };
   std::vector<VertexId> particles;

@@ -317,12 +317,14 @@ TEST(ClampPatchParticles, AreASquareClippedAtTheBorder) {
   EXPECT_THAT(patchParticles(cloth.model, {9, 7, 1}), ElementsAre(68, 69, 78, 79));
   EXPECT_EQ(patchParticles(cloth.model, {5, 4, 3}).size(), 49u);
   EXPECT_EQ(patchParticles(cloth.model, {5, 4, 100}).size(), 80u);
+  EXPECT_EQ(patchParticles(cloth.model, {5, 4, std::numeric_limits<int>::max()}).size(), 80u);
 }
 
 TEST(ClampPatchParticles, RefuseWhatIsNoPatch) {
   const GridCloth cloth;
   EXPECT_THROW(patchParticles(cloth.model, {10, 4, 1}), std::invalid_argument);
   EXPECT_THROW(patchParticles(cloth.model, {5, -1, 1}), std::invalid_argument);
+  EXPECT_THROW(patchParticles(cloth.model, {5, 4, 1, 1}), std::invalid_argument) << "one cloth";
   EXPECT_THROW(patchParticles(cloth.model, {5, 4, -1}), std::invalid_argument);
   EXPECT_THROW(patchParticles(Model(), {0, 0, 1}), std::invalid_argument);
 }
