@@ -73,6 +73,22 @@ inline bool sweepPath(const geometry::Mesh& solid, const ParticlePath& path, Swe
   return solid.sweep(path.start, path.end, path.rise, hit, *path.near);
 }
 
+/// Tells whether the solid stops a vertex of positive mass.
+/// \param near  by vertex, of a mesh.
+template <class Geometry>
+bool stopsAny(const Geometry& solid, const ColliderSubstep& substep,
+              const std::vector<VertexId>& vertices, const ParticleView& p, NearTriangles* near) {
+  SweepHit hit;
+  return std::any_of(vertices.begin(), vertices.end(), [&](VertexId v) {
+    const std::int32_t i = p.slot(v);
+    if (p.mass[i] == 0.0) return false;
+    const ParticlePath path{substep.carried(p.startAt(i)) - substep.position,
+                            p.at(i) - substep.position, substep.rise, false,
+                            near != nullptr ? near + v : nullptr};
+    return sweepPath(solid, path, hit);
+  });
+}
+
 /// Projects the vertices of a range. \return the moments of their displacements.
 /// \param near  by vertex, of a mesh.
 template <class Geometry>
@@ -156,6 +172,16 @@ ColliderSubstep Collider::substep(double time, double h, std::size_t cloth) cons
   substep.keep = std::exp(-obstacle_.tangentialDecay * h);
   substep.rise = kDepenetrationSpeed * h;
   return substep;
+}
+
+bool Collider::stops(const std::vector<VertexId>& vertices, const ParticleView& particles,
+                     double time, double h, std::size_t cloth) const {
+  const ColliderSubstep now = substep(time, h, cloth);
+  const std::size_t known = vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
+  NearTriangles* near = nearTriangles(known);
+  return visitGeometry(
+      obstacle_.shape, poseAt(time).orientation, properties_[cloth].margin,
+      [&](const auto& solid) { return stopsAny(solid, now, vertices, particles, near); });
 }
 
 void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,

@@ -56,12 +56,15 @@ void Substep::sumWind(const Wind& wind) {
   }
 }
 
-bool Substep::isBlocked(const VectorArray& end) const {
+bool Substep::isBlocked(const ParticleView& paths) const {
   for (const ContactCandidates& candidates : contacts.candidates) {
     for (const VertexId v : candidates.vertices) {
-      const auto k = static_cast<std::size_t>(particles.slotOf[v]);
-      if (particles.mass[k] > 0.0 && candidates.collider->gap(end.at(k), time) < 0.0) return true;
+      const std::int32_t k = paths.slot(v);
+      if (paths.mass[k] > 0.0 && candidates.collider->gap(paths.at(k), time) < 0.0) return true;
     }
+    // What is neither here nor there may have passed through a thin one.
+    if (candidates.collider->stops(candidates.vertices, paths, time, h, candidates.cloth))
+      return true;
   }
   return false;
 }
@@ -73,7 +76,11 @@ bool Substep::isFlightBlocked() {
   const Vec3 fall = h * h * controls.gravity;
   forFreeCandidates(
       [&](std::size_t k) { ahead.set(k, particles.x.at(k) + h * particles.v.at(k) + fall); });
-  return isBlocked(ahead);
+  ParticleView paths = particles.view();
+  paths.x = ahead.x.data();
+  paths.y = ahead.y.data();
+  paths.z = ahead.z.data();
+  return isBlocked(paths);
 }
 
 void Substep::enforceContacts() {

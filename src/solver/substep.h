@@ -44,10 +44,8 @@ struct Substep {
   /// and area A is limited where h A density dragCoefficient |r.n| / 2 > m: on 0.1 kg/m^2 in
   /// substeps of 1/60 s above 10 m/s, of 1/1200 s above 200 m/s.
   void addLoads();
-  /// Tells whether an obstacle is in the way of a free particle that moves from `start` to `end`
-  /// [m] in the substep. Where obstacles are, and no more, is looked at: a path through a thin one
-  /// and out of it counts as free.
-  bool isBlocked(const VectorArray& end) const;
+  /// Tells whether an obstacle is in the way of a free particle in the substep, or around its end.
+  bool isBlocked(const ParticleView& paths) const;
   /// Tells whether an obstacle is in the way of a free particle that flies on with its velocity.
   bool isFlightBlocked();
   /// Pushes particles out of obstacles. Velocities change by the displacement over h.

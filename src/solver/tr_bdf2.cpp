@@ -34,7 +34,7 @@ class TrBdf2 final : public SubstepMethod {
     if (now.isFlightBlocked()) return newton_.advanceBackward(now, velocity_);
     if (!now.contacts.empty()) impulses_ = now.kinematic.impulses();
     advanceFreely(now);
-    if (now.isBlocked(now.particles.x)) advanceAgain(now);
+    if (now.isBlocked(now.particles.view())) advanceAgain(now);
   }
 
  private:

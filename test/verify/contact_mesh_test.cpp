@@ -71,12 +71,11 @@ TEST(ContactMesh, ABallOfTrianglesDrapesAsASphere) {
   EXPECT_LT(onBall, 0.001);
 }
 
-/// Without tr_bdf2, which passes through thin boards at this speed too (docs/limits.md).
 class ContactMeshMethods : public testing::TestWithParam<std::string> {};
 
 INSTANTIATE_TEST_SUITE_P(Methods, ContactMeshMethods,
                          testing::Values("line_xpbd", "xpbd", "pbd", "projective",
-                                         "implicit_euler"));
+                                         "implicit_euler", "tr_bdf2"));
 
 TEST_P(ContactMeshMethods, ASheetAt20MetresPerSecondLiftsAClothOnItsSide) {
   Obstacle board = named(sheetOf(0.8, 0.8, 20, 20).shape(), 0.3);

@@ -87,6 +87,10 @@ class Collider {
   /// \param reach  distance that a vertex may move beyond its relative speed times dt [m].
   void collect(const State& state, double dt, double reach, std::vector<VertexId>& out) const;
 
+  /// Tells whether the collider stops a particle of positive mass on its path, from the start to
+  /// the end of a substep of `h` [s] that ends at `time` [s].
+  bool stops(const std::vector<VertexId>& vertices, const ParticleView& particles, double time,
+             double h, std::size_t cloth = 0) const;
   /// Moves particles out of the collider; see Contacts::project. Adds the impulse that the
   /// particles give the collider to `impulse`.
   /// \param cloth  the cloth that all of the vertices belong to.
