@@ -74,8 +74,8 @@ TEST(ContactMesh, ABallOfTrianglesDrapesAsASphere) {
 class ContactMeshMethods : public testing::TestWithParam<std::string> {};
 
 INSTANTIATE_TEST_SUITE_P(Methods, ContactMeshMethods,
-                         testing::Values("line_xpbd", "xpbd", "pbd", "projective",
-                                         "implicit_euler", "tr_bdf2"));
+                         testing::Values("line_xpbd", "xpbd", "pbd", "projective", "implicit_euler",
+                                         "tr_bdf2"));
 
 TEST_P(ContactMeshMethods, ASheetAt20MetresPerSecondLiftsAClothOnItsSide) {
   Obstacle board = named(sheetOf(0.8, 0.8, 20, 20).shape(), 0.3);
