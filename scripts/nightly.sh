@@ -118,7 +118,7 @@ run_line() {
   done
 }
 
-# Whoever ends this script ends what it has started: each line is a process group of its own.
+# Ends the lines, each a process group of its own, when this script is ended.
 running=()
 end_lines() {
   local group

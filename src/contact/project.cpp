@@ -149,6 +149,11 @@ Moments projectAll(const Geometry& solid, const ColliderSubstep& substep,
   return sum;
 }
 
+/// Number of the vertices up to the last one of an ascending list.
+std::size_t countUpTo(const std::vector<VertexId>& vertices) {
+  return vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
+}
+
 /// Adds the impulse that displacements of particles in a substep of `h` [s] give the collider.
 void takeReaction(const Moments& moments, double h, ContactImpulse& impulse) {
   impulse.linear -= moments.first / h;
@@ -177,8 +182,7 @@ ColliderSubstep Collider::substep(double time, double h, std::size_t cloth) cons
 bool Collider::stops(const std::vector<VertexId>& vertices, const ParticleView& particles,
                      double time, double h, std::size_t cloth) const {
   const ColliderSubstep now = substep(time, h, cloth);
-  const std::size_t known = vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
-  NearTriangles* near = nearTriangles(known);
+  NearTriangles* near = nearTriangles(countUpTo(vertices));
   return visitGeometry(
       obstacle_.shape, poseAt(time).orientation, properties_[cloth].margin,
       [&](const auto& solid) { return stopsAny(solid, now, vertices, particles, near); });
@@ -187,8 +191,7 @@ bool Collider::stops(const std::vector<VertexId>& vertices, const ParticleView& 
 void Collider::project(const std::vector<VertexId>& vertices, const ParticleView& particles,
                        double time, double h, ContactImpulse& impulse, std::size_t cloth) const {
   const ColliderSubstep now = substep(time, h, cloth);
-  const std::size_t known = vertices.empty() ? 0 : static_cast<std::size_t>(vertices.back()) + 1;
-  NearTriangles* near = nearTriangles(known);
+  NearTriangles* near = nearTriangles(countUpTo(vertices));
   const Moments moments = visitGeometry(
       obstacle_.shape, poseAt(time).orientation, properties_[cloth].margin,
       [&](const auto& solid) { return projectAll(solid, now, vertices, particles, near); });

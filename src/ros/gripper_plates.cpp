@@ -37,6 +37,7 @@ std::optional<PlatePlacement> placeBetween(const std::array<GripperPlate, 2>& pl
   PlatePlacement result;
   result.pose = {0.5 * (first + second + (before - behind) * z), Quat(axes).normalized()};
   result.gap = std::max(0.0, distance - before - behind);
+  result.middles = {first, second};
   return result;
 }
 

@@ -21,7 +21,8 @@ struct PlatePlacement {
   /// Midway between the plates. Its z axis points from the middle of the first plate to that of the
   /// second; its x axis lies along x of the first plate's frame, or along y if x is nearer to z.
   Pose pose;
-  double gap = 0.0;  ///< between the inner sides of the plates, >= 0 [m]
+  double gap = 0.0;             ///< between the inner sides of the plates, >= 0 [m]
+  std::array<Vec3, 2> middles;  ///< of the plates [m]
 };
 
 /// Places a clamp between two plates.

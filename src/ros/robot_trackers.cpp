@@ -104,7 +104,7 @@ void RobotTrackers::moveClamp(const RobotGripper& gripper, const MovingPose& bas
     told.pose = target.pose;
     submit(topic, Command{GuideClamp{gripper.clamp, target}}, simulation_);
   }
-  const std::optional<double> force = forceOf(gripper, poses);
+  const std::optional<double> force = forceOf(gripper, between->middles);
   if (force && isNews(told.force, *force, kLeastForceChange * *force)) {
     submit(topic, Command{SetGripForce{gripper.clamp, force}}, simulation_);
   }
@@ -115,15 +115,13 @@ void RobotTrackers::moveClamp(const RobotGripper& gripper, const MovingPose& bas
 
 /// The grip force of a gripper by the effort of its motor [N]; nothing as long as that is unknown.
 std::optional<double> RobotTrackers::forceOf(const RobotGripper& gripper,
-                                             const std::array<Pose, 2>& plates) const {
+                                             const std::array<Vec3, 2>& middles) const {
   if (!gripper.motor) return std::nullopt;
   const std::optional<double> effort = efforts_->of(gripper.motor->name);
   if (!effort) return std::nullopt;
   try {
     const Pose joint = world_.latestIn(gripper.base, gripper.motor->joint.link);
-    return gripForce(*gripper.motor, *effort, joint,
-                     {plates[0].toWorld(gripper.plates[0].box.centre),
-                      plates[1].toWorld(gripper.plates[1].box.centre)});
+    return gripForce(*gripper.motor, *effort, joint, middles);
   } catch (const std::runtime_error& error) {
     ROS_WARN_STREAM_THROTTLE(kWarningPeriod, "clamp " << gripper.clamp << ": " << error.what());
     return std::nullopt;

@@ -40,7 +40,7 @@ class RobotTrackers {
   void place(const Obstacles& obstacles, const MovingPose& link);
   void moveClamp(const RobotGripper& gripper, const MovingPose& base);
   std::optional<double> forceOf(const RobotGripper& gripper,
-                                const std::array<Pose, 2>& plates) const;
+                                const std::array<Vec3, 2>& middles) const;
 
   double rate_;
   const WorldFrame& world_;

@@ -62,7 +62,7 @@ bool Substep::isBlocked(const ParticleView& paths) const {
       const std::int32_t k = paths.slot(v);
       if (paths.mass[k] > 0.0 && candidates.collider->gap(paths.at(k), time) < 0.0) return true;
     }
-    // What is neither here nor there may have passed through a thin one.
+    // A path may lead through a thin obstacle and out of it.
     if (candidates.collider->stops(candidates.vertices, paths, time, h, candidates.cloth))
       return true;
   }
