@@ -17,9 +17,10 @@ def call(name, kind, *arguments):
     return reply
 
 
-def connections():
-    """Of the node, to whom it publishes ('o') and from whom it hears ('i'): direction, topic, who."""
-    node = ServerProxy(rospy.get_master().lookupNode('/cloth')[2])
+def connections(name='/cloth'):
+    """Of a node, to whom it publishes ('o') and from whom it hears ('i'): direction, topic, who. A
+    node may list one from whom it hears before that one has connected, or after it has ended."""
+    node = ServerProxy(rospy.get_master().lookupNode(name)[2])
     return [(direction, topic, other)
             for _, other, direction, _, topic, *_ in node.getBusInfo(rospy.get_name())[2]]
 

@@ -18,7 +18,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [HERE, os.path.join(HERE, os.pardir, 'ros')]
 from polling import Listener, wait_until  # noqa: E402
 from services import call, connections, state  # noqa: E402
-from screen import Screen, is_near, missing_requirement, view_of  # noqa: E402
+from screen import RVIZ_NODE, Screen, is_near, missing_requirement, view_of  # noqa: E402
 
 wait_until = functools.partial(wait_until, deadline=120.0)  # software GL on a busy machine
 
@@ -102,6 +102,7 @@ class RvizTest(unittest.TestCase):
         call('reset', srv.ResetScene)
 
     def tearDown(self):
+        self.screen.release()  # where a test failed while the button was down
         self.screen.save(self.id().split('.')[-1] + '.png')
 
     def open(self, *arguments, **options):
@@ -227,10 +228,10 @@ class RvizTest(unittest.TestCase):
 
     # ---- the tools -------------------------------------------------------------------------------
 
-    def open_cut(self, tool='Cut'):
-        """The view once strokes reach the node: rviz draws frames before."""
+    def open_tool(self, tool, topic):
+        """The view once what the tool publishes reaches the node: rviz may draw frames before."""
         view = self.open(tool)
-        wait_until(lambda: ('i', '/cloth/cut_stroke') in [c[:2] for c in connections()],
+        wait_until(lambda: ('o', topic, '/cloth') in connections('/' + RVIZ_NODE),
                    'the tool to be connected')
         return view
 
@@ -242,7 +243,7 @@ class RvizTest(unittest.TestCase):
         self.assertAlmostEqual(areas[1], small, delta=0.006)
 
     def test_cut_while_the_button_is_down(self):
-        view = self.open_cut()
+        view = self.open_tool('Cut', '/cloth/cut_stroke')
         whole = state().particles
         row = [view.pixel(x, 0.8) for x in numpy.linspace(-0.65, 0.65, 27)]
         self.screen.drag(row[:14])
@@ -265,7 +266,7 @@ class RvizTest(unittest.TestCase):
         self.assert_areas(0.7, 0.3)
 
     def test_cut_while_the_button_is_down_and_given_up(self):
-        view = self.open_cut()
+        view = self.open_tool('Cut', '/cloth/cut_stroke')
         whole = state().particles
         self.screen.drag([view.pixel(x, 0.8) for x in (-0.6, -0.4, -0.2)])
         wait_until(lambda: state().particles > whole, 'a cut while the button is down')
@@ -279,7 +280,7 @@ class RvizTest(unittest.TestCase):
         self.assert_areas(0.7, 0.3)  # the first did not go on
 
     def test_cut_where_the_mouse_drew_a_stroke(self):
-        view = self.open_cut(WHEN_RELEASED)
+        view = self.open_tool(WHEN_RELEASED, '/cloth/cut_stroke')
         height = 0.8
         row = [view.pixel(x, height) for x in numpy.linspace(-0.65, 0.65, 27)]
         self.screen.drag(row)
@@ -296,7 +297,7 @@ class RvizTest(unittest.TestCase):
         wait_until(lambda: crimson(self.screen.picture()).any(axis=0).mean() > 0.9, 'torn edges')
 
     def test_cut_that_is_given_up_cuts_nothing(self):
-        view = self.open_cut(WHEN_RELEASED)
+        view = self.open_tool(WHEN_RELEASED, '/cloth/cut_stroke')
         self.screen.drag([view.pixel(x, 0.8) for x in (-0.6, -0.2, 0.2, 0.6)])
         self.screen.mouse('click', 3)
         self.screen.release()
@@ -306,7 +307,7 @@ class RvizTest(unittest.TestCase):
         self.assert_areas(0.7, 0.3)  # not three pieces
 
     def test_drag_pulls_a_particle_and_lets_it_go(self):
-        view = self.open('Drag')
+        view = self.open_tool('Drag', '/cloth/drag')
         with Listener('/cloth/frame', msg.ClothFrame) as frames:
             frames.wait()
 
@@ -314,9 +315,6 @@ class RvizTest(unittest.TestCase):
                 """x of the particle at the lower right corner."""
                 return numpy.array(frames.messages[-1].positions).reshape(-1, 3)[32, 0]
             self.assertAlmostEqual(lowest_right(), 0.5, delta=1e-3)
-            # rviz draws frames before the node has connected to the topic of the tool.
-            wait_until(lambda: ('i', '/cloth/drag') in [c[:2] for c in connections()],
-                       'the tool to be connected')
             call('pause', srv.Pause, False)
             path = [view.pixel(x, 0.52) for x in numpy.linspace(0.49, 0.2, 12)]
             self.screen.drag(path)

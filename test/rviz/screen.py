@@ -9,6 +9,7 @@ import numpy
 from polling import wait_until  # of test/ros
 
 WIDTH, HEIGHT = 1000, 800
+RVIZ_NODE = 'rviz'  # name of its node
 NEEDED = {'Xvfb': 'xvfb', 'xdotool': 'xdotool', 'import': 'imagemagick', 'rviz': 'rviz'}
 
 
@@ -57,7 +58,7 @@ class Screen:
         path = os.path.join(self.folder, 'test.rviz')
         with open(path, 'w') as file:
             file.write(config)
-        self.open(['rviz', '-d', path])
+        self.open(['rviz', '-d', path, '__name:=' + RVIZ_NODE])
         self.config = config
 
     def open(self, command, **variables):
