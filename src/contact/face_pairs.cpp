@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "threads/parallel_for.h"
 
@@ -75,18 +76,32 @@ void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now)
 void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces,
                        double least) {
   least_ = least;
-  pairs_.clear();
-  due_.clear();
+  faces_ = faces;
+  faceTravel_.assign(faces_.size(), 0.0);
+  clear();
   travel_ = 0.0;
-  append(near, 0, faces);
+  append(near, 0);
 }
 
-void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first,
-                       const std::vector<Face>& faces) {
+void FacePairs::clear() {
+  pairs_.clear();
+  ids_.clear();
+  due_.clear();
+  blockDue_.clear();
+  fails_.clear();
+  failing_.clear();
+  known_ = 0;
+}
+
+void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first) {
   for (std::size_t k = first; k < near.size(); ++k) {
-    pairs_.push_back(pairOf(faces[near[k].first], faces[near[k].second]));
-    due_.push_back(0.0);
+    pairs_.push_back(pairOf(faces_[near[k].first], faces_[near[k].second]));
+    ids_.push_back(near[k]);
   }
+  due_.resize(pairs_.size(), 0.0);
+  fails_.resize(pairs_.size(), 0);
+  if (first < pairs_.size()) blockDue_.resize(first / kBlock);
+  blockDue_.resize((pairs_.size() + kBlock - 1) / kBlock, 0.0);
 }
 
 FacePairs::Pair FacePairs::pairOf(const Face& a, const Face& b) {
@@ -147,8 +162,14 @@ bool FacePairs::isProven(std::size_t k, SubstepMotion motion) {
   if (!(before.distance > 0.0) || after.distance < kApart) return false;
   if (!staysApart(pair, before.direction, after.direction, motion)) return false;
   pair.direction = after.direction;
-  due_[k] = travel_ + (after.distance - kApart) / rateOf(pair);
+  setDue(k, after.distance);
   return true;
+}
+
+/// Sets from which travel of its faces on a pair is to be checked again.
+/// \param apart  their distance along its direction at the end of the substep [m].
+void FacePairs::setDue(std::size_t k, double apart) {
+  due_[k] = travelOf(k) + (apart - kApart) / rateOf(pairs_[k]);
 }
 
 /// Tells whether a plane that turns from one direction to another keeps the pair apart. With a
@@ -186,8 +207,12 @@ bool FacePairs::staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, Sub
   return true;
 }
 
-/// Growth of the separation's loss with the distance by which two vertices approach.
-double FacePairs::rateOf(const Pair& pair) { return pair.shared == 2 ? 1.0 + kMostTilt : 1.0; }
+/// The most that the separation loses, over the travel of both faces: a vertex of each approaches
+/// the other face, or its own common corner, and the ends of a common edge tilt it.
+double FacePairs::rateOf(const Pair& pair) {
+  if (pair.shared == 0) return 1.0;
+  return pair.shared == 1 ? 2.0 : 2.0 * (1.0 + kMostTilt);
+}
 
 /// A direction for the end of the substep, near `before`, if the pair overlaps there: the one with
 /// the least overlap of some.
@@ -242,7 +267,7 @@ bool FacePairs::separates(std::size_t k, SubstepMotion motion) {
   const Pair& pair = pairs_[k];
   const double apart = separationOf(pair, motion.end);
   if (apart < kApart || separationOf(pair, motion.start) <= 0.0) return false;
-  due_[k] = travel_ + (apart - kApart) / rateOf(pair);
+  setDue(k, apart);
   return true;
 }
 
@@ -361,23 +386,129 @@ bool FacePairs::mayFail(std::size_t k, const std::vector<std::uint8_t>& truncate
   return !pair.isFixed && (fails_[k] != 0 || hasTruncated(pair, truncated));
 }
 
+/// Puts boxes around the faces at both ends of the substep.
+void FacePairs::boxFaces(const SubstepMotion& motion) {
+  constexpr std::int32_t kGrain = 2048;
+  const std::vector<Vec3>* const places[2] = {&motion.start, &motion.end};
+  for (int k = 0; k < 2; ++k) {
+    const std::vector<Vec3>& x = *places[k];
+    corners_[k].resize(x.size());
+    boxes_[k].resize(faces_.size());
+    for (const VertexId v : motion.vertices) corners_[k][v] = QuickBox({x[v], x[v]});
+    parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
+                [&](std::int32_t first, std::int32_t last) {
+                  for (FaceId f = first; f < last; ++f) {
+                    QuickBox box = corners_[k][faces_[f][0]];
+                    box.add(corners_[k][faces_[f][1]]);
+                    box.add(corners_[k][faces_[f][2]]);
+                    boxes_[k][f] = box;
+                  }
+                });
+  }
+}
+
+/// Finds when those pairs that have not been looked at are due, where boxes prove them: along an
+/// axis, one is beyond the other at both ends of the substep.
+void FacePairs::proveByBoxes(const SubstepMotion& motion) {
+  constexpr std::int32_t kGrain = 4096;
+  constexpr double kRoundOff = 1e-6;  // of single precision
+  boxFaces(motion);
+  const auto axisOf = [](const QuickBox::Corner& gap) {
+    int axis = gap[1] > gap[0] ? 1 : 0;
+    return gap[2] > gap[axis] ? 2 : axis;
+  };
+  parallelFor(static_cast<std::int32_t>(pairs_.size() - known_), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (auto k = known_ + static_cast<std::size_t>(first);
+                     k < known_ + static_cast<std::size_t>(last); ++k) {
+                  const QuickBox& a = boxes_[1][ids_[k].first];
+                  const QuickBox& b = boxes_[1][ids_[k].second];
+                  const QuickBox::Corner above = a.low - b.high;
+                  const QuickBox::Corner below = b.low - a.high;
+                  const int up = axisOf(above);
+                  const int down = axisOf(below);
+                  const bool isAbove = above[up] >= below[down];
+                  const QuickBox& atA = boxes_[0][ids_[k].first];
+                  const QuickBox& atB = boxes_[0][ids_[k].second];
+                  const float before =
+                      isAbove ? atA.low[up] - atB.high[up] : atB.low[down] - atA.high[down];
+                  const double after = isAbove ? above[up] : below[down];
+                  const double apart = (1.0 - kRoundOff) * after - kApart;
+                  if (before > 0.0F && apart > 0.0) due_[k] = travelOf(k) + apart;
+                }
+              });
+}
+
 /// Lists the pairs that do not stay apart in the substep.
-/// \param isFirst  whether no motion has been changed yet.
-void FacePairs::findFailing(bool isFirst, SubstepMotion motion,
-                            const std::vector<std::uint8_t>& truncated) {
+void FacePairs::findFailing(const SubstepMotion& motion) {
+  constexpr std::int32_t kGrain = 4;  // blocks
+  // Boxes around all faces pay for many pairs only.
+  if (pairs_.size() - known_ > faces_.size() / 8) proveByBoxes(motion);
+  known_ = pairs_.size();
+  for (const std::uint32_t k : failing_) fails_[k] = 0;
+  hasFailing_.assign(blockDue_.size(), 0);
+  parallelFor(static_cast<std::int32_t>(blockDue_.size()), kGrain,
+              [&](std::int32_t firstBlock, std::int32_t lastBlock) {
+                for (auto block = static_cast<std::size_t>(firstBlock);
+                     block < static_cast<std::size_t>(lastBlock); ++block) {
+                  if (travel_ < blockDue_[block]) continue;
+                  double least = std::numeric_limits<double>::infinity();
+                  const std::size_t last = std::min(pairs_.size(), (block + 1) * kBlock);
+                  for (std::size_t k = block * kBlock; k < last; ++k) {
+                    if (travelOf(k) >= due_[k]) {
+                      pairs_[k].isFixed = false;
+                      if (!isProven(k, motion)) fails_[k] = hasFailing_[block] = 1;
+                    }
+                    least = std::min(least, due_[k] - travelOf(k));
+                  }
+                  blockDue_[block] = travel_ + least;
+                }
+              });
+  listFailing();
+}
+
+/// Lists them after a pass that has changed motion.
+void FacePairs::findFailingAgain(const SubstepMotion& motion,
+                                 const std::vector<std::uint8_t>& truncated) {
   constexpr std::int32_t kGrain = 512;
-  fails_.resize(pairs_.size());  // outcome of the pass before
   parallelFor(
       static_cast<std::int32_t>(pairs_.size()), kGrain, [&](std::int32_t first, std::int32_t last) {
         for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
-          const bool isDue = isFirst ? travel_ >= due_[k] : mayFail(k, truncated);
-          if (isFirst && isDue) pairs_[k].isFixed = false;
-          fails_[k] = isDue && !isProven(k, motion) ? 1 : 0;
+          fails_[k] = mayFail(k, truncated) && !isProven(k, motion) ? 1 : 0;
         }
       });
+  hasFailing_.assign(blockDue_.size(), 1);
+  std::fill(blockDue_.begin(), blockDue_.end(), 0.0);
+  listFailing();
+}
+
+void FacePairs::listFailing() {
   failing_.clear();
-  for (std::size_t k = 0; k < fails_.size(); ++k) {
-    if (fails_[k] != 0) failing_.push_back(static_cast<std::uint32_t>(k));
+  for (std::size_t block = 0; block < hasFailing_.size(); ++block) {
+    if (hasFailing_[block] == 0) continue;
+    const std::size_t last = std::min(pairs_.size(), (block + 1) * kBlock);
+    for (std::size_t k = block * kBlock; k < last; ++k) {
+      if (fails_[k] != 0) failing_.push_back(static_cast<std::uint32_t>(k));
+    }
+  }
+}
+
+/// Adds the motion of the substep to the travel of faces. What all vertices have in common brings
+/// nothing together.
+void FacePairs::follow(const SubstepMotion& motion) {
+  Vec3 common = Vec3::Zero();
+  for (const VertexId v : motion.vertices) common += motion.end[v] - motion.start[v];
+  common /= static_cast<double>(motion.vertices.size());
+  step_.resize(motion.end.size());
+  double farthest = 0.0;
+  for (const VertexId v : motion.vertices) {
+    step_[v] = (motion.end[v] - motion.start[v] - common).norm();
+    farthest = std::max(farthest, step_[v]);
+  }
+  travel_ += 2.0 * farthest;
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Face& face = faces_[f];
+    faceTravel_[f] += std::max({step_[face[0]], step_[face[1]], step_[face[2]]});
   }
 }
 
@@ -385,15 +516,14 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
   PairOutcome outcome;
   if (pairs_.empty()) return outcome;
   const SubstepMotion& motion = now.motion;
-  double farthest = 0.0;
-  for (const VertexId v : now.motion.vertices) {
-    farthest = std::max(farthest, (motion.end[v] - motion.start[v]).squaredNorm());
-  }
-  travel_ += 2.0 * std::sqrt(farthest);
+  follow(motion);
   constexpr int kSlidingPasses = 12;
   constexpr int kMostPasses = 60;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    findFailing(pass == 0, motion, now.truncated);
+    if (pass == 0)
+      findFailing(motion);
+    else
+      findFailingAgain(motion, now.truncated);
     if (failing_.empty()) return outcome;
     outcome.changed = true;
     for (const std::uint32_t k : failing_) {

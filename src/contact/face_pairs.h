@@ -40,10 +40,10 @@ class FacePairs {
   /// \param least  distance below which shortened motion does not bring faces nearer [m].
   void assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces, double least);
   /// Adds the pairs in `near` from number `first` on.
-  void append(const std::vector<FaceIds>& near, std::size_t first, const std::vector<Face>& faces);
+  void append(const std::vector<FaceIds>& near, std::size_t first);
   /// Tells whether a direction separates two faces, except for corners that they share.
   static bool areApart(const Face& a, const Face& b, const std::vector<Vec3>& x);
-  void clear() { pairs_.clear(); }
+  void clear();
   std::size_t count() const { return pairs_.size(); }
 
   /// Changes the motion of vertices so that no pair touches or passes through itself, neither at
@@ -67,10 +67,19 @@ class FacePairs {
   static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
   bool separates(std::size_t k, SubstepMotion motion);
+  void setDue(std::size_t k, double apart);
+  double travelOf(std::size_t k) const {
+    return faceTravel_[ids_[k].first] + faceTravel_[ids_[k].second];
+  }
+  void follow(const SubstepMotion& motion);
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
   static bool hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated);
   bool mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const;
-  void findFailing(bool isFirst, SubstepMotion motion, const std::vector<std::uint8_t>& truncated);
+  void proveByBoxes(const SubstepMotion& motion);
+  void boxFaces(const SubstepMotion& motion);
+  void findFailing(const SubstepMotion& motion);
+  void findFailingAgain(const SubstepMotion& motion, const std::vector<std::uint8_t>& truncated);
+  void listFailing();
   bool isProven(std::size_t k, SubstepMotion motion);
   static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
   static double rateOf(const Pair& pair);
@@ -81,13 +90,24 @@ class FacePairs {
   static void shortenAtShared(const Pair& pair, double apart, const Truncation& now);
   void shortenApart(const Pair& pair, const Truncation& now) const;
 
+  /// Pairs whose least `due_` is known.
+  static constexpr std::size_t kBlock = 128;
+
+  std::vector<Face> faces_;
   std::vector<Pair> pairs_;
-  std::vector<double>
-      due_;  ///< by pair: value of `travel_` from which n is to be checked again [m]
-  std::vector<std::uint8_t> fails_;     ///< scratch: 1 for pairs that are not proven
-  std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven
-  double least_ = 0.0;                  ///< see `assign` [m]
-  double travel_ = 0.0;  ///< sum over substeps of how far two vertices may have approached [m]
+  std::vector<FaceIds> ids_;        ///< by pair
+  std::vector<double> due_;         ///< by pair: `travelOf` from which n is to be checked again [m]
+  std::vector<double> blockDue_;    ///< by block: `travel_` up to which no pair of it is due [m]
+  std::vector<double> step_;        ///< scratch: motion in the substep, by vertex [m]
+  std::vector<double> faceTravel_;  ///< sum over substeps of the farthest motion of a corner [m]
+  std::size_t known_ = 0;           ///< pairs that have been looked at
+  std::vector<QuickBox> corners_[2];      ///< scratch: by vertex, at the start and at the end
+  std::vector<QuickBox> boxes_[2];        ///< scratch: by face, at the start and at the end
+  std::vector<std::uint8_t> fails_;       ///< by pair: 1 if it is in `failing_`
+  std::vector<std::uint8_t> hasFailing_;  ///< scratch: by block
+  std::vector<std::uint32_t> failing_;    ///< pairs that are not proven, ascending
+  double least_ = 0.0;                    ///< see `assign` [m]
+  double travel_ = 0.0;                   ///< the most that `travelOf` has grown for any pair [m]
 };
 
 }  // namespace cloth_sim

@@ -9,11 +9,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Substeps after which closest points are found again.
-constexpr int kRefreshEvery = 6;
-/// Closest points are kept while their vertices have moved by less in sum [m]: a fiftieth of the
-/// thickness of thin cloth.
-constexpr double kStill = 3e-5;
 /// Layers that are nearer than their thickness when a step begins, as after a cut, part at this
 /// speed [m/s].
 constexpr double kPartingSpeed = 0.2;
@@ -46,146 +41,74 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
   byCloth_ = byCloth;
   faces_ = mesh.faces();
   material_ = mesh.material();
-  firstFace_.resize(material_.size());
-  isMoved_.assign(material_.size(), 0);
-  travel_.resize(material_.size());
-  outlook_.resize(material_.size());
-  for (VertexId v = 0; v < mesh.vertexCount(); ++v) firstFace_[v] = *mesh.facesAround(v).begin();
-  clothOfFace_.resize(faces_.size());
-  isMovedFace_.assign(faces_.size(), 0);
-  edgeOwner_.resize(faces_.size());
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const Face& face = faces_[f];
-    clothOfFace_[f] = static_cast<std::uint8_t>(model.clothOf(face[0]));
-    for (int k = 0; k < 3; ++k) {
-      const std::array<FaceId, 2> on = mesh.facesOnEdge(face[k], face[(k + 1) % 3]);
-      edgeOwner_[f][k] = on[1] == kNone ? on[0] : std::min(on[0], on[1]);
-    }
+  clothOfVertex_.resize(material_.size());
+  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
+    clothOfVertex_[v] = static_cast<std::uint8_t>(model.clothOf(v));
   }
+  std::vector<double> thickness;
+  for (const LayerProperties& cloth : byCloth) thickness.push_back(cloth.thickness);
+  candidates_.build(model, thickness);
   clear();
 }
 
 void LayerContacts::clear() {
-  clearCandidates();
+  candidates_.clear();
   contacts_.clear();
   touching_.clear();
   active_ = 0;
 }
 
-void LayerContacts::clearCandidates() {
-  candidates_.clear();
-  std::fill(travel_.begin(), travel_.end(), 0.0);
-  sinceRefresh_ = 0;
-  refreshes_ = 0;
-}
-
-LayerContacts::Layers LayerContacts::layersOf(FaceId f, FaceId g) const {
-  const LayerProperties& a = byCloth_[clothOfFace_[f]];
-  const LayerProperties& b = byCloth_[clothOfFace_[g]];
+LayerContacts::Layers LayerContacts::layersOf(const Contact& contact) const {
+  const LayerProperties& a = byCloth_[clothOfVertex_[contact.v.front()]];
+  const LayerProperties& b = byCloth_[clothOfVertex_[contact.v.back()]];
   return {0.5 * (a.thickness + b.thickness), 0.5 * (a.friction + b.friction)};
-}
-
-/// Lists what may come into contact of a pair of faces. A vertex takes part as a corner of its
-/// first face, an edge as a side of its first face; so no contact is listed twice.
-/// \param isKnown  whether only contacts of vertices with the mark `isMoved_` are missing.
-void LayerContacts::addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes) {
-  const Face& f = faces_[ids.first];
-  const Face& g = faces_[ids.second];
-  const Layers layers = layersOf(ids.first, ids.second);
-  const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
-  const auto add = [&](const std::array<VertexId, 4>& v, FaceId face) {
-    if (isKnown && std::none_of(v.begin(), v.end(), isMoved)) return;
-    candidates_.push_back({v, face, layers});
-  };
-  const auto join = [&](VertexId a, VertexId b) {
-    QuickBox box = boxes[a];
-    box.add(boxes[b]);
-    return box;
-  };
-  const auto addVertices = [&](FaceId from, const Face& corners, FaceId to, const Face& face) {
-    QuickBox box = join(face[0], face[1]);
-    box.add(boxes[face[2]]);
-    for (const VertexId p : corners) {
-      if (firstFace_[p] != from || contains(face, p) || !box.meets(boxes[p])) continue;
-      add({p, face[0], face[1], face[2]}, to);
-    }
-  };
-  addVertices(ids.first, f, ids.second, g);
-  addVertices(ids.second, g, ids.first, f);
-  for (int i = 0; i < 3; ++i) {
-    if (edgeOwner_[ids.first][i] != ids.first) continue;
-    const QuickBox edge = join(f[i], f[(i + 1) % 3]);
-    for (int j = 0; j < 3; ++j) {
-      if (edgeOwner_[ids.second][j] != ids.second) continue;
-      const std::array<VertexId, 4> v{f[i], f[(i + 1) % 3], g[j], g[(j + 1) % 3]};
-      if (v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3]) continue;
-      if (edge.meets(join(v[2], v[3]))) add(v, kNone);
-    }
-  }
 }
 
 void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
   // The contacts of the last substep stay, for whoever asks, until the next one refreshes them.
-  clearCandidates();
+  candidates_.clear();
   extend(near, 0, Renewed(), boxes);
 }
 
 void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
                            const Renewed& moved, const std::vector<QuickBox>& boxes) {
-  for (const VertexId v : moved.vertices) isMoved_[v] = 1;
-  for (const FaceId f : moved.faces) isMovedFace_[f] = 1;
-  for (std::size_t k = 0; k < known && !moved.vertices.empty(); ++k) {
-    if ((isMovedFace_[near[k].first] | isMovedFace_[near[k].second]) == 0) continue;
-    addPair(near[k], true, boxes);
-  }
-  for (const FaceId f : moved.faces) isMovedFace_[f] = 0;
-  for (const VertexId v : moved.vertices) isMoved_[v] = 0;
-  for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, boxes);
+  candidates_.extend(near, known, moved, boxes);
 }
 
-/// Finds the closest points of a candidate. \return false if they cannot carry a contact; its
-/// distance is known all the same.
-bool LayerContacts::find(const Candidate& candidate, const std::vector<Vec3>& x,
-                         Closest& out) const {
-  const std::array<VertexId, 4>& v = candidate.v;
-  Contact& contact = out.contact;
-  contact.v = v;
-  contact.friction = candidate.layers.friction;
-  out.face = candidate.face;
-  if (candidate.areEdges()) {
-    const SegmentPoints at = closestOnSegments(x[v[0]], x[v[1]], x[v[2]], x[v[3]]);
-    out.isInside = at.s > 0.0 && at.s < 1.0 && at.t > 0.0 && at.t < 1.0;
-    contact.weight = {1.0 - at.s, at.s, at.t - 1.0, -at.t};
-    contact.corners = 2;
-  } else {
-    const std::array<double, 3> w = closestOnTriangle(x[v[0]], {x[v[1]], x[v[2]], x[v[3]]});
-    out.isInside = w[0] > 0.0 && w[1] > 0.0 && w[2] > 0.0;
-    contact.weight = {1.0, -w[0], -w[1], -w[2]};
-    contact.corners = 1;
-  }
+/// Tells whether closest points can carry a contact: those at ends of edges are left to vertices.
+bool LayerContacts::canCarry(const ClosestPoints& closest, const std::vector<Vec3>& x) const {
+  if (!(closest.apart > 0.0)) return false;
+  return !closest.areEdges() || (closest.areInside() && !areParallel(closest.v, x));
+}
+
+LayerContacts::Contact LayerContacts::contactAt(const ClosestPoints& closest,
+                                                const std::vector<Vec3>& x) const {
+  Contact contact;
+  contact.v = closest.v;
+  contact.weight = closest.weight;
+  contact.corners = closest.areEdges() ? 2 : 1;
   Vec3 apart = Vec3::Zero();
   Vec2 atRest = Vec2::Zero();
   for (int k = 0; k < 4; ++k) {
-    apart += contact.weight[k] * x[v[k]];
-    atRest += contact.weight[k] * material_[v[k]];
+    apart += contact.weight[k] * x[contact.v[k]];
+    atRest += contact.weight[k] * material_[contact.v[k]];
   }
-  out.apart = apart.norm();
-  if (!(out.apart > 0.0)) return false;
-  if (candidate.areEdges() && (!out.isInside || areParallel(v, x))) return false;
-  contact.normal = apart / out.apart;
-  const double share = candidate.areEdges() ? kEdgeShare : 1.0;
+  contact.normal = apart / apart.norm();
+  const Layers layers = layersOf(contact);
+  contact.friction = layers.friction;
+  const double share = closest.areEdges() ? kEdgeShare : 1.0;
   // Points that are near each other in the cloth laid flat are not pushed apart.
-  contact.distance = std::min(share * candidate.layers.thickness, 0.9 * atRest.norm());
-  return true;
+  contact.distance = std::min(share * layers.thickness, 0.9 * atRest.norm());
+  return contact;
 }
 
 /// Tells whether no face next to that of number `at` of the order is closer to the same vertex, of
 /// those in [first, last) of it.
 bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size_t at) const {
-  const Closest& self = closest_[order_[at]];
-  if (self.isInside) return true;
+  const ClosestPoints& self = pointsAt(at);
+  if (self.areInside()) return true;
   for (std::size_t k = first; k < last; ++k) {
-    const Closest& other = closest_[order_[k]];
+    const ClosestPoints& other = pointsAt(k);
     if (k == at) continue;
     const bool isCloser =
         other.apart < self.apart || (other.apart == self.apart && other.face < self.face);
@@ -194,88 +117,45 @@ bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size
   return true;
 }
 
-/// Motion that vertices have in common, which brings nothing together [m]: their mean, or none if
-/// most are at rest.
-Vec3 LayerContacts::commonMotion(SubstepMotion motion) {
-  Vec3 mean = Vec3::Zero();
-  for (const VertexId v : motion.vertices) mean += motion.end[v] - motion.start[v];
-  mean /= static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
-  double toMean = 0.0;
-  double toRest = 0.0;
-  for (const VertexId v : motion.vertices) {
-    const Vec3 moved = motion.end[v] - motion.start[v];
-    toMean += (moved - mean).norm();
-    toRest += moved.norm();
-  }
-  return toMean < toRest ? mean : Vec3(Vec3::Zero());
-}
-
-/// Finds the closest points of the candidates that may come into contact before the next
-/// refreshing. Those of a candidate that has hardly moved since they were found are kept.
-void LayerContacts::findClosest(const std::vector<Vec3>& x) {
-  closest_.swap(before_);
-  closest_.clear();
-  ++refreshes_;
-  const auto sum = [](const std::vector<double>& of, const std::array<VertexId, 4>& v) {
-    return of[v[0]] + of[v[1]] + of[v[2]] + of[v[3]];
-  };
-  for (Candidate& candidate : candidates_) {
-    if (candidate.due > sum(outlook_, candidate.v)) continue;
-    const double travel = sum(travel_, candidate.v);
-    const bool isKept = travel - candidate.found < kStill && candidate.refresh == refreshes_ - 1;
-    candidate.refresh = refreshes_;
-    if (isKept && candidate.place < 0) continue;
-    Closest& closest = closest_.emplace_back();
-    if (isKept) {
-      closest = before_[candidate.place];
-    } else {
-      const bool holds = find(candidate, x, closest);
-      candidate.found = travel;
-      candidate.due = travel + closest.apart - candidate.layers.thickness;
-      candidate.place = -1;
-      if (!holds) {
-        closest_.pop_back();
-        continue;
-      }
-    }
-    candidate.place = static_cast<std::int32_t>(closest_.size()) - 1;
-  }
-}
-
 /// Puts the faces near each vertex together, in the order of vertices, then edges by their first
 /// vertex (a counting sort).
-void LayerContacts::sortByVertex() {
-  const std::size_t vertices = firstFace_.size();
-  const auto keyOf = [&](const Closest& of) {
-    return static_cast<std::size_t>(of.contact.v[0]) + (of.face == kNone ? vertices : 0);
+void LayerContacts::sortByVertex(const std::vector<Vec3>& x) {
+  const std::vector<ClosestPoints>& found = candidates_.found();
+  const std::size_t vertices = material_.size();
+  const auto keyOf = [&](const ClosestPoints& of) {
+    return static_cast<std::size_t>(of.v[0]) + (of.areEdges() ? vertices : 0);
   };
   first_.assign(2 * vertices + 1, 0);
-  for (const Closest& closest : closest_) ++first_[keyOf(closest) + 1];
+  std::uint32_t count = 0;
+  for (const ClosestPoints& closest : found) {
+    if (!canCarry(closest, x)) continue;
+    ++first_[keyOf(closest) + 1];
+    ++count;
+  }
   for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-  order_.resize(closest_.size());
-  for (std::size_t k = 0; k < closest_.size(); ++k) {
-    order_[first_[keyOf(closest_[k])]++] = static_cast<std::uint32_t>(k);
+  order_.resize(count);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!canCarry(found[k], x)) continue;
+    order_[first_[keyOf(found[k])]++] = static_cast<std::uint32_t>(k);
   }
 }
 
 /// Lists the contacts that may touch until the next time, and of each vertex only those with the
 /// faces that are locally closest. Candidates that are listed twice count once.
-void LayerContacts::refresh(const std::vector<Vec3>& x) {
-  findClosest(x);
-  sortByVertex();
+void LayerContacts::listContacts(const std::vector<Vec3>& x) {
+  sortByVertex(x);
   contacts_.clear();
   for (std::size_t first = 0; first < order_.size();) {
-    const Closest& group = closest_[order_[first]];
-    const bool areEdges = group.face == kNone;
+    const ClosestPoints& group = pointsAt(first);
     std::size_t last = first + 1;
-    while (last < order_.size() && closest_[order_[last]].contact.v[0] == group.contact.v[0] &&
-           (closest_[order_[last]].face == kNone) == areEdges) {
+    while (last < order_.size() && pointsAt(last).v[0] == group.v[0] &&
+           pointsAt(last).areEdges() == group.areEdges()) {
       ++last;
     }
     for (std::size_t k = first; k < last; ++k) {
-      const Closest& closest = closest_[order_[k]];
-      if (isListed(first, k) || (!areEdges && !isClosestFace(first, last, k))) continue;
-      contacts_.push_back(closest.contact);
+      const ClosestPoints& closest = pointsAt(k);
+      if (isListed(first, k) || (!closest.areEdges() && !isClosestFace(first, last, k))) continue;
+      contacts_.push_back(contactAt(closest, x));
     }
     first = last;
   }
@@ -284,7 +164,7 @@ void LayerContacts::refresh(const std::vector<Vec3>& x) {
 /// Tells whether the same vertices as in number `at` of the order are in [first, at) of it.
 bool LayerContacts::isListed(std::size_t first, std::size_t at) const {
   for (std::size_t k = first; k < at; ++k) {
-    if (closest_[order_[k]].contact.v == closest_[order_[at]].contact.v) return true;
+    if (pointsAt(k).v == pointsAt(at).v) return true;
   }
   return false;
 }
@@ -296,18 +176,7 @@ void LayerContacts::project(SubstepMotion motion, double h) {
     touching_.clear();
     return;
   }
-  const Vec3 common = commonMotion(motion);
-  const auto distanceOf = [&](VertexId v) {
-    return (motion.end[v] - motion.start[v] - common).norm();
-  };
-  if (sinceRefresh_++ % kRefreshEvery == 0) {
-    for (const VertexId v : motion.vertices) {
-      // At one and a half times the speed, and a little.
-      outlook_[v] = travel_[v] + 1.5 * kRefreshEvery * distanceOf(v) + 2.5e-5;
-    }
-    refresh(motion.start);
-  }
-  for (const VertexId v : motion.vertices) travel_[v] += distanceOf(v);
+  if (candidates_.follow(motion)) listContacts(motion.start);
   findTouching(motion.end);
   for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, h);
   for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
@@ -437,8 +306,7 @@ bool LayerContacts::projectOne(Contact& contact, SubstepMotion motion,
 /// Tells whether the contact keeps layers apart, rather than points that are near each other in the
 /// cloth laid flat, such as the lips of a cut.
 bool LayerContacts::isBetweenLayers(const Contact& contact) const {
-  const Layers layers = layersOf(firstFace_[contact.v.front()], firstFace_[contact.v.back()]);
-  return contact.distance > 0.5 * layers.thickness;
+  return contact.distance > 0.5 * layersOf(contact).thickness;
 }
 
 /// Numbers of the contacts that carried load in the last substep, ascending.

@@ -3,10 +3,7 @@
 
 #include <array>
 
-#include "allowance.h"
-#include "cloth_sim/cloth/model.h"
-#include "cloth_sim/contact/layers.h"
-#include "face_pairs.h"
+#include "layer_candidates.h"
 
 namespace cloth_sim {
 
@@ -53,17 +50,6 @@ class LayerContacts {
   std::vector<LayerContactPoint> loadedPoints(const std::vector<Vec3>& x, std::size_t most) const;
 
  private:
-  /// A vertex and a face, or two edges: (v, corners) or (ends, ends).
-  struct Candidate {
-    std::array<VertexId, 4> v{};
-    FaceId face = kNone;  ///< kNone for two edges
-    Layers layers;
-    double due = -1e300;        ///< sum of `travel_` of its vertices at which it may touch [m]
-    double found = -1e300;      ///< the same sum when its closest points were found last [m]
-    std::int32_t refresh = -1;  ///< number of the last refreshing that looked at them
-    std::int32_t place = -1;    ///< in `closest_` after that; -1: they cannot carry a contact
-    bool areEdges() const { return face == kNone; }
-  };
   /// The weighted sum of the positions of four vertices points from one side to the other.
   struct Contact {
     std::array<VertexId, 4> v{};
@@ -75,21 +61,11 @@ class LayerContacts {
     double load = 0.0;  ///< sum of pushes in this substep, mass times displacement [kg m], >= 0
     Vec3 drag = Vec3::Zero();  ///< sum of friction in this substep [kg m]
   };
-  /// The closest points of a candidate.
-  struct Closest {
-    Contact contact;
-    FaceId face = kNone;    ///< as in Candidate
-    double apart = 0.0;     ///< [m]
-    bool isInside = false;  ///< inside the face, or inside both edges
-  };
-
-  void clearCandidates();
-  void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
-  static Vec3 commonMotion(SubstepMotion motion);
-  void refresh(const std::vector<Vec3>& x);
-  void findClosest(const std::vector<Vec3>& x);
-  void sortByVertex();
-  bool find(const Candidate& candidate, const std::vector<Vec3>& x, Closest& out) const;
+  void listContacts(const std::vector<Vec3>& x);
+  bool canCarry(const ClosestPoints& closest, const std::vector<Vec3>& x) const;
+  Contact contactAt(const ClosestPoints& closest, const std::vector<Vec3>& x) const;
+  void sortByVertex(const std::vector<Vec3>& x);
+  const ClosestPoints& pointsAt(std::size_t at) const { return candidates_.found()[order_[at]]; }
   void findTouching(const std::vector<Vec3>& x);
   bool isListed(std::size_t first, std::size_t at) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
@@ -100,32 +76,22 @@ class LayerContacts {
                           const std::vector<std::uint8_t>& supported);
   void settleOne(Contact& contact, SubstepMotion motion, double h,
                  const std::vector<std::uint8_t>& supported);
-  Layers layersOf(FaceId f, FaceId g) const;
+  Layers layersOf(const Contact& contact) const;
   bool isBetweenLayers(const Contact& contact) const;
   std::vector<std::uint32_t> loaded() const;
 
   std::vector<Face> faces_;
-  std::vector<Vec2> material_;                    ///< by vertex [m]
-  std::vector<std::uint8_t> clothOfFace_;         ///< by face
-  std::vector<FaceId> firstFace_;                 ///< by vertex
-  std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
+  std::vector<Vec2> material_;  ///< by vertex [m]
+  std::vector<std::uint8_t> clothOfVertex_;
   std::vector<LayerProperties> byCloth_;
-  std::vector<Candidate> candidates_;
-  std::vector<std::uint8_t> isMoved_;      ///< scratch: by vertex
-  std::vector<std::uint8_t> isMovedFace_;  ///< scratch: by face
-  std::vector<double> travel_;    ///< how far a vertex has moved since `assign`, by vertex [m]
-  std::vector<double> outlook_;   ///< how far it may have until the next refreshing, by vertex [m]
-  std::vector<Closest> closest_;  ///< of candidates that may touch soon
-  std::vector<Closest> before_;   ///< the same before the last refreshing
-  std::vector<std::uint32_t> order_;  ///< of closest_: faces by their vertex, then edges by theirs
+  LayerCandidates candidates_;
+  std::vector<std::uint32_t> order_;  ///< scratch: of closest points: faces by vertex, then edges
   std::vector<std::uint32_t> first_;  ///< scratch: by vertex of faces, and of edges
   std::vector<Contact> contacts_;
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
   std::vector<std::uint32_t> pending_;    ///< scratch: contacts that wait for support
   std::vector<VertexId> raised_;          ///< scratch: vertices that a level of layers supports
-  int sinceRefresh_ = 0;                  ///< substeps since closest points were found first
-  std::int32_t refreshes_ = 0;            ///< how often they were found since `assign`
   int active_ = 0;
   double substep_ = 0.0;  ///< length of the last substep [s]
 };

@@ -279,7 +279,7 @@ void LayerContact::Impl::searchAround() {
   }
   const std::size_t known = near_.size();
   collectNew();
-  pairs_.append(near_, known, faces_);
+  pairs_.append(near_, known);
   contacts_.extend(near_, known, allowance_.renewed(), corners_);
 }
 
