@@ -240,7 +240,8 @@ void LayerCandidates::findClosest(const SubstepMotion& motion) {
   findDue(edges_, 4.0 * farthest);
 }
 
-/// Appends the closest points of the candidates that are due.
+/// Appends the closest points of the candidates that are due; of edges, only points inside both:
+/// their ends are left to vertices and faces.
 void LayerCandidates::findDue(List& list, double farthest) {
   // The last group of lanes is filled up with the last candidate.
   const std::size_t count = list.due.size();
@@ -261,11 +262,12 @@ void LayerCandidates::findDue(List& list, double farthest) {
     for (std::size_t k = first; k < last; ++k) {
       const std::size_t at = k - first;
       if (points.isDue[at] == 0) continue;
-      ClosestPoints& closest = found_.emplace_back();
+      ClosestPoints closest;
       closest.v = list.v[k];
       for (std::size_t i = 0; i < 4; ++i) closest.weight[i] = points.weight[i][at];
       closest.face = list.face.empty() ? kNone : list.face[k];
       closest.apart = points.apart[at];
+      if (!closest.areEdges() || closest.areInside()) found_.push_back(closest);
     }
   }
   list.v.resize(count);

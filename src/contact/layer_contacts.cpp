@@ -31,9 +31,6 @@ bool areParallel(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x) {
   return a.cross(b).squaredNorm() < kParallel * kParallel * a.squaredNorm() * b.squaredNorm();
 }
 
-/// Inverse mass of a vertex [1/kg]; 0 if its motion is prescribed.
-double inverse(double mass) { return mass > 0.0 ? 1.0 / mass : 0.0; }
-
 }  // namespace
 
 void LayerContacts::build(const Model& model, const std::vector<LayerProperties>& byCloth) {
@@ -47,6 +44,7 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
   }
   std::vector<double> thickness;
   for (const LayerProperties& cloth : byCloth) thickness.push_back(cloth.thickness);
+  inverseMass_.resize(material_.size());
   candidates_.build(model, thickness);
   clear();
 }
@@ -75,10 +73,9 @@ void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
   candidates_.extend(near, known, moved, boxes);
 }
 
-/// Tells whether closest points can carry a contact: those at ends of edges are left to vertices.
-bool LayerContacts::canCarry(const ClosestPoints& closest, const std::vector<Vec3>& x) const {
-  if (!(closest.apart > 0.0)) return false;
-  return !closest.areEdges() || (closest.areInside() && !areParallel(closest.v, x));
+/// Tells whether closest points can carry a contact.
+bool LayerContacts::canCarry(const ClosestPoints& closest, const std::vector<Vec3>& x) {
+  return closest.apart > 0.0 && !(closest.areEdges() && areParallel(closest.v, x));
 }
 
 LayerContacts::Contact LayerContacts::contactAt(const ClosestPoints& closest,
@@ -125,19 +122,16 @@ void LayerContacts::sortByVertex(const std::vector<Vec3>& x) {
   const auto keyOf = [&](const ClosestPoints& of) {
     return static_cast<std::size_t>(of.v[0]) + (of.areEdges() ? vertices : 0);
   };
+  carrying_.clear();
   first_.assign(2 * vertices + 1, 0);
-  std::uint32_t count = 0;
-  for (const ClosestPoints& closest : found) {
-    if (!canCarry(closest, x)) continue;
-    ++first_[keyOf(closest) + 1];
-    ++count;
-  }
-  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-  order_.resize(count);
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!canCarry(found[k], x)) continue;
-    order_[first_[keyOf(found[k])]++] = static_cast<std::uint32_t>(k);
+    carrying_.push_back(static_cast<std::uint32_t>(k));
+    ++first_[keyOf(found[k]) + 1];
   }
+  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+  order_.resize(carrying_.size());
+  for (const std::uint32_t k : carrying_) order_[first_[keyOf(found[k])]++] = k;
 }
 
 /// Lists the contacts that may touch until the next time, and of each vertex only those with the
@@ -177,6 +171,9 @@ void LayerContacts::project(SubstepMotion motion, double h) {
     return;
   }
   if (candidates_.follow(motion)) listContacts(motion.start);
+  for (const VertexId v : motion.vertices) {
+    inverseMass_[v] = motion.mass[v] > 0.0 ? 1.0 / motion.mass[v] : 0.0;
+  }
   findTouching(motion.end);
   for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, h);
   for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
@@ -249,7 +246,7 @@ void LayerContacts::settleOne(Contact& contact, SubstepMotion motion, double h,
   std::array<double, 4> share{};
   double mobility = 0.0;
   for (int k = begin; k < end; ++k) {
-    const double w = contact.weight[k] * inverse(motion.mass[contact.v[k]]);
+    const double w = contact.weight[k] * inverseMass_[contact.v[k]];
     mobility += contact.weight[k] * w;
     if (supported[contact.v[k]] == 0) share[k] = w;
   }
@@ -258,11 +255,11 @@ void LayerContacts::settleOne(Contact& contact, SubstepMotion motion, double h,
 }
 
 /// Projects a contact that moves all its vertices.
-bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion, double h) {
+bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion, double h) const {
   std::array<double, 4> share{};
   double mobility = 0.0;
   for (int k = 0; k < 4; ++k) {
-    share[k] = contact.weight[k] * inverse(motion.mass[contact.v[k]]);
+    share[k] = contact.weight[k] * inverseMass_[contact.v[k]];
     mobility += contact.weight[k] * share[k];
   }
   return projectOne(contact, motion, share, mobility, h);

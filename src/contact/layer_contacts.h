@@ -62,14 +62,14 @@ class LayerContacts {
     Vec3 drag = Vec3::Zero();  ///< sum of friction in this substep [kg m]
   };
   void listContacts(const std::vector<Vec3>& x);
-  bool canCarry(const ClosestPoints& closest, const std::vector<Vec3>& x) const;
+  static bool canCarry(const ClosestPoints& closest, const std::vector<Vec3>& x);
   Contact contactAt(const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   void sortByVertex(const std::vector<Vec3>& x);
   const ClosestPoints& pointsAt(std::size_t at) const { return candidates_.found()[order_[at]]; }
   void findTouching(const std::vector<Vec3>& x);
   bool isListed(std::size_t first, std::size_t at) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
-  static bool projectFreely(Contact& contact, SubstepMotion motion, double h);
+  bool projectFreely(Contact& contact, SubstepMotion motion, double h) const;
   static bool projectOne(Contact& contact, SubstepMotion motion, const std::array<double, 4>& share,
                          double mobility, double h);
   static bool isSupported(const Contact& contact, int first, int last,
@@ -85,6 +85,8 @@ class LayerContacts {
   std::vector<std::uint8_t> clothOfVertex_;
   std::vector<LayerProperties> byCloth_;
   LayerCandidates candidates_;
+  std::vector<double> inverseMass_;      ///< by vertex [1/kg]; 0: prescribed motion
+  std::vector<std::uint32_t> carrying_;  ///< scratch: closest points that can carry a contact
   std::vector<std::uint32_t> order_;  ///< scratch: of closest points: faces by vertex, then edges
   std::vector<std::uint32_t> first_;  ///< scratch: by vertex of faces, and of edges
   std::vector<Contact> contacts_;
