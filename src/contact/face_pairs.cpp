@@ -78,6 +78,8 @@ void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>
   least_ = least;
   faces_ = faces;
   faceTravel_.assign(faces_.size(), 0.0);
+  isPaired_.assign(faces_.size(), 0);
+  paired_.clear();
   clear();
   travel_ = 0.0;
   append(near, 0);
@@ -97,6 +99,10 @@ void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first) {
   for (std::size_t k = first; k < near.size(); ++k) {
     pairs_.push_back(pairOf(faces_[near[k].first], faces_[near[k].second]));
     ids_.push_back(near[k]);
+    for (const FaceId f : {near[k].first, near[k].second}) {
+      if (isPaired_[f] == 0) paired_.push_back(f);
+      isPaired_[f] = 1;
+    }
   }
   due_.resize(pairs_.size(), 0.0);
   fails_.resize(pairs_.size(), 0);
@@ -506,7 +512,7 @@ void FacePairs::follow(const SubstepMotion& motion) {
     farthest = std::max(farthest, step_[v]);
   }
   travel_ += 2.0 * farthest;
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
+  for (const FaceId f : paired_) {
     const Face& face = faces_[f];
     faceTravel_[f] += std::max({step_[face[0]], step_[face[1]], step_[face[2]]});
   }

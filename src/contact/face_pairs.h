@@ -95,7 +95,9 @@ class FacePairs {
 
   std::vector<Face> faces_;
   std::vector<Pair> pairs_;
-  std::vector<FaceIds> ids_;        ///< by pair
+  std::vector<FaceIds> ids_;            ///< by pair
+  std::vector<FaceId> paired_;          ///< faces of pairs
+  std::vector<std::uint8_t> isPaired_;  ///< by face
   std::vector<double> due_;         ///< by pair: `travelOf` from which n is to be checked again [m]
   std::vector<double> blockDue_;    ///< by block: `travel_` up to which no pair of it is due [m]
   std::vector<double> step_;        ///< scratch: motion in the substep, by vertex [m]
