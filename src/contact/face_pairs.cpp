@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "threads/parallel_for.h"
 
@@ -76,38 +75,31 @@ void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now)
 void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces,
                        double least) {
   least_ = least;
-  faces_ = faces;
-  faceTravel_.assign(faces_.size(), 0.0);
-  isPaired_.assign(faces_.size(), 0);
-  paired_.clear();
   clear();
-  travel_ = 0.0;
+  watch_.begin(faces);
   append(near, 0);
 }
 
 void FacePairs::clear() {
+  watch_.clear();
   pairs_.clear();
-  ids_.clear();
-  due_.clear();
-  blockDue_.clear();
-  fails_.clear();
-  failing_.clear();
-  known_ = 0;
+  placeOf_.clear();
 }
 
 void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first) {
-  for (std::size_t k = first; k < near.size(); ++k) {
-    pairs_.push_back(pairOf(faces_[near[k].first], faces_[near[k].second]));
-    ids_.push_back(near[k]);
-    for (const FaceId f : {near[k].first, near[k].second}) {
-      if (isPaired_[f] == 0) paired_.push_back(f);
-      isPaired_[f] = 1;
-    }
+  watch_.append(near, first);
+  placeOf_.resize(watch_.count(), kNone);
+}
+
+/// The corners and the direction of a pair, which are listed from the first time on that somebody
+/// asks.
+FacePairs::Pair& FacePairs::pairAt(std::size_t k) {
+  if (placeOf_[k] == kNone) {
+    placeOf_[k] = static_cast<std::int32_t>(pairs_.size());
+    const FaceIds& ids = watch_.ids(k);
+    pairs_.push_back(pairOf(watch_.faces()[ids.first], watch_.faces()[ids.second]));
   }
-  due_.resize(pairs_.size(), 0.0);
-  fails_.resize(pairs_.size(), 0);
-  if (first < pairs_.size()) blockDue_.resize(first / kBlock);
-  blockDue_.resize((pairs_.size() + kBlock - 1) / kBlock, 0.0);
+  return pairs_[placeOf_[k]];
 }
 
 FacePairs::Pair FacePairs::pairOf(const Face& a, const Face& b) {
@@ -120,12 +112,6 @@ FacePairs::Pair FacePairs::pairOf(const Face& a, const Face& b) {
 
 bool FacePairs::areApart(const Face& a, const Face& b, const std::vector<Vec3>& x) {
   return bestDirection(pairOf(a, b), x).distance > 0.0;
-}
-
-bool FacePairs::hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated) {
-  const auto isTruncated = [&](VertexId v) { return truncated[v] != 0; };
-  return std::any_of(pair.a.begin(), pair.a.end(), isTruncated) ||
-         std::any_of(pair.b.begin(), pair.b.end(), isTruncated);
 }
 
 /// Returns the distance of face a beyond face b along the direction of the pair [m].
@@ -154,28 +140,24 @@ SeparatingDirection FacePairs::bestDirection(const Pair& pair, const std::vector
                           {x[pair.b[0]] - at, x[pair.b[1]] - at});
 }
 
-/// Tells whether the pair stays apart in the substep; finds other directions where that helps.
-bool FacePairs::isProven(std::size_t k, SubstepMotion motion) {
-  Pair& pair = pairs_[k];
-  if (!pair.direction.isZero() && separates(k, motion)) return true;
+/// Finds how far the faces of a pair may travel until they may touch, if they stay apart in the
+/// substep; finds other directions where that helps. \return 0 if they may not [m].
+double FacePairs::slackOf(Pair& pair, const SubstepMotion& motion) {
+  const auto slackIn = [&](double apart) { return (apart - kApart) / rateOf(pair); };
+  double apart = pair.direction.isZero() ? 0.0 : separationWithin(pair, motion);
+  if (apart > kApart) return slackIn(apart);
   if (pair.shared < 2) {
     pair.direction = pair.shared == 0 ? bestAxis(pair, motion.end) : fromVertex(pair, motion.end);
-    if (separates(k, motion)) return true;
+    apart = separationWithin(pair, motion);
+    if (apart > kApart) return slackIn(apart);
   }
   const SeparatingDirection before = bestDirection(pair, motion.start);
   const SeparatingDirection after = bestDirection(pair, motion.end);
   pair.direction = before.direction;
-  if (!(before.distance > 0.0) || after.distance < kApart) return false;
-  if (!staysApart(pair, before.direction, after.direction, motion)) return false;
+  if (!(before.distance > 0.0) || after.distance <= kApart) return 0.0;
+  if (!staysApart(pair, before.direction, after.direction, motion)) return 0.0;
   pair.direction = after.direction;
-  setDue(k, after.distance);
-  return true;
-}
-
-/// Sets from which travel of its faces on a pair is to be checked again.
-/// \param apart  their distance along its direction at the end of the substep [m].
-void FacePairs::setDue(std::size_t k, double apart) {
-  due_[k] = travelOf(k) + (apart - kApart) / rateOf(pairs_[k]);
+  return slackIn(after.distance);
 }
 
 /// Tells whether a plane that turns from one direction to another keeps the pair apart. With a
@@ -268,13 +250,11 @@ Vec3 FacePairs::fromVertex(const Pair& pair, const std::vector<Vec3>& x) {
   return (a.normalized() - b.normalized()).normalized();
 }
 
-/// Tells whether the direction of a pair separates it at both ends of the substep.
-bool FacePairs::separates(std::size_t k, SubstepMotion motion) {
-  const Pair& pair = pairs_[k];
+/// The distance of a pair along its direction at the end of the substep [m]; 0 if it is not apart
+/// at the start.
+double FacePairs::separationWithin(const Pair& pair, const SubstepMotion& motion) {
   const double apart = separationOf(pair, motion.end);
-  if (apart < kApart || separationOf(pair, motion.start) <= 0.0) return false;
-  setDue(k, apart);
-  return true;
+  return apart > kApart && separationOf(pair, motion.start) > 0.0 ? apart : 0.0;
 }
 
 /// Moves the vertices of a pair that would not stay apart to where it does, along its direction;
@@ -331,9 +311,7 @@ double FacePairs::shareOf(const Pair& pair, const std::vector<double>& mass) {
 /// Shortens the motion of the vertices of a pair that would not stay apart. It stays apart from
 /// then on in this substep, however motion is shortened further. \return whether it was apart at
 /// the start; if not, or hardly so at a common corner, its vertices stay.
-bool FacePairs::shorten(std::size_t k, const Truncation& now) {
-  Pair& pair = pairs_[k];
-  due_[k] = 0.0;
+bool FacePairs::shorten(Pair& pair, const Truncation& now) const {
   const SeparatingDirection before = bestDirection(pair, now.motion.start);
   pair.direction = before.direction;
   const bool isApart = before.distance > 0.0;
@@ -385,159 +363,69 @@ void FacePairs::shortenApart(const Pair& pair, const Truncation& now) const {
   for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, now);
 }
 
-/// Tells whether a pair has to be checked again after a pass that changed motion: it failed, or a
-/// vertex of it was moved; unless its own motion was scaled.
-bool FacePairs::mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const {
-  const Pair& pair = pairs_[k];
-  return !pair.isFixed && (fails_[k] != 0 || hasTruncated(pair, truncated));
-}
-
-/// Puts boxes around the faces at both ends of the substep.
-void FacePairs::boxFaces(const SubstepMotion& motion) {
+/// Lists the pairs that have to be looked at again after a pass that changed motion: those that
+/// failed, or that have a vertex that was moved; unless their own motion was scaled.
+void FacePairs::listAgain(const std::vector<std::uint8_t>& truncated) {
   constexpr std::int32_t kGrain = 2048;
-  const std::vector<Vec3>* const places[2] = {&motion.start, &motion.end};
-  for (int k = 0; k < 2; ++k) {
-    const std::vector<Vec3>& x = *places[k];
-    corners_[k].resize(x.size());
-    boxes_[k].resize(faces_.size());
-    for (const VertexId v : motion.vertices) corners_[k][v] = QuickBox({x[v], x[v]});
-    parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
-                [&](std::int32_t first, std::int32_t last) {
-                  for (FaceId f = first; f < last; ++f) {
-                    QuickBox box = corners_[k][faces_[f][0]];
-                    box.add(corners_[k][faces_[f][1]]);
-                    box.add(corners_[k][faces_[f][2]]);
-                    boxes_[k][f] = box;
-                  }
-                });
-  }
-}
-
-/// Finds when those pairs that have not been looked at are due, where boxes prove them: along an
-/// axis, one is beyond the other at both ends of the substep.
-void FacePairs::proveByBoxes(const SubstepMotion& motion) {
-  constexpr std::int32_t kGrain = 4096;
-  constexpr double kRoundOff = 1e-6;  // of single precision
-  boxFaces(motion);
-  const auto axisOf = [](const QuickBox::Corner& gap) {
-    int axis = gap[1] > gap[0] ? 1 : 0;
-    return gap[2] > gap[axis] ? 2 : axis;
+  isListed_.assign(watch_.count(), 0);
+  const auto isMoved = [&](FaceId f) {
+    const Face& face = watch_.faces()[f];
+    return (truncated[face[0]] | truncated[face[1]] | truncated[face[2]]) != 0;
   };
-  parallelFor(static_cast<std::int32_t>(pairs_.size() - known_), kGrain,
+  parallelFor(static_cast<std::int32_t>(watch_.count()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
-                for (auto k = known_ + static_cast<std::size_t>(first);
-                     k < known_ + static_cast<std::size_t>(last); ++k) {
-                  const QuickBox& a = boxes_[1][ids_[k].first];
-                  const QuickBox& b = boxes_[1][ids_[k].second];
-                  const QuickBox::Corner above = a.low - b.high;
-                  const QuickBox::Corner below = b.low - a.high;
-                  const int up = axisOf(above);
-                  const int down = axisOf(below);
-                  const bool isAbove = above[up] >= below[down];
-                  const QuickBox& atA = boxes_[0][ids_[k].first];
-                  const QuickBox& atB = boxes_[0][ids_[k].second];
-                  const float before =
-                      isAbove ? atA.low[up] - atB.high[up] : atB.low[down] - atA.high[down];
-                  const double after = isAbove ? above[up] : below[down];
-                  const double apart = (1.0 - kRoundOff) * after - kApart;
-                  if (before > 0.0F && apart > 0.0) due_[k] = travelOf(k) + apart;
+                for (std::int32_t k = first; k < last; ++k) {
+                  const FaceIds& ids = watch_.ids(static_cast<std::size_t>(k));
+                  isListed_[k] = isMoved(ids.first) || isMoved(ids.second) ? 1 : 0;
                 }
               });
+  for (const std::uint32_t k : failing_) isListed_[k] = 1;
+  listed_.clear();
+  for (std::size_t k = 0; k < isListed_.size(); ++k) {
+    if (isListed_[k] == 0 || (placeOf_[k] != kNone && pairs_[placeOf_[k]].isFixed)) continue;
+    listed_.push_back(static_cast<std::uint32_t>(k));
+  }
 }
 
-/// Lists the pairs that do not stay apart in the substep.
+/// Looks at the pairs that are listed, and lists those that do not stay apart in the substep.
 void FacePairs::findFailing(const SubstepMotion& motion) {
-  constexpr std::int32_t kGrain = 4;  // blocks
-  // Boxes around all faces pay for many pairs only.
-  if (pairs_.size() - known_ > faces_.size() / 8) proveByBoxes(motion);
-  known_ = pairs_.size();
-  for (const std::uint32_t k : failing_) fails_[k] = 0;
-  hasFailing_.assign(blockDue_.size(), 0);
-  parallelFor(static_cast<std::int32_t>(blockDue_.size()), kGrain,
-              [&](std::int32_t firstBlock, std::int32_t lastBlock) {
-                for (auto block = static_cast<std::size_t>(firstBlock);
-                     block < static_cast<std::size_t>(lastBlock); ++block) {
-                  if (travel_ < blockDue_[block]) continue;
-                  double least = std::numeric_limits<double>::infinity();
-                  const std::size_t last = std::min(pairs_.size(), (block + 1) * kBlock);
-                  for (std::size_t k = block * kBlock; k < last; ++k) {
-                    if (travelOf(k) >= due_[k]) {
-                      pairs_[k].isFixed = false;
-                      if (!isProven(k, motion)) fails_[k] = hasFailing_[block] = 1;
-                    }
-                    least = std::min(least, due_[k] - travelOf(k));
-                  }
-                  blockDue_[block] = travel_ + least;
+  constexpr std::int32_t kGrain = 256;
+  for (const std::uint32_t k : listed_) pairAt(k);
+  slack_.resize(listed_.size());
+  parallelFor(static_cast<std::int32_t>(listed_.size()), kGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (std::int32_t n = first; n < last; ++n) {
+                  slack_[n] = slackOf(pairs_[placeOf_[listed_[n]]], motion);
                 }
               });
-  listFailing();
-}
-
-/// Lists them after a pass that has changed motion.
-void FacePairs::findFailingAgain(const SubstepMotion& motion,
-                                 const std::vector<std::uint8_t>& truncated) {
-  constexpr std::int32_t kGrain = 512;
-  parallelFor(
-      static_cast<std::int32_t>(pairs_.size()), kGrain, [&](std::int32_t first, std::int32_t last) {
-        for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last); ++k) {
-          fails_[k] = mayFail(k, truncated) && !isProven(k, motion) ? 1 : 0;
-        }
-      });
-  hasFailing_.assign(blockDue_.size(), 1);
-  std::fill(blockDue_.begin(), blockDue_.end(), 0.0);
-  listFailing();
-}
-
-void FacePairs::listFailing() {
   failing_.clear();
-  for (std::size_t block = 0; block < hasFailing_.size(); ++block) {
-    if (hasFailing_[block] == 0) continue;
-    const std::size_t last = std::min(pairs_.size(), (block + 1) * kBlock);
-    for (std::size_t k = block * kBlock; k < last; ++k) {
-      if (fails_[k] != 0) failing_.push_back(static_cast<std::uint32_t>(k));
-    }
-  }
-}
-
-/// Adds the motion of the substep to the travel of faces. What all vertices have in common brings
-/// nothing together.
-void FacePairs::follow(const SubstepMotion& motion) {
-  Vec3 common = Vec3::Zero();
-  for (const VertexId v : motion.vertices) common += motion.end[v] - motion.start[v];
-  common /= static_cast<double>(motion.vertices.size());
-  step_.resize(motion.end.size());
-  double farthest = 0.0;
-  for (const VertexId v : motion.vertices) {
-    step_[v] = (motion.end[v] - motion.start[v] - common).norm();
-    farthest = std::max(farthest, step_[v]);
-  }
-  travel_ += 2.0 * farthest;
-  for (const FaceId f : paired_) {
-    const Face& face = faces_[f];
-    faceTravel_[f] += std::max({step_[face[0]], step_[face[1]], step_[face[2]]});
+  for (std::size_t n = 0; n < listed_.size(); ++n) {
+    watch_.setDue(listed_[n], slack_[n]);
+    if (slack_[n] == 0.0) failing_.push_back(listed_[n]);
   }
 }
 
 PairOutcome FacePairs::keepApart(const Truncation& now) {
   PairOutcome outcome;
-  if (pairs_.empty()) return outcome;
+  if (watch_.count() == 0) return outcome;
   const SubstepMotion& motion = now.motion;
-  follow(motion);
+  watch_.follow(motion);
+  watch_.listDue(listed_);
+  for (const std::uint32_t k : listed_) pairAt(k).isFixed = false;
   constexpr int kSlidingPasses = 12;
   constexpr int kMostPasses = 60;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    if (pass == 0)
-      findFailing(motion);
-    else
-      findFailingAgain(motion, now.truncated);
+    if (pass > 0) listAgain(now.truncated);
+    findFailing(motion);
     if (failing_.empty()) return outcome;
     outcome.changed = true;
     for (const std::uint32_t k : failing_) {
+      Pair& pair = pairAt(k);
       const bool maySlide = pass < kSlidingPasses;
-      if (maySlide && slide(pairs_[k], now)) continue;
-      if (!shorten(k, now)) ++outcome.unproven;
+      if (maySlide && slide(pair, now)) continue;
+      if (!shorten(pair, now)) ++outcome.unproven;
       // Where others may slide, what stays now may be moved again.
-      pairs_[k].isFixed = !maySlide;
+      pair.isFixed = !maySlide;
     }
   }
   stop(now);

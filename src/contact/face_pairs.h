@@ -1,18 +1,9 @@
 #pragma once
 /// \file Pairs of faces that are kept apart: the certificate that no two faces intersect.
 
-#include "cloth_sim/mesh/triangle_mesh.h"
-#include "material_tree.h"
+#include "pair_watch.h"
 
 namespace cloth_sim {
-
-/// A substep, in which each vertex moves on a straight line.
-struct SubstepMotion {
-  const std::vector<Vec3>& start;         ///< positions, by vertex [m]
-  std::vector<Vec3>& end;                 ///< the same at the end [m]
-  const std::vector<double>& mass;        ///< by vertex [kg]; 0: prescribed motion
-  const std::vector<VertexId>& vertices;  ///< those of all pairs at least, ascending
-};
 
 /// A substep whose motion may be shortened.
 struct Truncation {
@@ -44,7 +35,7 @@ class FacePairs {
   /// Tells whether a direction separates two faces, except for corners that they share.
   static bool areApart(const Face& a, const Face& b, const std::vector<Vec3>& x);
   void clear();
-  std::size_t count() const { return pairs_.size(); }
+  std::size_t count() const { return watch_.count(); }
 
   /// Changes the motion of vertices so that no pair touches or passes through itself, neither at
   /// the end of the substep nor on the way there.
@@ -63,53 +54,32 @@ class FacePairs {
   };
 
   static Pair pairOf(const Face& a, const Face& b);
+  Pair& pairAt(std::size_t k);
   static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
-  bool separates(std::size_t k, SubstepMotion motion);
-  void setDue(std::size_t k, double apart);
-  double travelOf(std::size_t k) const {
-    return faceTravel_[ids_[k].first] + faceTravel_[ids_[k].second];
-  }
-  void follow(const SubstepMotion& motion);
+  static double separationWithin(const Pair& pair, const SubstepMotion& motion);
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
-  static bool hasTruncated(const Pair& pair, const std::vector<std::uint8_t>& truncated);
-  bool mayFail(std::size_t k, const std::vector<std::uint8_t>& truncated) const;
-  void proveByBoxes(const SubstepMotion& motion);
-  void boxFaces(const SubstepMotion& motion);
+  void listAgain(const std::vector<std::uint8_t>& truncated);
   void findFailing(const SubstepMotion& motion);
-  void findFailingAgain(const SubstepMotion& motion, const std::vector<std::uint8_t>& truncated);
-  void listFailing();
-  bool isProven(std::size_t k, SubstepMotion motion);
+  static double slackOf(Pair& pair, const SubstepMotion& motion);
   static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
   static double rateOf(const Pair& pair);
   static Vec3 endDirection(Pair pair, const Vec3& before, const std::vector<Vec3>& end);
   bool slide(Pair& pair, const Truncation& now) const;
   static double shareOf(const Pair& pair, const std::vector<double>& mass);
-  bool shorten(std::size_t k, const Truncation& now);
+  bool shorten(Pair& pair, const Truncation& now) const;
   static void shortenAtShared(const Pair& pair, double apart, const Truncation& now);
   void shortenApart(const Pair& pair, const Truncation& now) const;
 
-  /// Pairs whose least `due_` is known.
-  static constexpr std::size_t kBlock = 128;
-
-  std::vector<Face> faces_;
-  std::vector<Pair> pairs_;
-  std::vector<FaceIds> ids_;            ///< by pair
-  std::vector<FaceId> paired_;          ///< faces of pairs
-  std::vector<std::uint8_t> isPaired_;  ///< by face
-  std::vector<double> due_;         ///< by pair: `travelOf` from which n is to be checked again [m]
-  std::vector<double> blockDue_;    ///< by block: `travel_` up to which no pair of it is due [m]
-  std::vector<double> step_;        ///< scratch: motion in the substep, by vertex [m]
-  std::vector<double> faceTravel_;  ///< sum over substeps of the farthest motion of a corner [m]
-  std::size_t known_ = 0;           ///< pairs that have been looked at
-  std::vector<QuickBox> corners_[2];      ///< scratch: by vertex, at the start and at the end
-  std::vector<QuickBox> boxes_[2];        ///< scratch: by face, at the start and at the end
-  std::vector<std::uint8_t> fails_;       ///< by pair: 1 if it is in `failing_`
-  std::vector<std::uint8_t> hasFailing_;  ///< scratch: by block
-  std::vector<std::uint32_t> failing_;    ///< pairs that are not proven, ascending
-  double least_ = 0.0;                    ///< see `assign` [m]
-  double travel_ = 0.0;                   ///< the most that `travelOf` has grown for any pair [m]
+  PairWatch watch_;
+  std::vector<std::int32_t> placeOf_;   ///< in `pairs_`, by pair; kNone for most
+  std::vector<Pair> pairs_;             ///< that were looked at
+  std::vector<std::uint32_t> listed_;   ///< scratch: pairs to look at, ascending
+  std::vector<std::uint8_t> isListed_;  ///< scratch: by pair
+  std::vector<double> slack_;           ///< scratch: see `slackOf`, in the order of `listed_` [m]
+  std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven, ascending
+  double least_ = 0.0;                  ///< see `assign` [m]
 };
 
 }  // namespace cloth_sim

@@ -1,0 +1,66 @@
+#pragma once
+/// \file Which pairs of faces have moved so far that they may touch.
+
+#include <array>
+#include <vector>
+
+#include "cloth_sim/mesh/triangle_mesh.h"
+#include "material_tree.h"
+
+namespace cloth_sim {
+
+/// A substep, in which each vertex moves on a straight line.
+struct SubstepMotion {
+  const std::vector<Vec3>& start;         ///< positions, by vertex [m]
+  std::vector<Vec3>& end;                 ///< the same at the end [m]
+  const std::vector<double>& mass;        ///< by vertex [kg]; 0: prescribed motion
+  const std::vector<VertexId>& vertices;  ///< those of all pairs at least, ascending
+};
+
+/// Keeps count of how far faces travel, and lists the pairs whose faces have travelled as far as
+/// they were apart. Motion that all vertices have in common does not count.
+class PairWatch {
+ public:
+  /// Starts with no pairs. \param faces  of the mesh.
+  void begin(const std::vector<Face>& faces);
+  /// Adds the pairs in `near` from number `first` on, which are due.
+  void append(const std::vector<FaceIds>& near, std::size_t first);
+  void clear();
+  std::size_t count() const { return ids_.size(); }
+  const FaceIds& ids(std::size_t k) const { return ids_[k]; }
+  const std::vector<Face>& faces() const { return faces_; }
+
+  /// Adds the motion of a substep.
+  void follow(const SubstepMotion& motion);
+  /// Lists the pairs that are due, ascending.
+  void listDue(std::vector<std::uint32_t>& pairs);
+  /// Says that a pair is due when its faces have travelled `slack` in sum from the end of this
+  /// substep on [m]; 0: in the next one again.
+  void setDue(std::size_t k, double slack);
+
+ private:
+  /// Pairs that have a bound in common.
+  static constexpr std::size_t kBlock = 128;
+
+  double travelOf(std::size_t k) const { return travel_[ids_[k].first] + travel_[ids_[k].second]; }
+  void boxFaces(const SubstepMotion& motion);
+  void proveByBoxes(const SubstepMotion& motion);
+
+  std::vector<Face> faces_;
+  std::vector<FaceIds> ids_;      ///< by pair
+  std::vector<double> due_;       ///< by pair: `travelOf` from which it is due [m]
+  std::vector<double> blockDue_;  ///< by block: `most_` up to which no pair of it is due [m]
+  std::vector<double> travel_;    ///< sum over substeps of the farthest motion of a corner [m]
+  double most_ = 0.0;             ///< the most that `travelOf` can have grown [m]
+  std::vector<FaceId> paired_;    ///< faces of pairs
+  std::vector<std::uint8_t> isPaired_;  ///< by face
+  std::size_t known_ = 0;               ///< pairs that boxes were tried on
+  std::vector<double> step_;            ///< scratch: motion in the substep, by vertex [m]
+  std::vector<std::uint8_t> isDue_;     ///< scratch: by pair of the blocks that were looked at
+  std::vector<std::uint32_t> blocks_;   ///< scratch: blocks with pairs that may be due
+  /// Scratch, at the start and at the end of the substep.
+  std::array<std::vector<QuickBox>, 2> corners_;  ///< by vertex
+  std::array<std::vector<QuickBox>, 2> boxes_;    ///< by face
+};
+
+}  // namespace cloth_sim
