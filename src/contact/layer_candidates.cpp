@@ -240,8 +240,20 @@ void LayerCandidates::findClosest(const SubstepMotion& motion) {
   findDue(edges_, 4.0 * farthest);
 }
 
-/// Appends the closest points of the candidates that are due; of edges, only points inside both:
-/// their ends are left to vertices and faces.
+/// Appends the closest points of a candidate; of edges, only points inside both: their ends are
+/// left to vertices and faces. \param at  its place in the block.
+template <typename Points>
+void LayerCandidates::addFound(const List& list, std::size_t k, const Points& points,
+                               std::size_t at) {
+  ClosestPoints closest;
+  closest.v = list.v[k];
+  for (std::size_t i = 0; i < 4; ++i) closest.weight[i] = points.weight[i][at];
+  closest.face = list.face.empty() ? kNone : list.face[k];
+  closest.apart = points.apart[at];
+  if (!closest.areEdges() || closest.areInside()) found_.push_back(closest);
+}
+
+/// Appends the closest points of the candidates that are due.
 void LayerCandidates::findDue(List& list, double farthest) {
   // The last group of lanes is filled up with the last candidate.
   const std::size_t count = list.due.size();
@@ -260,14 +272,7 @@ void LayerCandidates::findDue(List& list, double farthest) {
       findInBlockOfFaces(block, motion, points);
     }
     for (std::size_t k = first; k < last; ++k) {
-      const std::size_t at = k - first;
-      if (points.isDue[at] == 0) continue;
-      ClosestPoints closest;
-      closest.v = list.v[k];
-      for (std::size_t i = 0; i < 4; ++i) closest.weight[i] = points.weight[i][at];
-      closest.face = list.face.empty() ? kNone : list.face[k];
-      closest.apart = points.apart[at];
-      if (!closest.areEdges() || closest.areInside()) found_.push_back(closest);
+      if (points.isDue[k - first] != 0) addFound(list, k, points, k - first);
     }
   }
   list.v.resize(count);

@@ -62,9 +62,10 @@ class LayerCandidates {
   };
 
   void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
-  void measure(const SubstepMotion& motion);
   void findClosest(const SubstepMotion& motion);
   void findDue(List& list, double farthest);
+  template <typename Points>
+  void addFound(const List& list, std::size_t k, const Points& points, std::size_t at);
 
   std::vector<Face> corners_;                     ///< by face
   std::vector<double> halfThickness_;             ///< by vertex [m]

@@ -52,6 +52,7 @@ void LayerContacts::build(const Model& model, const std::vector<LayerProperties>
 void LayerContacts::clear() {
   candidates_.clear();
   contacts_.clear();
+  pushes_.clear();
   touching_.clear();
   active_ = 0;
 }
@@ -83,7 +84,6 @@ LayerContacts::Contact LayerContacts::contactAt(const ClosestPoints& closest,
   Contact contact;
   contact.v = closest.v;
   contact.weight = closest.weight;
-  contact.corners = closest.areEdges() ? 2 : 1;
   Vec3 apart = Vec3::Zero();
   Vec2 atRest = Vec2::Zero();
   for (int k = 0; k < 4; ++k) {
@@ -91,11 +91,9 @@ LayerContacts::Contact LayerContacts::contactAt(const ClosestPoints& closest,
     atRest += contact.weight[k] * material_[contact.v[k]];
   }
   contact.normal = apart / apart.norm();
-  const Layers layers = layersOf(contact);
-  contact.friction = layers.friction;
   const double share = closest.areEdges() ? kEdgeShare : 1.0;
   // Points that are near each other in the cloth laid flat are not pushed apart.
-  contact.distance = std::min(share * layers.thickness, 0.9 * atRest.norm());
+  contact.distance = std::min(share * layersOf(contact).thickness, 0.9 * atRest.norm());
   return contact;
 }
 
@@ -139,6 +137,7 @@ void LayerContacts::sortByVertex(const std::vector<Vec3>& x) {
 void LayerContacts::listContacts(const std::vector<Vec3>& x) {
   sortByVertex(x);
   contacts_.clear();
+  pushes_.clear();
   for (std::size_t first = 0; first < order_.size();) {
     const ClosestPoints& group = pointsAt(first);
     std::size_t last = first + 1;
@@ -150,6 +149,9 @@ void LayerContacts::listContacts(const std::vector<Vec3>& x) {
       const ClosestPoints& closest = pointsAt(k);
       if (isListed(first, k) || (!closest.areEdges() && !isClosestFace(first, last, k))) continue;
       contacts_.push_back(contactAt(closest, x));
+      pushes_.emplace_back();
+      pushes_.back().corners = closest.areEdges() ? 2 : 1;
+      pushes_.back().friction = layersOf(contacts_.back()).friction;
     }
     first = last;
   }
@@ -163,7 +165,7 @@ bool LayerContacts::isListed(std::size_t first, std::size_t at) const {
   return false;
 }
 
-void LayerContacts::project(SubstepMotion motion, double h) {
+void LayerContacts::project(const SubstepMotion& motion, double h) {
   active_ = 0;
   substep_ = h;
   if (candidates_.empty()) {
@@ -175,9 +177,9 @@ void LayerContacts::project(SubstepMotion motion, double h) {
     inverseMass_[v] = motion.mass[v] > 0.0 ? 1.0 / motion.mass[v] : 0.0;
   }
   findTouching(motion.end);
-  for (const std::uint32_t k : touching_) projectFreely(contacts_[k], motion, h);
+  for (const std::uint32_t k : touching_) projectFreely(k, motion, h);
   for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
-    if (projectFreely(contacts_[*k], motion, h)) ++active_;
+    if (projectFreely(*k, motion, h)) ++active_;
   }
 }
 
@@ -191,9 +193,7 @@ void LayerContacts::findTouching(const std::vector<Vec3>& x) {
               [&](std::int32_t first, std::int32_t last) {
                 for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                      ++k) {
-                  Contact& contact = contacts_[k];
-                  contact.load = 0.0;
-                  contact.drag.setZero();
+                  const Contact& contact = contacts_[k];
                   Vec3 apart = Vec3::Zero();
                   for (int i = 0; i < 4; ++i) apart += contact.weight[i] * x[contact.v[i]];
                   isTouching_[k] = contact.normal.dot(apart) < kSlack * contact.distance ? 1 : 0;
@@ -201,23 +201,25 @@ void LayerContacts::findTouching(const std::vector<Vec3>& x) {
               });
   touching_.clear();
   for (std::size_t k = 0; k < isTouching_.size(); ++k) {
-    if (isTouching_[k] != 0) touching_.push_back(static_cast<std::uint32_t>(k));
+    if (isTouching_[k] == 0) continue;
+    touching_.push_back(static_cast<std::uint32_t>(k));
+    pushes_[k].load = 0.0;
+    pushes_[k].drag.setZero();
   }
 }
 
-void LayerContacts::settle(SubstepMotion motion, double h, std::vector<std::uint8_t>& supported) {
+void LayerContacts::settle(const SubstepMotion& motion, double h,
+                           std::vector<std::uint8_t>& supported) {
   pending_ = touching_;
   const auto isSettled = [&](std::uint32_t k) {
-    const Contact& contact = contacts_[k];
-    return isSupported(contact, 0, contact.corners, supported) &&
-           isSupported(contact, contact.corners, 4, supported);
+    return isSideSupported(k, true, supported) && isSideSupported(k, false, supported);
   };
   constexpr int kMostLevels = 32;
   for (int level = 0; level < kMostLevels; ++level) {
     raised_.clear();
-    for (const std::uint32_t k : pending_) settleOne(contacts_[k], motion, h, supported);
+    for (const std::uint32_t k : pending_) settleOne(k, motion, h, supported);
     for (auto k = pending_.rbegin(); k != pending_.rend(); ++k) {
-      settleOne(contacts_[*k], motion, h, supported);
+      settleOne(*k, motion, h, supported);
     }
     if (raised_.empty()) return;
     for (const VertexId v : raised_) supported[v] = 1;
@@ -225,22 +227,26 @@ void LayerContacts::settle(SubstepMotion motion, double h, std::vector<std::uint
   }
 }
 
-/// Tells whether the vertices [first, last) of a contact that take part in it are supported.
-bool LayerContacts::isSupported(const Contact& contact, int first, int last,
-                                const std::vector<std::uint8_t>& supported) {
-  for (int k = first; k < last; ++k) {
-    if (contact.weight[k] != 0.0 && supported[contact.v[k]] == 0) return false;
+/// Tells whether all vertices that take part on a side of a contact are supported.
+bool LayerContacts::isSideSupported(std::size_t k, bool first,
+                                    const std::vector<std::uint8_t>& supported) const {
+  const Contact& contact = contacts_[k];
+  const int corners = pushes_[k].corners;
+  for (int i = first ? 0 : corners; i < (first ? corners : 4); ++i) {
+    if (contact.weight[i] != 0.0 && supported[contact.v[i]] == 0) return false;
   }
   return true;
 }
 
 /// Projects a contact with one side that is supported and another that is not.
-void LayerContacts::settleOne(Contact& contact, SubstepMotion motion, double h,
+void LayerContacts::settleOne(std::size_t number, const SubstepMotion& motion, double h,
                               const std::vector<std::uint8_t>& supported) {
-  const bool first = isSupported(contact, 0, contact.corners, supported);
-  if (first == isSupported(contact, contact.corners, 4, supported)) return;
-  const int begin = first ? contact.corners : 0;
-  const int end = first ? 4 : contact.corners;
+  const bool first = isSideSupported(number, true, supported);
+  if (first == isSideSupported(number, false, supported)) return;
+  const Contact& contact = contacts_[number];
+  const int corners = pushes_[number].corners;
+  const int begin = first ? corners : 0;
+  const int end = first ? 4 : corners;
   // The mobility is that of the whole side, also where a part of it is supported: the rest would
   // be thrown far to make up for it.
   std::array<double, 4> share{};
@@ -250,19 +256,20 @@ void LayerContacts::settleOne(Contact& contact, SubstepMotion motion, double h,
     mobility += contact.weight[k] * w;
     if (supported[contact.v[k]] == 0) share[k] = w;
   }
-  if (!projectOne(contact, motion, share, mobility, h)) return;
+  if (!projectOne(number, motion, share, mobility, h)) return;
   for (int k = begin; k < end; ++k) raised_.push_back(contact.v[k]);
 }
 
 /// Projects a contact that moves all its vertices.
-bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion, double h) const {
+bool LayerContacts::projectFreely(std::size_t number, const SubstepMotion& motion, double h) {
+  const Contact& contact = contacts_[number];
   std::array<double, 4> share{};
   double mobility = 0.0;
   for (int k = 0; k < 4; ++k) {
     share[k] = contact.weight[k] * inverseMass_[contact.v[k]];
     mobility += contact.weight[k] * share[k];
   }
-  return projectOne(contact, motion, share, mobility, h);
+  return projectOne(number, motion, share, mobility, h);
 }
 
 /// Pushes the sides of a contact apart, or lets them come nearer by what it pushed before, and
@@ -270,32 +277,34 @@ bool LayerContacts::projectFreely(Contact& contact, SubstepMotion motion, double
 /// \param share     displacement of each vertex per load [1/kg].
 /// \param mobility  displacement of the sides against each other per load [1/kg].
 /// \return whether it carries load.
-bool LayerContacts::projectOne(Contact& contact, SubstepMotion motion,
+bool LayerContacts::projectOne(std::size_t number, const SubstepMotion& motion,
                                const std::array<double, 4>& share, double mobility, double h) {
+  const Contact& contact = contacts_[number];
+  Push& push = pushes_[number];
   const std::array<VertexId, 4>& v = contact.v;
   const std::array<double, 4>& w = contact.weight;
   const Vec3& n = contact.normal;
   Vec3 after = Vec3::Zero();
   for (int k = 0; k < 4; ++k) after += w[k] * motion.end[v[k]];
   const double gap = n.dot(after);
-  if (gap >= contact.distance && contact.load == 0.0) return false;
-  if (!(mobility > 0.0)) return contact.load > 0.0;
+  if (gap >= contact.distance && push.load == 0.0) return false;
+  if (!(mobility > 0.0)) return push.load > 0.0;
   for (const double displacement : share) {
     mobility = std::max(mobility, std::abs(displacement) / kFarthestPush);
   }
   Vec3 before = Vec3::Zero();
   for (int k = 0; k < 4; ++k) before += w[k] * motion.start[v[k]];
   const double aim = std::min(contact.distance, n.dot(before) + kPartingSpeed * h);
-  const double load = std::max(0.0, contact.load + (aim - gap) / mobility);
+  const double load = std::max(0.0, push.load + (aim - gap) / mobility);
   Vec3 slip = after - before;
   slip -= n.dot(slip) * n;
-  Vec3 drag = contact.drag - slip / mobility;
+  Vec3 drag = push.drag - slip / mobility;
   drag -= n.dot(drag) * n;
-  const double bound = contact.friction * load;
+  const double bound = push.friction * load;
   if (drag.squaredNorm() > bound * bound) drag *= bound / drag.norm();
-  const Vec3 move = (load - contact.load) * n + drag - contact.drag;
-  contact.load = load;
-  contact.drag = drag;
+  const Vec3 move = (load - push.load) * n + drag - push.drag;
+  push.load = load;
+  push.drag = drag;
   for (int k = 0; k < 4; ++k) motion.end[v[k]] += share[k] * move;
   return load > 0.0;
 }
@@ -310,7 +319,7 @@ bool LayerContacts::isBetweenLayers(const Contact& contact) const {
 std::vector<std::uint32_t> LayerContacts::loaded() const {
   std::vector<std::uint32_t> numbers;
   for (const std::uint32_t k : touching_) {
-    if (contacts_[k].load > 0.0) numbers.push_back(k);
+    if (pushes_[k].load > 0.0) numbers.push_back(k);
   }
   return numbers;
 }
@@ -332,12 +341,13 @@ std::vector<LayerContactPoint> LayerContacts::loadedPoints(const std::vector<Vec
   const std::vector<std::uint32_t> all = loaded();
   std::vector<LayerContactPoint> points(std::min(all.size(), most));
   for (std::size_t n = 0; n < points.size(); ++n) {
-    const Contact& contact = contacts_[all[n * all.size() / points.size()]];
+    const std::uint32_t k = all[n * all.size() / points.size()];
+    const Contact& contact = contacts_[k];
     LayerContactPoint& point = points[n];
     // The weights of either side add up to 1 or -1.
     for (int i = 0; i < 4; ++i) point.place += 0.5 * std::abs(contact.weight[i]) * x[contact.v[i]];
     point.normal = contact.normal;
-    point.force = contact.load / (substep_ * substep_);
+    point.force = pushes_[k].load / (substep_ * substep_);
   }
   return points;
 }

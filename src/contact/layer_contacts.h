@@ -32,13 +32,13 @@ class LayerContacts {
   void extend(const std::vector<FaceIds>& near, std::size_t known, const Renewed& moved,
               const std::vector<QuickBox>& boxes);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
-  void project(SubstepMotion motion, double h);
+  void project(const SubstepMotion& motion, double h);
   /// Takes up what is left of the load, layer by layer away from what supports the cloth, with
   /// layers that are supported at rest (shock propagation: Guendelman et al. 2003). Without it a
   /// stack sinks into itself and creeps on slopes, because sweeps carry a load by one layer each.
   /// \param supported  by vertex: 1 if an obstacle or a holder has stopped it; vertices above are
   ///     added.
-  void settle(SubstepMotion motion, double h, std::vector<std::uint8_t>& supported);
+  void settle(const SubstepMotion& motion, double h, std::vector<std::uint8_t>& supported);
 
   /// Contacts that were too near in the last substep.
   int active() const { return active_; }
@@ -56,8 +56,11 @@ class LayerContacts {
     std::array<double, 4> weight{};
     Vec3 normal = Vec3::Zero();
     double distance = 0.0;  ///< to keep along the normal [m]
-    double friction = 0.0;
+  };
+  /// The rest of a contact, which is read only where it touches.
+  struct Push {
     std::int32_t corners = 0;  ///< vertices on the first side: 1 or 2
+    double friction = 0.0;     ///< Coulomb coefficient [-]
     double load = 0.0;  ///< sum of pushes in this substep, mass times displacement [kg m], >= 0
     Vec3 drag = Vec3::Zero();  ///< sum of friction in this substep [kg m]
   };
@@ -69,12 +72,11 @@ class LayerContacts {
   void findTouching(const std::vector<Vec3>& x);
   bool isListed(std::size_t first, std::size_t at) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
-  bool projectFreely(Contact& contact, SubstepMotion motion, double h) const;
-  static bool projectOne(Contact& contact, SubstepMotion motion, const std::array<double, 4>& share,
-                         double mobility, double h);
-  static bool isSupported(const Contact& contact, int first, int last,
-                          const std::vector<std::uint8_t>& supported);
-  void settleOne(Contact& contact, SubstepMotion motion, double h,
+  bool projectFreely(std::size_t k, const SubstepMotion& motion, double h);
+  bool projectOne(std::size_t k, const SubstepMotion& motion, const std::array<double, 4>& share,
+                  double mobility, double h);
+  bool isSideSupported(std::size_t k, bool first, const std::vector<std::uint8_t>& supported) const;
+  void settleOne(std::size_t k, const SubstepMotion& motion, double h,
                  const std::vector<std::uint8_t>& supported);
   Layers layersOf(const Contact& contact) const;
   bool isBetweenLayers(const Contact& contact) const;
@@ -90,6 +92,7 @@ class LayerContacts {
   std::vector<std::uint32_t> order_;  ///< scratch: of closest points: faces by vertex, then edges
   std::vector<std::uint32_t> first_;  ///< scratch: by vertex of faces, and of edges
   std::vector<Contact> contacts_;
+  std::vector<Push> pushes_;              ///< by contact
   std::vector<std::uint8_t> isTouching_;  ///< by contact: 1 if listed in touching_
   std::vector<std::uint32_t> touching_;   ///< contacts of the substep, ascending
   std::vector<std::uint32_t> pending_;    ///< scratch: contacts that wait for support
