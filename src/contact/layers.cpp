@@ -122,7 +122,8 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
   LayerOverlap overlap;
   for (const FaceIds& ids : near_) {
     if (FacePairs::areApart(faces_[ids.first], faces_[ids.second], x)) continue;
-    if (overlap.pairs++ > 0) continue;
+    overlap.pairs.push_back({ids.first, ids.second});
+    if (overlap.pairs.size() > 1) continue;
     for (const FaceId f : {ids.first, ids.second}) {
       for (const VertexId v : faces_[f]) overlap.place += x[v] / 6.0;
     }

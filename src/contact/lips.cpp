@@ -111,7 +111,7 @@ bool partLips(const MeshChanges& changes, const TriangleMesh& mesh, LayerContact
   // Less than a tenth would be near what the certificate can resolve.
   for (const double scale : {1.0, 0.1}) {
     for (const auto& [v, by] : moves) state.x[v] = before[v] + scale * by;
-    if (layers.findOverlap(state.x.values()).pairs == 0) return true;
+    if (layers.findOverlap(state.x.values()).pairs.empty()) return true;
   }
   return false;
 }

@@ -31,6 +31,13 @@ std::string readFile(const std::string& path) {
   }
 }
 
+const Section<Scene> kContactSection{
+    "`contact`", {{"start", [](const SceneNode& value, Scene& scene) {
+                     scene.startContact =
+                         value.choice<StartContact>({{"refuse", StartContact::kRefuse},
+                                                     {"untangle", StartContact::kUntangle}});
+                   }}}};
+
 /// Keys of the top level, in the order of reading: clamps refer to cloths, and phases to all keys
 /// before them.
 const Section<Scene> kSceneSection{
@@ -42,6 +49,7 @@ const Section<Scene> kSceneSection{
      {"drag", &Scene::drag, kNotNegative},
      {"quasi_static", &Scene::quasiStatic},
      {"self_contact", &Scene::selfContact},
+     {"contact", [](const SceneNode& value, Scene& scene) { kContactSection.read(value, scene); }},
      {"layer_friction", &Scene::layerFriction, kNotNegative},
      {"obstacles",
       [](const SceneNode& value, Scene& scene) { readObstacles(value, scene.obstacles); }},
@@ -146,7 +154,11 @@ void checkBendFriction(const SceneNode& root, const Scene& scene) {
 
 /// Refuses contact between layers with a method that cannot hold them apart.
 void checkLayers(const SceneNode& root, const Scene& scene) {
-  if (!scene.selfContact) return;
+  if (!scene.selfContact) {
+    const auto contact = root.find("contact");
+    if (contact && contact->has("start")) contact->refuse("expected self_contact: true beside it");
+    return;
+  }
   try {
     checkLayers(findSolver(scene.solver.method));
   } catch (const std::invalid_argument& error) {
@@ -223,7 +235,7 @@ std::string textOf(const Scene& scene, YamlValue tree) {
 }  // namespace
 
 std::vector<KeyTable> sceneKeys() {
-  std::vector<KeyTable> tables{kSceneSection.keys()};
+  std::vector<KeyTable> tables{kSceneSection.keys(), kContactSection.keys()};
   for (const auto list : {listCommonKeys, listClothKeys, listSurgeryKeys, listSolverKeys,
                           listObstacleKeys, listClampKeys, listTearingKeys, listPhaseKeys}) {
     list(tables);

@@ -4,6 +4,8 @@
 #include <stdexcept>
 
 #include "cloth_sim/scene/build.h"
+#include "contact/untangle.h"
+#include "mesh/quality.h"
 
 namespace cloth_sim {
 namespace {
@@ -12,6 +14,10 @@ namespace {
 constexpr std::size_t kThickLayer = 100;
 /// Number of the warning about obstacles that are nearly closed.
 constexpr std::size_t kNearlyClosed = 101;
+/// Number of the warning about cloth that was opened up.
+constexpr std::size_t kOpenedUp = 102;
+/// Most motion of a vertex in a pass that opens cloth up, over the shortest edge [-].
+constexpr double kUntangleStep = 0.1;
 
 /// Warns of obstacles whose surface is nearly closed.
 void checkSurfaces(SimulationParts& parts) {
@@ -23,19 +29,52 @@ void checkSurfaces(SimulationParts& parts) {
   }
 }
 
-/// Refuses a method that cannot hold layers apart and cloth that touches itself at the start, and
-/// warns of cloth that is too thick for its mesh.
-void prepareLayers(SimulationParts& parts) {
-  checkLayers(findSolver(parts.scene.solver.method));
-  const LayerOverlap overlap = parts.layers->findOverlap(parts.state.x.values());
-  if (overlap.pairs > 0) {
-    std::ostringstream text;
-    text << "self_contact: the cloth touches or intersects itself at the start, in "
-         << overlap.pairs << (overlap.pairs == 1 ? " pair" : " pairs")
-         << " of faces, the first at (" << overlap.place.x() << ", " << overlap.place.y() << ", "
-         << overlap.place.z() << ")";
-    throw std::invalid_argument(text.str());
+std::string pairsText(std::size_t pairs) {
+  return std::to_string(pairs) + (pairs == 1 ? " pair" : " pairs") + " of faces";
+}
+
+/// Opens up cloth that touches or intersects itself.
+Untangled openUp(const Scene& scene, const Model& model, LayerContact& layers, State& state) {
+  UntangleOptions options;
+  options.step = kUntangleStep * shortestEdge(model.mesh);
+  options.isHeld.assign(state.x.values().size(), 0);
+  for (const KinematicTarget& pin : pinTargets(scene.cloths, model, state)) {
+    options.isHeld[pin.vertex] = 1;
   }
+  std::vector<Vec3> x = state.x.values();
+  const auto overlap = [&](const std::vector<Vec3>& at) { return layers.findOverlap(at).pairs; };
+  const Untangled result = untangle(model.mesh, options, overlap, x);
+  for (VertexId v = 0; v < model.particleCount(); ++v) state.x[v] = x[v];
+  return result;
+}
+
+/// Returns the state at the start. Cloth that touches or intersects itself is opened up, with a
+/// warning, if the scene asks for that; otherwise it is refused.
+State startState(const Scene& scene, const Model& model, LayerContact* layers,
+                 std::vector<ResultWarning>& warnings) {
+  State state = initialState(scene.cloths, model, scene.seed);
+  if (layers == nullptr) return state;
+  checkLayers(findSolver(scene.solver.method));
+  const LayerOverlap overlap = layers->findOverlap(state.x.values());
+  if (overlap.pairs.empty()) return state;
+  std::ostringstream text;
+  text << "self_contact: the cloth touches or intersects itself at the start, in "
+       << pairsText(overlap.pairs.size()) << ", the first at (" << overlap.place.x() << ", "
+       << overlap.place.y() << ", " << overlap.place.z() << ")";
+  if (scene.startContact == StartContact::kUntangle) {
+    const Untangled result = openUp(scene, model, *layers, state);
+    if (result.left == 0) {
+      text << "; it was opened up, by moving particles by up to " << result.farthest << " m";
+      warnings.push_back({kOpenedUp, text.str()});
+      return state;
+    }
+    text << "; `untangle` leaves " << pairsText(static_cast<std::size_t>(result.left));
+  }
+  throw std::invalid_argument(text.str());
+}
+
+/// Warns of cloth that is too thick for its mesh.
+void checkThickness(SimulationParts& parts) {
   const double most = thickestLayer(parts.model);
   for (const ClothSpec& cloth : parts.scene.cloths) {
     if (cloth.fabric.thickness <= most) continue;
@@ -51,10 +90,10 @@ void prepareLayers(SimulationParts& parts) {
 SimulationParts::SimulationParts(Scene loaded)
     : scene(std::move(loaded)),
       model(buildModel(scene.cloths)),
-      state(initialState(scene.cloths, model, scene.seed)),
+      layers(buildLayers(scene, model)),
+      state(startState(scene, model, layers.get(), sceneWarnings)),
       holders(pinTargets(scene.cloths, model, state), scene.clamps),
       obstacles(buildColliders(scene)),
-      layers(buildLayers(scene, model)),
       solver(scene.solver, model, state),
       surgery(scene.surgery, scene.tearing, model),
       script(scene.phases),
@@ -66,7 +105,7 @@ SimulationParts::SimulationParts(Scene loaded)
   controls.quasiStatic = scene.quasiStatic;
   controls.wind = scene.wind;
   if (!scene.tearing.energy.empty()) checkTearEnergy(findSolver(scene.solver.method));
-  if (layers) prepareLayers(*this);
+  if (layers) checkThickness(*this);
   checkSurfaces(*this);
 }
 

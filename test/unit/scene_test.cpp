@@ -476,14 +476,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadScene{"",
                  "s.yaml: expected a map with keys from cloth, solver, gravity, wind, drag, "
-                 "quasi_static, self_contact, layer_friction, "
-                 "obstacles, clamps and 3 more (got nothing)"},
+                 "quasi_static, self_contact, contact, layer_friction, "
+                 "obstacles and 4 more (got nothing)"},
         BadScene{"seed: 1", "s.yaml:1: cloth: missing, expected a map"},
         BadScene{
             CLOTH "clots: 1",
             "s.yaml:2: clots: unknown key, did you mean 'cloth'? expected one of cloth, "
-            "solver, gravity, wind, drag, quasi_static, self_contact, layer_friction, obstacles, "
-            "clamps and 3 more"},
+            "solver, gravity, wind, drag, quasi_static, self_contact, contact, layer_friction, "
+            "obstacles and 4 more"},
         BadScene{CLOTH "seed: 1\nseed: 2", "s.yaml:3: key 'seed' stands twice in the same map"},
         BadScene{CLOTH "---\n" CLOTH,
                  "s.yaml: expected one YAML document (got more after its end)"},
@@ -521,6 +521,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{CLOTH "wind: 3",
                  "s.yaml:2: wind: expected a map with keys from velocity, density, "
                  "drag_coefficient (got 3)"},
+        BadScene{CLOTH "contact: {start: untangle}",
+                 "s.yaml:2: contact: expected self_contact: true beside it"},
+        BadScene{CLOTH "self_contact: true\ncontact: {start: open}",
+                 "s.yaml:3: contact.start: expected one of refuse, untangle (got 'open')"},
+        BadScene{CLOTH "self_contact: true\ncontact: {begin: untangle}",
+                 "s.yaml:3: contact.begin: unknown key, expected one of start"},
         BadScene{CLOTH "solver: {dt: 0}",
                  "s.yaml:2: solver.dt: expected a number > 0 and <= 1 (got 0)"}));
 

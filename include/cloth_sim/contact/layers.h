@@ -1,6 +1,7 @@
 #pragma once
 /// \file Contact between layers of cloth: of one cloth with itself, and of several cloths.
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -47,7 +48,7 @@ struct LayerContactPoint {
 
 /// Faces that touch or intersect each other.
 struct LayerOverlap {
-  int pairs = 0;              ///< of faces
+  std::vector<std::array<FaceId, 2>> pairs;
   Vec3 place = Vec3::Zero();  ///< of the first of them [m]
 };
 

@@ -150,6 +150,12 @@ struct PhaseSpec {
   OnTimeout onTimeout = OnTimeout::kFail;
 };
 
+/// What is done with cloth that touches or intersects itself at the start.
+enum class StartContact {
+  kRefuse,   ///< the scene is not loaded
+  kUntangle  ///< it is opened up
+};
+
 /// Everything that defines a simulation.
 struct Scene {
   std::string name;  ///< file name without folder and extension
@@ -161,7 +167,8 @@ struct Scene {
   double drag = 0.0;         ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
   bool quasiStatic = false;  ///< accelerations are negligible: methods may add inertia
   std::optional<Wind> wind;
-  bool selfContact = false;             ///< layers of cloth touch each other
+  bool selfContact = false;                           ///< layers of cloth touch each other
+  StartContact startContact = StartContact::kRefuse;  ///< with `selfContact`
   std::optional<double> layerFriction;  ///< between layers [-], >= 0; absent: the fabrics'
   std::vector<Obstacle> obstacles;
   std::vector<ClampSpec> clamps;

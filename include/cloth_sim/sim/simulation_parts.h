@@ -14,23 +14,23 @@ struct SimulationParts {
   /// \throws std::invalid_argument if the scene contradicts itself.
   explicit SimulationParts(Scene scene);
 
-  Scene scene;        ///< as it was loaded
-  Model model;        ///< mesh, springs and masses of all cloths
-  State state;        ///< positions, velocities, time
-  Controls controls;  ///< gravity, air, and what holders do in the step
+  Scene scene;                               ///< as it was loaded
+  Model model;                               ///< mesh, springs and masses of all cloths
+  std::vector<ResultWarning> sceneWarnings;  ///< about the scene as it was loaded
+  std::unique_ptr<LayerContact> layers;      ///< null if layers of cloth do not touch
+  State state;                               ///< positions, velocities, time
+  Controls controls;                         ///< gravity, air, and what holders do in the step
   Holders holders;
   Obstacles obstacles;
-  std::unique_ptr<LayerContact> layers;  ///< null if layers of cloth do not touch
   GuardedSolver solver;
   Surgery surgery;
   PhaseScript script;
   Sleep sleep;
   Measurements measurements;
   ResultWatch watch;
-  std::vector<ResultWarning> sceneWarnings;  ///< about the scene as it was loaded
-  std::uint64_t stepCount = 0;               ///< steps since the start or the last reset
-  std::string failure;                       ///< why the simulation stopped; "" while it goes on
-  std::uint64_t startHash = 0;               ///< stateHash before the first step
+  std::uint64_t stepCount = 0;  ///< steps since the start or the last reset
+  std::string failure;          ///< why the simulation stopped; "" while it goes on
+  std::uint64_t startHash = 0;  ///< stateHash before the first step
 
   double dt() const { return scene.solver.dt; }  ///< length of a step [s]
   double time() const { return state.t; }        ///< [s]
