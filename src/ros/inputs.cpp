@@ -7,7 +7,8 @@ namespace cloth_sim {
 Inputs::Inputs(ros::NodeHandle& privateNode, const RequestChecker& checker,
                SimulationThread& simulation)
     : checker_(checker), simulation_(simulation) {
-  subscribers_.push_back(privateNode.subscribe("cut_stroke", 10, &Inputs::onCutStroke, this));
+  // Strokes come in pieces, and where one is lost the cloth holds together.
+  subscribers_.push_back(privateNode.subscribe("cut_stroke", 1000, &Inputs::onCutStroke, this));
   // A ray replaces the one before, but no release may be lost: so a few may wait.
   subscribers_.push_back(privateNode.subscribe("drag", 10, &Inputs::onDrag, this));
   subscribers_.push_back(privateNode.subscribe("phase_command", 10, &Inputs::onPhase, this));

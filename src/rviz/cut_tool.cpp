@@ -19,7 +19,7 @@ constexpr int kPointSpacing = 3;           ///< least distance between points of
 constexpr std::size_t kMostPoints = 4096;  ///< of a stroke
 constexpr double kPieceLength = 15.0;      ///< from which a piece of a stroke is sent [px]
 constexpr std::chrono::milliseconds kPieceTime{100};  ///< after which a piece is sent
-constexpr std::uint32_t kQueueLength = 100;           ///< of pieces that are waiting to be sent
+constexpr std::uint32_t kQueueLength = 1000;          ///< of pieces that are waiting to be sent
 constexpr float kLineAt = 1.0f;     ///< distance of the drawn stroke from the camera [m]
 constexpr double kLineWidth = 3.0;  ///< [px]
 constexpr float kNearest = 0.02f;   ///< distance of the blade's heel from the camera [m]
