@@ -12,7 +12,8 @@ packages first. rviz draws in software here, so the run is slow.
   --scene FILE   scene file, or the name of one in config/scenes (default: tear_seam)
   --at WHEN      e.g. --at settle --at pull_and_tear+2.0 (default: settle, lift, pull_and_tear+2);
                  of a scene without phases: --at +2.0
-  --out DIR      folder of the pictures rviz_<phase>.png (default: the current folder)
+  --out DIR      folder of the pictures rviz_<phase>.png, or rviz_<phase>+<seconds>.png where there
+                 are several of a phase (default: the current folder)
   --size WxH     size of the screen in pixels (default: 1600x1000; at least 1440x940, for the window)
   --speed F      simulated time over wall time (default: 0.5)
   -h, --help     this text

@@ -76,7 +76,9 @@ def main():
         wait(lambda: watcher.reached(phase, float(later or 0)), deadline, moment)
         pause(True)
         time.sleep(1.5)  # until rviz has drawn the newest frame
-        path = f'{args.out}/rviz_{phase or "start"}.png'
+        # The name of the phase alone, unless there are several pictures of it.
+        several = [m.partition('+')[0] for m in args.moments].count(phase) > 1
+        path = f'{args.out}/rviz_{(moment if several else phase) or "start"}.png'
         subprocess.run(['import', '-silent', '-window', 'root', '-trim', '+repage', path],
                        check=True)
         print(f'== wrote {path} (t = {watcher.state.time:.2f} s)', flush=True)
