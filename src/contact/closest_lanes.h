@@ -40,7 +40,7 @@ struct Lanes3 {
 /// Closest points of four pairs of shapes with four corners together.
 struct ClosestLanes {
   Lanes weight[4];  ///< of the corners: their sum points from the second to the first
-  Lanes square;                 ///< of the distance [m^2]
+  Lanes square;     ///< of the distance [m^2]
 };
 
 /// Closest points of segments p[0] p[1] and p[2] p[3] (Ericson 2005, Real-Time Collision Detection,

@@ -433,6 +433,7 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
 }
 
 void FacePairs::stop(const Truncation& now) {
+  watch_.setAllDue();
   for (const VertexId v : now.motion.vertices) {
     if (now.motion.end[v] != now.motion.start[v]) moveBack(v, 0.0, now);
   }

@@ -41,7 +41,7 @@ class FacePairs {
   /// the end of the substep nor on the way there.
   PairOutcome keepApart(const Truncation& now);
   /// Takes all motion back.
-  static void stop(const Truncation& now);
+  void stop(const Truncation& now);
 
  private:
   /// The corners of a pair; those that both faces share come last, in the same order.

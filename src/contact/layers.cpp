@@ -378,7 +378,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
 /// Takes all motion of the substep back.
 void LayerContact::Impl::stop(const ParticleView& particles) {
   loadAll(particles);
-  FacePairs::stop({motion(), truncated_});
+  pairs_.stop({motion(), truncated_});
   store(particles);
 }
 

@@ -163,6 +163,11 @@ void PairWatch::listDue(std::vector<std::uint32_t>& pairs) {
   }
 }
 
+void PairWatch::setAllDue() {
+  std::fill(due_.begin(), due_.end(), 0.0);
+  std::fill(blockDue_.begin(), blockDue_.end(), 0.0);
+}
+
 void PairWatch::setDue(std::size_t k, double slack) {
   due_[k] = travelOf(k) + slack;
   blockDue_[k / kBlock] = std::min(blockDue_[k / kBlock], most_ + slack);

@@ -37,6 +37,8 @@ class PairWatch {
   /// Says that a pair is due when its faces have travelled `slack` in sum from the end of this
   /// substep on [m]; 0: in the next one again.
   void setDue(std::size_t k, double slack);
+  /// Makes all pairs due, where motion was taken back that they were looked at with.
+  void setAllDue();
 
  private:
   /// Pairs that have a bound in common.

@@ -156,6 +156,32 @@ TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
   EXPECT_LT(changed, 1500);
 }
 
+/// Faces that would part far, but whose motion is taken back, have not parted.
+TEST_P(Certificate, MotionThatIsTakenBackDoesNotCount) {
+  RandomPoints random(8);
+  const std::vector<VertexId> all{0, 1, 2, 3, 4, 5};
+  const std::vector<double> mass(6, 1.0);
+  int changed = 0;
+  for (int k = 0; k < 300; ++k) {
+    MovingPair pair = movingPair(GetParam(), random);
+    FacePairs pairs;
+    pairs.assign({{0, 1}}, {pair.a, pair.b}, 0.01);
+    std::vector<std::uint8_t> truncated(6, 0);
+    const std::vector<Vec3> wanted = pair.end;
+    Vec3 fromBToA = Vec3::Zero();
+    for (int v = 0; v < 3; ++v) fromBToA += pair.start[pair.a[v]] - pair.start[pair.b[v]];
+    pair.end = pair.start;
+    for (int v = GetParam(); v < 3; ++v) pair.end[pair.a[v]] += 100.0 * fromBToA.normalized();
+    pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
+    pairs.stop({{pair.start, pair.end, mass, all}, truncated});
+    EXPECT_EQ(pair.end, pair.start);
+    pair.end = wanted;
+    changed += pairs.keepApart({{pair.start, pair.end, mass, all}, truncated}).changed ? 1 : 0;
+    ASSERT_FALSE(meet(pair.a, pair.b, pair.end)) << k;
+  }
+  EXPECT_GT(changed, 20);
+}
+
 /// Corners that are held and pressed together for many substeps, and are then carried on. Without a
 /// least distance they approach by a part of what is left in each substep, until round-off hides
 /// the direction between them, and the pair stays where it is for ever.
