@@ -9,7 +9,7 @@ import numpy
 from polling import wait_until  # of test/ros
 
 WIDTH, HEIGHT = 1000, 800
-RVIZ_NODE = 'rviz'  # name of its node
+RVIZ_NODE = 'viewer'  # name of its node; the test's own is 'rviz'
 NEEDED = {'Xvfb': 'xvfb', 'xdotool': 'xdotool', 'import': 'imagemagick', 'rviz': 'rviz'}
 
 
