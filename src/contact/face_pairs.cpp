@@ -8,8 +8,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Distance that counts as apart [m]: far above round-off, far below the thickness of cloth.
-constexpr double kApart = 1e-8;
 /// Distance to which sliding parts two faces that are nearer [m], and from which on faces with a
 /// common corner stay where they are if it cannot: they would lose a part of what is left in each
 /// substep, until round-off hides the direction between them.
@@ -75,7 +73,8 @@ void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now)
 void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces,
                        double least) {
   least_ = least;
-  clear();
+  pairs_.clear();
+  placeOf_.clear();
   watch_.begin(faces);
   append(near, 0);
 }

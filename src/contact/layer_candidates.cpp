@@ -105,9 +105,7 @@ void findInBlockOfFaces(const CandidateBlock& block, const CandidateMotion& moti
 /// Motion that vertices have in common, which brings nothing together [m]: their mean, or none if
 /// most are at rest.
 Vec3 commonMotion(const SubstepMotion& motion) {
-  Vec3 mean = Vec3::Zero();
-  for (const VertexId v : motion.vertices) mean += motion.end[v] - motion.start[v];
-  mean /= static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
+  const Vec3 mean = meanMotion(motion);
   double toMean = 0.0;
   double toRest = 0.0;
   for (const VertexId v : motion.vertices) {

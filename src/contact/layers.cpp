@@ -54,7 +54,7 @@ class LayerContact::Impl {
   void loadAll(const ParticleView& particles);
   void loadEnd(const ParticleView& particles);
   void store(const ParticleView& particles) const;
-  double farthestMotion() const;
+  double farthestMotion();
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
   SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
@@ -180,10 +180,8 @@ void LayerContact::Impl::store(const ParticleView& particles) const {
 
 /// The largest motion of a loaded vertex in the substep, against the mean of them [m]; NaN if one
 /// is.
-double LayerContact::Impl::farthestMotion() const {
-  Vec3 common = Vec3::Zero();
-  for (const VertexId v : vertices_) common += end_[v] - start_[v];
-  common /= static_cast<double>(std::max<std::size_t>(1, vertices_.size()));
+double LayerContact::Impl::farthestMotion() {
+  const Vec3 common = meanMotion(motion());
   double square = 0.0;
   for (const VertexId v : vertices_) {
     const double moved = (end_[v] - start_[v] - common).squaredNorm();

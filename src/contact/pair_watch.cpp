@@ -8,10 +8,8 @@
 namespace cloth_sim {
 namespace {
 
-/// What is left of the distance of boxes after round-off, in single precision.
+/// Share of the distance of boxes that is sure in spite of round-off in single precision.
 constexpr double kSure = 1.0 - 1e-6;
-/// Distance that is not counted [m].
-constexpr double kUncounted = 1e-8;
 /// Boxes around all faces pay from this share of new pairs in the number of faces on.
 constexpr double kManyNew = 0.125;
 
@@ -29,11 +27,17 @@ AxisGap widest(const QuickBox::Corner& gap) {
 
 }  // namespace
 
+Vec3 meanMotion(const SubstepMotion& motion) {
+  Vec3 sum = Vec3::Zero();
+  for (const VertexId v : motion.vertices) sum += motion.end[v] - motion.start[v];
+  return sum / static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
+}
+
 void PairWatch::begin(const std::vector<Face>& faces) {
+  clear();
   faces_ = faces;
   travel_.assign(faces_.size(), 0.0);
   isPaired_.assign(faces_.size(), 0);
-  clear();
 }
 
 void PairWatch::clear() {
@@ -65,9 +69,7 @@ void PairWatch::append(const std::vector<FaceIds>& near, std::size_t first) {
 }
 
 void PairWatch::follow(const SubstepMotion& motion) {
-  Vec3 common = Vec3::Zero();
-  for (const VertexId v : motion.vertices) common += motion.end[v] - motion.start[v];
-  common /= static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
+  const Vec3 common = meanMotion(motion);
   step_.resize(motion.end.size());
   double farthest = 0.0;
   for (const VertexId v : motion.vertices) {
@@ -122,7 +124,7 @@ void PairWatch::proveByBoxes(const SubstepMotion& motion) {
     const bool isAbove = above.gap >= below.gap;
     const float before = isAbove ? fromA.low[above.axis] - fromB.high[above.axis]
                                  : fromB.low[below.axis] - fromA.high[below.axis];
-    const double slack = kSure * std::max(above.gap, below.gap) - kUncounted;
+    const double slack = kSure * std::max(above.gap, below.gap) - kApart;
     if (before > 0.0F && slack > 0.0) due_[k] = travelOf(k) + slack;
   };
   parallelFor(static_cast<std::int32_t>(ids_.size() - known_), kGrain,

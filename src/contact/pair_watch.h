@@ -17,6 +17,13 @@ struct SubstepMotion {
   const std::vector<VertexId>& vertices;  ///< those of all pairs at least, ascending
 };
 
+/// Mean motion of the vertices [m]: what they have in common brings nothing together.
+Vec3 meanMotion(const SubstepMotion& motion);
+
+/// Distance up to which two faces do not count as apart [m]: far above round-off, far below the
+/// thickness of cloth.
+constexpr double kApart = 1e-8;
+
 /// Keeps count of how far faces travel, and lists the pairs whose faces have travelled as far as
 /// they were apart. Motion that all vertices have in common does not count.
 class PairWatch {

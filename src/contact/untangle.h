@@ -1,16 +1,12 @@
 #pragma once
 /// \file Opens up cloth that intersects itself.
 
-#include <array>
 #include <functional>
 #include <vector>
 
-#include "cloth_sim/mesh/triangle_mesh.h"
+#include "cloth_sim/contact/layers.h"
 
 namespace cloth_sim {
-
-/// Pairs of faces that touch or intersect.
-using FacePairList = std::vector<std::array<FaceId, 2>>;
 
 /// Where and how far vertices may be moved.
 struct UntangleOptions {

@@ -46,9 +46,12 @@ struct LayerContactPoint {
   double force = 0.0;          ///< along the normal, mean over the substep [N], > 0
 };
 
+/// Pairs of faces that touch or intersect.
+using FacePairList = std::vector<std::array<FaceId, 2>>;
+
 /// Faces that touch or intersect each other.
 struct LayerOverlap {
-  std::vector<std::array<FaceId, 2>> pairs;
+  FacePairList pairs;
   Vec3 place = Vec3::Zero();  ///< of the first of them [m]
 };
 

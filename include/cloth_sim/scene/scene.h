@@ -150,7 +150,7 @@ struct PhaseSpec {
   OnTimeout onTimeout = OnTimeout::kFail;
 };
 
-/// What is done with cloth that touches or intersects itself at the start.
+/// Treatment of cloth that touches or intersects itself at the start.
 enum class StartContact {
   kRefuse,   ///< the scene is not loaded
   kUntangle  ///< it is opened up
