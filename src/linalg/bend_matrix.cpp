@@ -1,7 +1,10 @@
 #include "bend_matrix.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "support/simd.h"
+#include "support/vector_clones.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
@@ -46,6 +49,113 @@ double weightOf(const PlateElement& element, const Particles& particles, std::si
 }
 
 }  // namespace
+
+/// Products of consecutive rows whose entries are the same but for a shift of their columns.
+struct BendMatrix::Kernel {
+  struct Rows {
+    std::size_t first;           ///< row
+    std::size_t count;           ///< of rows
+    std::size_t entries;         ///< of a row
+    const std::int32_t* column;  ///< of the entries of the first row
+    const double* value;
+  };
+
+  static constexpr std::size_t kBlock = 2 * kLanes;  ///< rows at a time
+  /// Products of rows with one coordinate.
+  struct Block {
+    Lanes low{}, high{};
+    [[gnu::always_inline]] void add(double value, const double* y) {
+      low += value * lanesAt(y);
+      high += value * lanesAt(y + kLanes);
+    }
+    [[gnu::always_inline]] double at(std::size_t k) const {
+      return k < kLanes ? low[k] : high[k - kLanes];
+    }
+  };
+
+  /// Products of `kBlock` rows, from the row `shift` of the run on.
+  [[gnu::always_inline]] static void multiply(const Rows& rows, std::size_t shift, ConstAxes y,
+                                              Block& ofX, Block& ofY, Block& ofZ) {
+    for (std::size_t k = 0; k < rows.entries; ++k) {
+      const std::size_t column = static_cast<std::size_t>(rows.column[k]) + shift;
+      const double value = rows.value[k];
+      ofX.add(value, y.x + column);
+      ofY.add(value, y.y + column);
+      ofZ.add(value, y.z + column);
+    }
+  }
+  [[gnu::always_inline]] static Vec3 multiplyOne(const Rows& rows, std::size_t shift, ConstAxes y) {
+    double ofX = 0.0, ofY = 0.0, ofZ = 0.0;
+    for (std::size_t k = 0; k < rows.entries; ++k) {
+      const std::size_t column = static_cast<std::size_t>(rows.column[k]) + shift;
+      ofX += rows.value[k] * y.x[column];
+      ofY += rows.value[k] * y.y[column];
+      ofZ += rows.value[k] * y.z[column];
+    }
+    return Vec3(ofX, ofY, ofZ);
+  }
+  /// Products of all rows. The last block of a run overlaps the one before it.
+  /// \param putFour  putFour(row, of x, of y, of z) takes the products of four rows.
+  /// \param putOne   the same of one row.
+  template <typename PutFour, typename PutOne>
+  [[gnu::always_inline]] static void multiplyAll(const Rows& rows, ConstAxes y,
+                                                 const PutFour& putFour, const PutOne& putOne) {
+    std::size_t e = 0;
+    for (; e + kBlock <= rows.count; e += kBlock) {
+      Block ofX, ofY, ofZ;
+      multiply(rows, e, y, ofX, ofY, ofZ);
+      putFour(rows.first + e, ofX.low, ofY.low, ofZ.low);
+      putFour(rows.first + e + kLanes, ofX.high, ofY.high, ofZ.high);
+    }
+    if (e == rows.count) return;
+    if (e > 0) {
+      const std::size_t last = rows.count - kBlock;
+      Block ofX, ofY, ofZ;
+      multiply(rows, last, y, ofX, ofY, ofZ);
+      for (; e < rows.count; ++e) {
+        putOne(rows.first + e, ofX.at(e - last), ofY.at(e - last), ofZ.at(e - last));
+      }
+    }
+    for (; e < rows.count; ++e) {
+      const Vec3 of = multiplyOne(rows, e, y);
+      putOne(rows.first + e, of.x(), of.y(), of.z());
+    }
+  }
+
+  CLOTH_SIM_VECTOR_CLONES
+  static void addProduct(const Rows& rows, double s, ConstAxes y, Axes out) {
+    multiplyAll(
+        rows, y,
+        [&](std::size_t row, const Lanes& ofX, const Lanes& ofY, const Lanes& ofZ) {
+          lanesAt(out.x + row) += s * ofX;
+          lanesAt(out.y + row) += s * ofY;
+          lanesAt(out.z + row) += s * ofZ;
+        },
+        [&](std::size_t row, double ofX, double ofY, double ofZ) {
+          out.x[row] += s * ofX;
+          out.y[row] += s * ofY;
+          out.z[row] += s * ofZ;
+        });
+  }
+  CLOTH_SIM_VECTOR_CLONES
+  static void displace(const Rows& rows, double s, const double* w, ConstAxes y, ConstAxes x,
+                       Axes moved) {
+    multiplyAll(
+        rows, y,
+        [&](std::size_t row, const Lanes& ofX, const Lanes& ofY, const Lanes& ofZ) {
+          const Lanes scale = s * lanesAt(w + row);
+          lanesAt(moved.x + row) = lanesAt(x.x + row) - scale * ofX;
+          lanesAt(moved.y + row) = lanesAt(x.y + row) - scale * ofY;
+          lanesAt(moved.z + row) = lanesAt(x.z + row) - scale * ofZ;
+        },
+        [&](std::size_t row, double ofX, double ofY, double ofZ) {
+          const double scale = s * w[row];
+          moved.x[row] = x.x[row] - scale * ofX;
+          moved.y[row] = x.y[row] - scale * ofY;
+          moved.z[row] = x.z[row] - scale * ofZ;
+        });
+  }
+};
 
 void BendMatrix::build(const Model& model, const Particles& particles) {
   retardation_ = model.bendRetardation();
@@ -97,27 +207,66 @@ void BendMatrix::buildWith(const Model& model, const Particles& particles,
     }
     start_.push_back(column_.size());
   }
+  findRuns();
+}
+
+void BendMatrix::findRuns() {
+  firstOfRun_.assign(1, 0);
+  const std::size_t rows = start_.size() - 1;
+  for (std::size_t row = 1; row < rows; ++row) {
+    if (!continues(row)) firstOfRun_.push_back(static_cast<std::int32_t>(row));
+  }
+  firstOfRun_.push_back(static_cast<std::int32_t>(rows));
+}
+
+/// Tells whether a row is the one before it, with all columns shifted by one.
+bool BendMatrix::continues(std::size_t row) const {
+  const std::size_t begin = start_[row], end = start_[row + 1], before = start_[row - 1];
+  if (end - begin != begin - before) return false;
+  for (std::size_t k = 0; k < end - begin; ++k) {
+    if (column_[begin + k] != column_[before + k] + 1) return false;
+    if (value_[begin + k] != value_[before + k]) return false;
+  }
+  return true;
+}
+
+template <typename Visit>
+void BendMatrix::forRuns(const Visit& visit) const {
+  parallelFor(firstOfRun_.back(), kGrainRows, [&](std::int32_t first, std::int32_t last) {
+    auto run = std::upper_bound(firstOfRun_.begin(), firstOfRun_.end(), first) - 1;
+    for (std::int32_t row = first; row < last; ++run) {
+      const std::int32_t end = std::min(last, run[1]);
+      const std::size_t entry = start_[static_cast<std::size_t>(row)];
+      const std::size_t entries = start_[static_cast<std::size_t>(row) + 1] - entry;
+      visit(typename Kernel::Rows{static_cast<std::size_t>(row),
+                                  static_cast<std::size_t>(end - row), entries,
+                                  column_.data() + entry, value_.data() + entry});
+      row = end;
+    }
+  });
 }
 
 void BendMatrix::addProduct(double s, const VectorArray& x, VectorArray& out) const {
   if (empty()) return;
-  const auto rows = static_cast<std::int32_t>(start_.size() - 1);
-  parallelFor(rows, kGrainRows, [&](std::int32_t first, std::int32_t last) {
-    for (auto row = static_cast<std::size_t>(first); row < static_cast<std::size_t>(last); ++row) {
-      double sx = 0.0;
-      double sy = 0.0;
-      double sz = 0.0;
-      for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
-        const auto c = static_cast<std::size_t>(column_[k]);
-        sx += value_[k] * x.x[c];
-        sy += value_[k] * x.y[c];
-        sz += value_[k] * x.z[c];
-      }
-      out.x[row] += s * sx;
-      out.y[row] += s * sy;
-      out.z[row] += s * sz;
-    }
+  forRuns(
+      [&](const Kernel::Rows& rows) { Kernel::addProduct(rows, s, axesAt(x, 0), axesAt(out, 0)); });
+}
+
+void BendMatrix::displace(double s, const ScalarArray& w, const VectorArray& y,
+                          const VectorArray& x, VectorArray& moved) const {
+  forRuns([&](const Kernel::Rows& rows) {
+    Kernel::displace(rows, s, w.data(), axesAt(y, 0), axesAt(x, 0), axesAt(moved, 0));
   });
+}
+
+double BendMatrix::gershgorinBound(const ScalarArray& w) const {
+  double bound = 0.0;
+  for (std::size_t row = 0; row + 1 < start_.size(); ++row) {
+    double sum = 0.0;
+    for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) sum += std::abs(value_[k]);
+    bound = std::max(bound, w[row] * sum);
+  }
+  return bound;
 }
 
 void BendMatrix::addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const {

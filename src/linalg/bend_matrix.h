@@ -8,6 +8,9 @@ namespace cloth_sim {
 
 /// K of the energy 1/2 x^T K x of a PlateBending: one row per particle slot, the same for the three
 /// coordinates, in compressed rows. Constant until the model changes.
+///
+/// On a grid most rows are equal but for a shift of their columns. Such consecutive rows are a run,
+/// whose product takes no gathers and several rows at a time.
 class BendMatrix {
  public:
   void build(const Model& model, const Particles& particles);
@@ -18,6 +21,16 @@ class BendMatrix {
   bool empty() const { return column_.empty(); }
   /// out += s K x, on several threads where that pays.
   void addProduct(double s, const VectorArray& x, VectorArray& out) const;
+  /// moved = x - s W K y, on several threads where that pays: an impulse of bending.
+  /// \param s      square of a time [s^2].
+  /// \param w      the diagonal of W: inverse inertia by particle slot [1/kg]; 0: held.
+  /// \param moved  neither `x` nor `y`; of the size of `x`.
+  void displace(double s, const ScalarArray& w, const VectorArray& y, const VectorArray& x,
+                VectorArray& moved) const;
+  /// The sum of K y in one row.
+  Vec3 rowProduct(std::size_t row, const VectorArray& y) const;
+  /// Bound on the largest eigenvalue of W K by circles of Gershgorin [1/s^2].
+  double gershgorinBound(const ScalarArray& w) const;
   /// force -= K (x + retardation v) [N].
   void addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const;
   /// Adds the force on the particle in one slot [N].
@@ -45,14 +58,21 @@ class BendMatrix {
   /// \param stiffness  stiffness(e) of the element e [N m^3].
   template <typename Stiffness>
   void buildWith(const Model& model, const Particles& particles, const Stiffness& stiffness);
-  Vec3 rowProduct(std::size_t row, const VectorArray& x) const;
+  void findRuns();
+  bool continues(std::size_t row) const;
+  /// Calls `visit(rows)` for runs, or parts of them, that together are all rows.
+  template <typename Visit>
+  void forRuns(const Visit& visit) const;
   double quadraticForm(const VectorArray& x) const;
+
+  struct Kernel;
 
   std::vector<std::size_t> start_;  ///< by slot, and one more
   std::vector<std::int32_t> column_;
   std::vector<double> value_;  ///< [N/m]
   std::vector<double> diagonal_;
-  double retardation_ = 0.0;  ///< dashpot over stiffness [s]
+  std::vector<std::int32_t> firstOfRun_;  ///< row, ascending, and one more
+  double retardation_ = 0.0;              ///< dashpot over stiffness [s]
 };
 
 }  // namespace cloth_sim

@@ -134,10 +134,10 @@ void LineXpbd::keepFall(Substep& now) const {
 
 /// Decides whether bending acts in this substep, and projects the elements of a plate if it does.
 void LineXpbd::bend(Substep& now) {
-  const int interval = bending_.empty() ? projection_.bendInterval() : bending_.step.interval;
+  const int interval = bending_.empty() ? projection_.bendInterval() : bending_.interval();
   bends_ = ++sinceBending_ >= interval;
   if (bends_) sinceBending_ = 0;
-  if (bends_ && !bending_.empty()) projectBending(bending_, inertia_.inverse(), now);
+  if (bends_ && !bending_.empty()) bending_.project(inertia_.inverse(), now);
 }
 
 void LineXpbd::projectLines(Substep& now) {

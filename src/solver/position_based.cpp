@@ -42,6 +42,10 @@ void predictPart(Substep& now, double decay, std::size_t first, std::size_t coun
       now.particles.x, now.particles.start);
 }
 
+/// Largest eigenvalue of n h^2 W K with which all impulses are given at once. With one substep
+/// between impulses (n = 1) the method is stable below 4/3, with two below 1.
+constexpr double kMostAtOnce = 0.8;
+
 /// Largest stiffness over inertia of an element, times the square of the time between its impulses,
 /// at which that may be more than a substep. The fastest mode of a grid has eleven times the
 /// stiffness of an element, so its phase moves by 1.6 radians in that time; impulses are stable
@@ -77,29 +81,68 @@ void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass
 
 void PlateProjection::build(const Substep& now) {
   if (now.model.bending.empty()) return;
-  elastic.build(now.model.bending, now.particles);
-  friction.build(now.model, now.particles);
-  retardation_ = now.model.bendRetardation();
+  matrix_.build(now.model, now.particles);
+  friction_.build(now.model, now.particles);
+  hasElements_ = false;
 }
 
-void PlateProjection::setStep(const Substep& now, int longest) {
+void PlateProjection::setStep(Substep& now, int longest) {
   if (empty()) return;
-  const ScalarArray& w = now.particles.inverseMass;
-  const double period = longest * now.h;
-  if (now.isNewLayout) stiffest_ = elastic.stiffest(w) + friction.stiffest(w);
-  step = {now.h, retardation_, period * period * stiffest_ <= kSoft ? longest : 1};
-  elastic.setStep(step, w);
-  friction.findHeld(w);
+  if (now.isNewLayout) stiffest_ = matrix_.gershgorinBound(now.particles.inverseMass);
+  step_ = {now.h, matrix_.retardation(), 1};
+  isAtOnce_ = friction_.empty() && isStable(1);
+  if (!isAtOnce_) return setElements(now, longest);
+  if (isStable(longest)) step_.interval = longest;
+  now.force.resize(now.particles.x.x.size());
 }
 
-void projectBending(const PlateProjection& bending, const ScalarArray& inverseInertia,
-                    Substep& now) {
+bool PlateProjection::isStable(int interval) const {
+  return interval * step_.h * (step_.h + step_.retardation) * stiffest_ <= kMostAtOnce;
+}
+
+void PlateProjection::setElements(const Substep& now, int longest) {
+  const ScalarArray& w = now.particles.inverseMass;
+  if (!hasElements_) elements_.build(now.model.bending, now.particles);
+  hasElements_ = true;
+  const double period = longest * step_.h;
+  const double stiffest = elements_.stiffest(w) + friction_.stiffest(w);
+  if (period * period * stiffest <= kSoft) step_.interval = longest;
+  elements_.setStep(step_, w);
+  friction_.findHeld(w);
+}
+
+void PlateProjection::project(const ScalarArray& inverseInertia, Substep& now) const {
+  if (isAtOnce_) {
+    displace(inverseInertia, now);
+  } else {
+    projectElements(inverseInertia, now);
+  }
+}
+
+void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) const {
+  Particles& p = now.particles;
+  const VectorArray* at = &p.x;
+  if (step_.retardation > 0.0) {
+    setDifference(p.x, p.start, step_.retardation / step_.h, now.scratch);
+    addScaled(1.0, p.x, now.scratch);
+    at = &now.scratch;
+  }
+  for (const std::int32_t held : now.kinematic.slots()) {
+    const auto slot = static_cast<std::size_t>(held);
+    now.kinematic.addImpulseAt(slot, -step_.interval * step_.h * matrix_.rowProduct(slot, *at));
+  }
+  const double square = step_.interval * step_.h * step_.h;
+  matrix_.displace(square, inverseInertia, *at, p.x, now.force);
+  std::swap(p.x, now.force);
+}
+
+void PlateProjection::projectElements(const ScalarArray& inverseInertia, Substep& now) const {
   const auto onHeld = [&](std::size_t slot, const Vec3& impulse) {
     now.kinematic.addImpulseAt(slot, impulse / now.h);
   };
-  bending.elastic.project(now.particles, inverseInertia, onHeld);
-  const double square = bending.step.interval * now.h * now.h;
-  bending.friction.project(square, inverseInertia, now.particles, onHeld);
+  elements_.project(now.particles, inverseInertia, onHeld);
+  const double square = step_.interval * now.h * now.h;
+  friction_.project(square, inverseInertia, now.particles, onHeld);
 }
 
 void findVelocities(Substep& now) {

@@ -3,6 +3,7 @@
 
 #include "constraints/bend_friction.h"
 #include "constraints/bend_projection.h"
+#include "linalg/bend_matrix.h"
 #include "substep.h"
 
 namespace cloth_sim {
@@ -18,29 +19,42 @@ void beginPrediction(Substep& now);
 void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass);
 
 /// Bending of a plate, for methods that project constraints.
-struct PlateProjection {
-  BendProjection elastic;
-  BendFriction friction;
-  BendStep step;  ///< that both are prepared for
-
-  bool empty() const { return elastic.empty(); }
-  /// Rebuilds what depends on the model. A model without bending energy takes no time.
+///
+/// Where the impulse n h^2 W K y of bending at the predicted positions y, K its stiffness matrix
+/// and W the inverse inertia, moves no mode of the cloth by more than most of its amplitude, it is
+/// given at once: that is stable, and takes the forces of bending as they are. Elsewhere, on fine
+/// grids of stiff fabrics and beside slivers, elements are projected one after the other with their
+/// compliance, which is stable for any stiffness.
+class PlateProjection {
+ public:
+  bool empty() const { return matrix_.empty(); }
+  /// Follows what depends on the model. A model without bending energy takes no time.
   void build(const Substep& now);
   /// Prepares for substeps, and for the particles that are held.
   /// \param longest  most substeps whose impulse bending gives at once (multiple time stepping).
   ///                 It gives that of one where it is stiff: between two impulses cloth flies on,
   ///                 and what is faster than that would bounce without end.
-  void setStep(const Substep& now, int longest);
+  void setStep(Substep& now, int longest);
+  /// Substeps whose impulse bending gives at once, at most `longest`.
+  int interval() const { return step_.interval; }
+  /// Gives the impulse, with friction if there is any, and adds what held particles bear.
+  /// \param inverseInertia  of each particle [1/kg]; 0: held.
+  void project(const ScalarArray& inverseInertia, Substep& now) const;
 
  private:
-  double retardation_ = 0.0;  ///< dashpot over stiffness [s]
-  double stiffest_ = 0.0;     ///< of an element, over its inertia [1/s^2]
-};
+  bool isStable(int interval) const;
+  void setElements(const Substep& now, int longest);
+  void displace(const ScalarArray& inverseInertia, Substep& now) const;
+  void projectElements(const ScalarArray& inverseInertia, Substep& now) const;
 
-/// Projects the elements of a bending energy and its friction, and adds what held particles bear.
-/// \param inverseInertia  of each particle [1/kg]; 0: held.
-void projectBending(const PlateProjection& bending, const ScalarArray& inverseInertia,
-                    Substep& now);
+  BendMatrix matrix_;
+  BendProjection elements_;
+  BendFriction friction_;
+  BendStep step_;             ///< that all are prepared for
+  double stiffest_ = 0.0;     ///< bound on the eigenvalues of W K [1/s^2]
+  bool isAtOnce_ = false;     ///< whether all impulses are given at once
+  bool hasElements_ = false;  ///< whether `elements_` follow the model
+};
 
 /// Velocities are displacements in the substep over h.
 void findVelocities(Substep& now);

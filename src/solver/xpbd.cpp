@@ -85,7 +85,7 @@ void Xpbd::advance(Substep& now) {
   now.springs.project(now.particles);
   now.placeKinematic();
   projectAttachments(now);
-  if (!bending_.empty()) projectBending(bending_, now.particles.inverseMass, now);
+  if (!bending_.empty()) bending_.project(now.particles.inverseMass, now);
   now.contacts.project(now.particles.view(), now.time, now.h);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
 }
