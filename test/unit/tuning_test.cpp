@@ -50,13 +50,18 @@ TEST(Tuning, StiffnessIsThatOfTheBendingEnergyToo) {
   const double energy = wanted.model().bending.energy(fold);
   ASSERT_GT(energy, 0.0);
   EXPECT_NEAR(turned.model().bending.energy(fold) / energy, 1.0, 1e-12);
-  for (Simulation* each : {&turned, &wanted}) {  // the solver's copy, too
+  Simulation soft(scene);
+  for (Simulation* each : {&turned, &wanted, &soft}) {  // the solver's copy, too
     for (int k = 0; k < 20; ++k) each->step();
     ASSERT_FALSE(each->failed());
   }
+  double largest = 0.0;
   for (VertexId v = 0; v < turned.model().particleCount(); ++v) {
-    EXPECT_NEAR((turned.state().x[v] - wanted.state().x[v]).norm(), 0.0, 1e-9) << v;
+    // Their numbers are rounded differently, and cloth that buckles amplifies that.
+    EXPECT_LT((turned.state().x[v] - wanted.state().x[v]).norm(), 1e-6) << v;
+    largest = std::max(largest, (soft.state().x[v] - wanted.state().x[v]).norm());
   }
+  EXPECT_GT(largest, 1e-4);
 }
 
 TEST(Tuning, StiffnessIsNotOnTopOfAnEarlierOne) {
