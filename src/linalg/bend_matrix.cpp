@@ -263,8 +263,10 @@ double BendMatrix::gershgorinBound(const ScalarArray& w) const {
   double bound = 0.0;
   for (std::size_t row = 0; row + 1 < start_.size(); ++row) {
     double sum = 0.0;
-    for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) sum += std::abs(value_[k]);
-    bound = std::max(bound, w[row] * sum);
+    for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
+      sum += std::abs(value_[k]) * std::sqrt(w[row] * w[static_cast<std::size_t>(column_[k])]);
+    }
+    bound = std::max(bound, sum);
   }
   return bound;
 }

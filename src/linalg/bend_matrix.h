@@ -29,7 +29,8 @@ class BendMatrix {
                 VectorArray& moved) const;
   /// The sum of K y in one row.
   Vec3 rowProduct(std::size_t row, const VectorArray& y) const;
-  /// Bound on the largest eigenvalue of W K by circles of Gershgorin [1/s^2].
+  /// Bound on the largest eigenvalue of W K by the circles of Gershgorin of W^1/2 K W^1/2, which
+  /// has the same eigenvalues; light particles at corners do not widen these [1/s^2].
   double gershgorinBound(const ScalarArray& w) const;
   /// force -= K (x + retardation v) [N].
   void addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const;

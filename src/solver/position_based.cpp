@@ -42,9 +42,11 @@ void predictPart(Substep& now, double decay, std::size_t first, std::size_t coun
       now.particles.x, now.particles.start);
 }
 
-/// Largest eigenvalue of n h^2 W K with which all impulses are given at once. With one substep
-/// between impulses (n = 1) the method is stable below 4/3, with two below 1.
-constexpr double kMostAtOnce = 0.8;
+/// The part of the limit of stability up to which all impulses are given at once. An impulse
+/// a = n h^2 k / m of a mode with the stiffness k and the mass m, in every n-th substep and at the
+/// predicted position, changes (x, n h v) by a matrix with the determinant 1 - a and the trace
+/// 2 - a (n + 1), whose eigenvalues are below one for a < 4 / (n + 2).
+constexpr double kStablePart = 0.8;
 
 /// Largest stiffness over inertia of an element, times the square of the time between its impulses,
 /// at which that may be more than a substep. The fastest mode of a grid has eleven times the
@@ -97,7 +99,8 @@ void PlateProjection::setStep(Substep& now, int longest) {
 }
 
 bool PlateProjection::isStable(int interval) const {
-  return interval * step_.h * (step_.h + step_.retardation) * stiffest_ <= kMostAtOnce;
+  const double largest = interval * step_.h * (step_.h + step_.retardation) * stiffest_;
+  return largest <= kStablePart * 4.0 / (interval + 2.0);
 }
 
 void PlateProjection::setElements(const Substep& now, int longest) {

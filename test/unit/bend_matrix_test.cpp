@@ -142,7 +142,7 @@ TEST(BendMatrix, GershgorinsCirclesBoundTheFastestModeClosely) {
   const double bound = matrix.gershgorinBound(w);
   const double fastest = fastestMode(matrix, w, laid.particles.x);
   EXPECT_LE(fastest, bound);
-  EXPECT_GT(fastest, 0.8 * bound);
+  EXPECT_GT(fastest, 0.9 * bound);
 }
 
 /// A free plate without gravity whose bending is as stiff as it may be for its impulses to be
@@ -151,7 +151,8 @@ void expectNoiseDies(const std::string& method, double h, int interval) {
   ClothSpec spec = plateOf(24, 24);
   const double mass = spec.fabric.arealDensity * kSpacing * kSpacing;
   const double stiffest = 64.0 / (kSpacing * kSpacing * mass);  // over the rigidity
-  spec.fabric.bending = 0.79 / (interval * h * h * stiffest);
+  const double most = 0.8 * 4.0 / (interval + 2.0);
+  spec.fabric.bending = 0.99 * most / (interval * h * h * stiffest);
   const Model model = buildModel(spec);
   const int substeps = 4;
   std::unique_ptr<Solver> solver = makeSolver(findSolver(method), model, substeps);
