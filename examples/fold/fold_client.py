@@ -14,6 +14,7 @@ HAND = 0.115  # from the wrist to the tips of the fingers [m]
 SIDE = 0.18  # of the towel, from the fold to the edge that the fingers take [m]
 LIFT = 0.10  # of that edge above the fold, lower than it could be: the towel stays slack [m]
 DEPTH = 0.012  # of the edge between the fingers [m]
+LEAP = 0.05  # most time on the path between two messages: a busy machine makes the arm late [s]
 
 # Time [s], angle about the fold [rad], way from the grasp back [m], gap between the fingers [m].
 PATH = [(0.0, 0.0, 0.05, 0.024),  # in front of the edge
@@ -56,7 +57,8 @@ def joints(angle, back, gap):
 def drive():
     publisher = rospy.Publisher('joint_states', JointState, queue_size=1)
     rospy.wait_for_message('/cloth/state', ClothState)
-    begun = last = rospy.Time.now()
+    last = rospy.Time.now()
+    path = 0.0  # time on the path [s]
     rate = rospy.Rate(60)
     while not rospy.is_shutdown():
         rate.sleep()
@@ -65,11 +67,12 @@ def drive():
             continue  # simulated time goes in steps
         state = JointState(name=['shoulder', 'elbow', 'wrist', 'finger'])
         state.header.stamp = now
-        state.position = joints(*sample((now - begun).to_sec()))
-        publisher.publish(state)
-        if (last - begun).to_sec() < PATH[-1][0] <= (now - begun).to_sec():
-            rospy.loginfo('folded')
+        before, path = path, path + min((now - last).to_sec(), LEAP)
         last = now
+        state.position = joints(*sample(path))
+        publisher.publish(state)
+        if before < PATH[-1][0] <= path:
+            rospy.loginfo('folded')
 
 
 rospy.init_node('fold_client')

@@ -26,11 +26,12 @@ bool sameStencil(const PlateElement& a, const PlateElement& b) {
   return true;
 }
 
-/// The elements, those with the same stencil joined into one.
-std::vector<PlateElement> joined(const PlateBending& bending) {
+/// Some elements, those with the same stencil joined into one.
+std::vector<PlateElement> joined(const PlateBending& bending,
+                                 const std::vector<std::uint8_t>& isIn) {
   std::vector<std::size_t> order;
   for (std::size_t e = 0; e < bending.elements().size(); ++e) {
-    if (bending.elements()[e].count > 0) order.push_back(e);
+    if (isIn[e] != 0 && bending.elements()[e].count > 0) order.push_back(e);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return bending.elements()[a].vertex < bending.elements()[b].vertex;
@@ -172,7 +173,12 @@ void projectAll(std::size_t count, const Part& part, const ConstAxes& start, con
 }  // namespace
 
 void BendProjection::build(const PlateBending& bending, const Particles& particles) {
-  const std::vector<PlateElement> elements = joined(bending);
+  build(bending, particles, std::vector<std::uint8_t>(bending.elements().size(), 1));
+}
+
+void BendProjection::build(const PlateBending& bending, const Particles& particles,
+                           const std::vector<std::uint8_t>& isIn) {
+  const std::vector<PlateElement> elements = joined(bending, isIn);
   runs_.clear();
   stiffness_.clear();
   firstOfColour_.assign(1, 0);

@@ -24,6 +24,9 @@ struct BendStep {
 class BendProjection {
  public:
   void build(const PlateBending& bending, const Particles& particles);
+  /// Builds those of some elements. \param isIn  by element: 1 if it is one of them.
+  void build(const PlateBending& bending, const Particles& particles,
+             const std::vector<std::uint8_t>& isIn);
 
   bool empty() const { return stiffness_.empty(); }
 

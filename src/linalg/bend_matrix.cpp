@@ -50,6 +50,23 @@ double weightOf(const PlateElement& element, const Particles& particles, std::si
 
 }  // namespace
 
+std::vector<double> bendingCircles(const Model& model) {
+  std::vector<double> circles(static_cast<std::size_t>(model.particleCount()), 0.0);
+  for (const PlateElement& element : model.bending.elements()) {
+    const auto count = static_cast<std::size_t>(element.count);
+    std::array<double, PlateElement::kMostVertices> scaled{};  // weights over roots of masses
+    double sum = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+      scaled[k] = std::abs(element.weight[k]) / std::sqrt(model.mass[element.vertex[k]]);
+      sum += scaled[k];
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+      circles[static_cast<std::size_t>(element.vertex[k])] += element.stiffness * scaled[k] * sum;
+    }
+  }
+  return circles;
+}
+
 /// Products of consecutive rows whose entries are the same but for a shift of their columns.
 struct BendMatrix::Kernel {
   struct Rows {
@@ -162,6 +179,14 @@ void BendMatrix::build(const Model& model, const Particles& particles) {
   buildWith(model, particles, [&](std::size_t e) { return model.bending.elements()[e].stiffness; });
 }
 
+void BendMatrix::build(const Model& model, const Particles& particles,
+                       const std::vector<std::uint8_t>& isIn) {
+  retardation_ = model.bendRetardation();
+  buildWith(model, particles, [&](std::size_t e) {
+    return isIn[e] != 0 ? model.bending.elements()[e].stiffness : 0.0;
+  });
+}
+
 void BendMatrix::buildSlip(const Model& model, const Particles& particles) {
   retardation_ = 0.0;
   buildWith(model, particles, [&](std::size_t e) {
@@ -257,18 +282,6 @@ void BendMatrix::displace(double s, const ScalarArray& w, const VectorArray& y,
   forRuns([&](const Kernel::Rows& rows) {
     Kernel::displace(rows, s, w.data(), axesAt(y, 0), axesAt(x, 0), axesAt(moved, 0));
   });
-}
-
-double BendMatrix::gershgorinBound(const ScalarArray& w) const {
-  double bound = 0.0;
-  for (std::size_t row = 0; row + 1 < start_.size(); ++row) {
-    double sum = 0.0;
-    for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
-      sum += std::abs(value_[k]) * std::sqrt(w[row] * w[static_cast<std::size_t>(column_[k])]);
-    }
-    bound = std::max(bound, sum);
-  }
-  return bound;
 }
 
 void BendMatrix::addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const {

@@ -6,6 +6,12 @@
 
 namespace cloth_sim {
 
+/// Bounds the eigenvalues of M^-1 K by the circles of Gershgorin of M^-1/2 K M^-1/2, which has the
+/// same: light particles at corners do not widen these. K is the stiffness matrix of the bending
+/// energy or of some of its elements, M the masses.
+/// \return by vertex, the sum of the absolute values in its row, element by element [1/s^2].
+std::vector<double> bendingCircles(const Model& model);
+
 /// K of the energy 1/2 x^T K x of a PlateBending: one row per particle slot, the same for the three
 /// coordinates, in compressed rows. Constant until the model changes.
 ///
@@ -14,6 +20,8 @@ namespace cloth_sim {
 class BendMatrix {
  public:
   void build(const Model& model, const Particles& particles);
+  /// Builds the matrix of some elements. \param isIn  by element: 1 if it is one of them.
+  void build(const Model& model, const Particles& particles, const std::vector<std::uint8_t>& isIn);
   /// Builds the matrix with the stiffness of the slip elements instead of that of the elements: an
   /// upper bound on their stiffness, without the way in which normals of faces turn.
   void buildSlip(const Model& model, const Particles& particles);
@@ -29,9 +37,6 @@ class BendMatrix {
                 VectorArray& moved) const;
   /// The sum of K y in one row.
   Vec3 rowProduct(std::size_t row, const VectorArray& y) const;
-  /// Bound on the largest eigenvalue of W K by the circles of Gershgorin of W^1/2 K W^1/2, which
-  /// has the same eigenvalues; light particles at corners do not widen these [1/s^2].
-  double gershgorinBound(const ScalarArray& w) const;
   /// force -= K (x + retardation v) [N].
   void addForces(const VectorArray& x, const VectorArray& v, VectorArray& force) const;
   /// Adds the force on the particle in one slot [N].

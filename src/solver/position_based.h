@@ -20,14 +20,14 @@ void predictPositions(Substep& now, double decay, const ScalarArray& inverseMass
 
 /// Bending of a plate, for methods that project constraints.
 ///
-/// Where the impulse n h^2 W K y of bending at the predicted positions y, K its stiffness matrix
-/// and W the inverse inertia, moves no mode of the cloth by more than most of its amplitude, it is
-/// given at once: that is stable, and takes the forces of bending as they are. Elsewhere, on fine
-/// grids of stiff fabrics and beside slivers, elements are projected one after the other with their
-/// compliance, which is stable for any stiffness.
+/// Where bending is soft, the impulses n h^2 W K y of all elements at the predicted positions y are
+/// given at once; K is their stiffness matrix, W the inverse inertia and n the number of substeps
+/// from one impulse to the next. That takes the forces of bending as they are, and is stable where
+/// it moves no mode by much more than its amplitude. Stiff elements, on fine grids and beside cuts,
+/// are projected one after the other with their compliance, which is stable for any stiffness.
 class PlateProjection {
  public:
-  bool empty() const { return matrix_.empty(); }
+  bool empty() const { return !hasBending_; }
   /// Follows what depends on the model. A model without bending energy takes no time.
   void build(const Substep& now);
   /// Prepares for substeps, and for the particles that are held.
@@ -42,18 +42,20 @@ class PlateProjection {
   void project(const ScalarArray& inverseInertia, Substep& now) const;
 
  private:
-  bool isStable(int interval) const;
-  void setElements(const Substep& now, int longest);
+  bool isSplitFor(double h) const;
+  void split(const Substep& now, double h);
+  bool isStable(double circle, int interval, double h) const;
+  bool areStable(int interval) const;
   void displace(const ScalarArray& inverseInertia, Substep& now) const;
-  void projectElements(const ScalarArray& inverseInertia, Substep& now) const;
 
-  BendMatrix matrix_;
-  BendProjection elements_;
+  BendMatrix soft_;
+  BendProjection stiff_;
   BendFriction friction_;
-  BendStep step_;             ///< that all are prepared for
-  double stiffest_ = 0.0;     ///< bound on the eigenvalues of W K [1/s^2]
-  bool isAtOnce_ = false;     ///< whether all impulses are given at once
-  bool hasElements_ = false;  ///< whether `elements_` follow the model
+  BendStep step_;           ///< that all are prepared for
+  double softest_ = 0.0;    ///< largest circle of the elements of `soft_` [1/s^2]
+  double stiffest_ = 0.0;   ///< of the other elements, stiffness over inertia [1/s^2]
+  double splitStep_ = 0.0;  ///< longest substep that elements are divided for [s]; 0: none
+  bool hasBending_ = false;
 };
 
 /// Velocities are displacements in the substep over h.
