@@ -40,8 +40,7 @@ void Obstacles::guide(const std::string& obstacle, const MovingPose& target) {
 }
 
 void Obstacles::detect(const Model& model, const State& state, double dt, bool meetsSharpFeatures) {
-  contacts_.hasObstacles = !colliders_.all().empty();
-  if (!contacts_.hasObstacles) return;
+  if (colliders_.all().empty()) return;
   span_ = dt;
   const MotionBounds bounds = motionBounds(state);
   const TriangleMesh noFaces;

@@ -9,10 +9,8 @@ namespace {
 
 constexpr std::size_t kEvery = 4;           ///< vertices from one sample to the next
 constexpr double kMemory = 1.0;             ///< of errors of positions [s]
-constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep of cloth that may land [s]
-constexpr double kLongest = 1.0 / 900.0;    ///< longest substep [s]: see AddedInertia
+constexpr double kCoarsest = 1.0 / 1200.0;  ///< longest substep [s]
 constexpr std::int32_t kFirstLevel = 0;
-constexpr std::int32_t kLevelOfLongest = -1;
 constexpr std::int32_t kFinestLevel = 24;    ///< substeps of 0.2 microseconds
 constexpr std::int32_t kMostPatience = 160;  ///< calm steps before longer substeps are tried
 constexpr std::int32_t kJoltPatience = 600;  ///< calm steps before the next trial, after a jolt
@@ -46,8 +44,7 @@ void ErrorControl::layOut(const Model& model) {
   side_ = std::sqrt(model.mesh.totalRestArea() / cloths);
 }
 
-void ErrorControl::begin(const Particles& particles, bool mayLand) {
-  mayLand_ = mayLand;
+void ErrorControl::begin(const Particles& particles) {
   if (isTrialStep() && elapsed_ == 0.0) speeds_ = squaredSpeeds(particles);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const auto slot = static_cast<std::size_t>(particles.slotOf[kEvery * i]);
@@ -113,7 +110,7 @@ void ErrorControl::chooseLevel(bool hasJolted) {
   if (hasJolted) return endTrial();
   ++sinceTrial_;
   if (sinceTrial_ == kTrial) patience_ = kPatience;  // the last trial has gone well
-  if (calm_ <= patience_ || level_ <= (mayLand_ ? kFirstLevel : kLevelOfLongest)) return;
+  if (calm_ <= patience_ || level_ == 0) return;
   --level_;
   calm_ = 0;
   sinceTrial_ = 0;
@@ -143,7 +140,7 @@ void ErrorControl::endTrial() {
 
 int ErrorControl::substepsFor(double dt, int configured) const {
   if (goal_.error <= 0.0) return configured;
-  const double exact = std::max(dt / kLongest, dt / kCoarsest * std::exp2(0.5 * level_));
+  const double exact = dt / kCoarsest * std::exp2(0.5 * level_);
   return static_cast<int>(
       std::clamp(std::ceil(exact - 1e-6), 1.0, static_cast<double>(goal_.budget)));
 }
@@ -153,7 +150,7 @@ bool ErrorControl::isPlausible() const {
   for (const std::int32_t count : {calm_, sinceTrial_, sinceRefined_}) {
     if (count < 0 || count > kMost) return false;
   }
-  const bool isLevel = level_ >= kLevelOfLongest && level_ <= kFinestLevel;
+  const bool isLevel = level_ >= 0 && level_ <= kFinestLevel;
   return isLevel && patience_ > 0 && patience_ <= kJoltPatience && dt_ >= 0.0 && elapsed_ >= 0.0;
 }
 

@@ -27,8 +27,7 @@ struct ErrorGoal {
 /// bear against each other (see LineProjection::projectAndMeasure). The largest of these
 /// displacements over the rest length of the shortest spring measures how soft the cloth is there.
 ///
-/// The length of substeps is 1/1200 s over a power of the square root of two, or 1/900 s where
-/// there is nothing to land on: a landing is over before the estimates see it. It shrinks at once
+/// The length of substeps is 1/1200 s over a power of the square root of two. It shrinks at once
 /// where an estimate exceeds the goal; longer substeps are tried after ten calm steps, and after
 /// twice as many whenever a trial has failed. Longer substeps make bending softer, so a cloth that
 /// rests under load, such as a fold, may jolt into another shape. Such a trial ends at once, and
@@ -41,8 +40,7 @@ class ErrorControl {
   /// Follows the model: its size, and which particles are sampled.
   void layOut(const Model& model);
   /// Called before the first substep of a part of a step; `particles.v` are the velocities then.
-  /// \param mayLand  there is something that the cloth may come to touch.
-  void begin(const Particles& particles, bool mayLand);
+  void begin(const Particles& particles);
   /// Takes note of the largest displacement in vain over the rest length of a spring [-].
   void addCancelled(double fraction) { cancelled_ = cancelled_ < fraction ? fraction : cancelled_; }
   /// Called after the last substep; `particles.v` are the velocities then.
@@ -101,7 +99,6 @@ class ErrorControl {
   std::int32_t sinceRefined_ = 1000;   ///< steps since they became shorter
   double dt_ = 0.0;                    ///< length of the last step [s]
   double elapsed_ = 0.0;               ///< of the step under way [s]
-  bool mayLand_ = true;                ///< see `begin`
   double speeds_ = 0.0;                ///< squares of the samples', as a trial began [m^2/s^2]
   ErrorEstimate estimate_;
 };

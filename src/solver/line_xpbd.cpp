@@ -87,7 +87,7 @@ void LineXpbd::begin(Substep& now) {
   }
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
-  control_.begin(now.particles, now.contacts.mayCome());
+  control_.begin(now.particles);
   substep_ = 0;
 }
 

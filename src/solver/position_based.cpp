@@ -49,10 +49,10 @@ void predictPart(Substep& now, double decay, std::size_t first, std::size_t coun
 /// 2 - a (n + 1), whose eigenvalues are below one for a < 4 / (n + 2).
 constexpr double kStablePart = 0.8;
 
-/// The shortest of the times 1/900 s * 2^k, k an integer, that is no shorter than h [s]. What
+/// The shortest of the times 1/1200 s * 2^k, k an integer, that is no shorter than h [s]. What
 /// depends on that seldom changes as h does, and follows from h alone, not from those before.
 double powerOfTwoFrom(double h) {
-  constexpr double kOne = 1.0 / 900.0;
+  constexpr double kOne = 1.0 / 1200.0;
   constexpr double kRounding = 1e-9;
   int exponent = 0;
   std::frexp((1.0 - kRounding) * h / kOne, &exponent);

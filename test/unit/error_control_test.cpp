@@ -110,31 +110,22 @@ TEST(ErrorEstimate, IsZeroInFreeFall) {
   EXPECT_LT(simulation.lastReport().error->strain, 1e-6);
 }
 
-/// Substeps of 36 steps in sum.
-int substepsOf(const std::string& error, const std::vector<std::string>& set = {}) {
-  Simulation simulation(sceneOf("{error: " + error + ", budget: 300}", set));
-  int sum = 0;
-  for (int k = 0; k < 36; ++k) {
-    simulation.step();
-    sum += simulation.lastReport().substeps;
-  }
-  const ErrorEstimate estimate = *simulation.lastReport().error;
-  EXPECT_EQ(estimate.sufficed, estimate.largestPosition <= std::stod(error));
-  EXPECT_LT(estimate.position, 2.0 * std::stod(error)) << error;
-  return sum;
-}
-
 TEST(ErrorControl, TakesMoreSubstepsForASmallerError) {
-  EXPECT_GT(substepsOf("0.003"), substepsOf("0.1"));
-}
-
-TEST(ErrorControl, TakesTwentySubstepsAtLeastWhereClothMayLand) {
-  const int free = substepsOf("0.1");
-  EXPECT_GE(free, 36 * 15);
-  EXPECT_LT(free, 36 * 18);
-  EXPECT_EQ(substepsOf("0.1", {"obstacles={ground: {type: plane, position: [0, 0, -5]}}"}),
-            36 * 20);
-  EXPECT_EQ(substepsOf("0.1", {"self_contact=true"}), 36 * 20);
+  const auto substepsOf = [](const std::string& error) {
+    Simulation simulation(sceneOf("{error: " + error + ", budget: 300}"));
+    int sum = 0;
+    for (int k = 0; k < 36; ++k) {
+      simulation.step();
+      sum += simulation.lastReport().substeps;
+    }
+    const ErrorEstimate estimate = *simulation.lastReport().error;
+    EXPECT_EQ(estimate.sufficed, estimate.largestPosition <= std::stod(error));
+    EXPECT_LT(estimate.position, 2.0 * std::stod(error)) << error;
+    return sum;
+  };
+  const int few = substepsOf("0.1");
+  EXPECT_EQ(few, 36 * 20);
+  EXPECT_GT(substepsOf("0.003"), few);
 }
 
 TEST(ErrorControl, SaysWhenTheBudgetDoesNotSuffice) {

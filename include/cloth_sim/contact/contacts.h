@@ -73,12 +73,7 @@ class Contacts {
   /// Contact between layers of cloth; null if the scene has none. Then any particle may be moved.
   LayerContact* layers = nullptr;
 
-  /// Whether the scene has obstacles, near or far.
-  bool hasObstacles = false;
-
   bool empty() const { return candidates.empty() && layers == nullptr; }
-  /// Tells whether the cloth may come to touch something in this step or a later one.
-  bool mayCome() const { return hasObstacles || layers != nullptr; }
 
   /// Empties the list but keeps its buffers, so that later steps allocate nothing.
   void clear();
