@@ -6,6 +6,7 @@
 #include "error_control.h"
 #include "linalg/vector_operations.h"
 #include "methods.h"
+#include "plate_projection.h"
 #include "position_based.h"
 #include "sim/archive.h"
 #include "substep_solver.h"

@@ -2,6 +2,7 @@
 
 #include "constraints/reference_projection.h"
 #include "methods.h"
+#include "plate_projection.h"
 #include "position_based.h"
 #include "substep_solver.h"
 

@@ -1,0 +1,51 @@
+#pragma once
+/// \file Bending of a plate in position-based methods.
+
+#include "constraints/bend_friction.h"
+#include "constraints/bend_projection.h"
+#include "linalg/bend_matrix.h"
+#include "substep.h"
+
+namespace cloth_sim {
+
+/// Bending of a plate, for methods that project constraints.
+///
+/// Where bending is soft, the impulses n h^2 W K y of all elements at the predicted positions y are
+/// given at once; K is their stiffness matrix, W the inverse inertia and n the number of substeps
+/// from one impulse to the next. That takes the forces of bending as they are, and is stable where
+/// it moves no mode by much more than its amplitude. Stiff elements, on fine grids and beside cuts,
+/// are projected one after the other with their compliance, which is stable for any stiffness.
+class PlateProjection {
+ public:
+  bool empty() const { return !hasBending_; }
+  /// Follows what depends on the model. A model without bending energy takes no time.
+  void build(const Substep& now);
+  /// Prepares for substeps, and for the particles that are held.
+  /// \param longest  most substeps whose impulse bending gives at once (multiple time stepping).
+  ///                 It gives that of one where it is stiff: between two impulses cloth flies on,
+  ///                 and what is faster than that would bounce without end.
+  void setStep(Substep& now, int longest);
+  /// Substeps whose impulse bending gives at once, at most `longest`.
+  int interval() const { return step_.interval; }
+  /// Gives the impulse, with friction if there is any, and adds what held particles bear.
+  /// \param inverseInertia  of each particle [1/kg]; 0: held.
+  void project(const ScalarArray& inverseInertia, Substep& now) const;
+
+ private:
+  bool isSplitFor(double h) const;
+  void split(const Substep& now, double h);
+  bool isStable(double circle, int interval, double h) const;
+  bool areStable(int interval) const;
+  void displace(const ScalarArray& inverseInertia, Substep& now) const;
+
+  BendMatrix soft_;
+  BendProjection stiff_;
+  BendFriction friction_;
+  BendStep step_;           ///< that all are prepared for
+  double softest_ = 0.0;    ///< largest circle of the elements of `soft_` [1/s^2]
+  double stiffest_ = 0.0;   ///< of the other elements, stiffness over inertia [1/s^2]
+  double splitStep_ = 0.0;  ///< longest substep that elements are divided for [s]; 0: none
+  bool hasBending_ = false;
+};
+
+}  // namespace cloth_sim
