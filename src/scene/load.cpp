@@ -9,6 +9,7 @@
 #include "section.h"
 #include "support/hash.h"
 #include "support/input_file.h"
+#include "support/one_line.h"
 
 namespace cloth_sim {
 
@@ -242,6 +243,8 @@ std::vector<KeyTable> sceneKeys() {
   }
   return tables;
 }
+
+SceneError::SceneError(const std::string& text) : std::runtime_error(oneLine(text)) {}
 
 Scene loadScene(const std::string& path, const std::vector<std::string>& overrides) {
   return parseScene(readFile(path), path, overrides);

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "cloth_sim/scene/load.h"
+#include "support/one_line.h"
 
 namespace cloth_sim {
 
@@ -16,12 +17,6 @@ namespace {
 // More than any scene needs, and a bound on the values that aliases of aliases expand to.
 constexpr int kMaxDepth = 32;
 constexpr int kMaxValues = 1000000;
-
-std::string oneLine(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
-  return text;
-}
 
 /// Copies yaml-cpp's nodes into values.
 class Converter {

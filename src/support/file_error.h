@@ -6,14 +6,17 @@
 #include <stdexcept>
 #include <string>
 
+#include "one_line.h"
+
 namespace cloth_sim {
 
 /// Says in one line, which begins with the name of the file, why it cannot be read or written.
 class FileError : public std::runtime_error {
  public:
+  /// \param text  control characters in it, as of names, become spaces.
   /// \param code  the system's number of the error (errno); 0 if the error is not the system's.
   explicit FileError(const std::string& text, int code = 0)
-      : std::runtime_error(text), code_(code) {}
+      : std::runtime_error(oneLine(text)), code_(code) {}
 
   /// Tells whether there was no space left: a full disk, a quota, or a limit on the size of files.
   bool isOutOfSpace() const { return code_ == ENOSPC || code_ == EDQUOT || code_ == EFBIG; }

@@ -20,6 +20,7 @@
 #include "run_progress.h"
 #include "run_recorder.h"
 #include "support/input_file.h"
+#include "support/one_line.h"
 #include "support/output_file.h"
 
 namespace cloth_sim {
@@ -282,10 +283,10 @@ int main(int argc, char** argv) {
     if (const std::optional<int> code = parse(argc, argv, options)) return *code;
     return makeRun(options)->execute();
   } catch (const BadInput& error) {
-    std::cerr << "cloth_run: " << error.what() << std::endl;
+    std::cerr << "cloth_run: " << oneLine(error.what()) << std::endl;
     return kBadInput;
   } catch (const std::exception& error) {
-    std::cerr << "cloth_run: " << error.what() << std::endl;
+    std::cerr << "cloth_run: " << oneLine(error.what()) << std::endl;
     return kOutputLost;
   }
 }

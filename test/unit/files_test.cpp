@@ -239,6 +239,15 @@ TEST_F(Inputs, ThatAreNoFilesAreRefusedAtOnce) {
   EXPECT_THAT(errorOf([&] { checkInputFile(path("pipe"), {}); }), HasSubstr("is a pipe"));
 }
 
+TEST_F(Inputs, AndOutputsWithUnusualNamesAreToldOnOneLine) {
+  EXPECT_EQ(inputError("/no\nwhere/a\tb"),
+            "/no where/a b: cannot be read (No such file or directory)");
+  put(path("a"), "1");
+  const std::string cut = path("a") + std::string("\0.obj", 5);
+  EXPECT_THAT(inputError(cut), HasSubstr("zero byte"));
+  EXPECT_THAT(errorOf([&] { OutputFile output(cut, {}); }), HasSubstr("zero byte"));
+}
+
 TEST_F(Inputs, OfAHugeSizeAreRefusedBeforeTheyAreRead) {
   put(path("a"), "12345");
   EXPECT_EQ(inputError(path("a"), {5, Links::kFollowed}), "");

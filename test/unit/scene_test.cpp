@@ -812,6 +812,22 @@ TEST(Scene, FilesThatCannotBeRead) {
   EXPECT_THAT(message("/"), testing::StartsWith("/: "));
 }
 
+TEST(Scene, NamesOfFilesWithLineBreaksAreToldOnOneLine) {
+  const auto message = [](const std::string& yaml) -> std::string {
+    try {
+      parseScene(yaml, "/nowhere/x.yaml");
+      return "";
+    } catch (const SceneError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_EQ(message("cloth: {obj: \"k\\not.obj\"}"),
+            "/nowhere/k ot.obj: cannot be read (No such file or directory)");
+  EXPECT_EQ(message("cloth: {particles: [3, 3]}\n"
+                    "obstacles: {m: {type: mesh, file: \"k\\not.stl\"}}"),
+            "/nowhere/k ot.stl: cannot be read (No such file or directory)");
+}
+
 // ---- documentation ----------------------------------------------------------------------------
 
 /// Keys of the tables of docs/scene.md, by the heading that they stand under.

@@ -13,7 +13,8 @@ namespace cloth_sim {
 /// such as "tear.yaml:12: cloth.fabric.areal_density: expected a number > 0 (got -1)".
 class SceneError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// \param text  control characters in it, as of names of files, become spaces.
+  explicit SceneError(const std::string& text);
 };
 
 /// Reads and validates a YAML scene. An unknown key is an error that suggests the nearest known
