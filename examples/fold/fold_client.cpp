@@ -15,8 +15,7 @@ constexpr double kHand = 0.115;     // from the wrist to the tips of the fingers
 constexpr double kSide = 0.18;      // of the towel, from the fold to the edge in the fingers [m]
 constexpr double kLift = 0.10;      // of that edge above the fold: the towel stays slack [m]
 constexpr double kDepth = 0.012;    // of the edge between the fingers [m]
-constexpr double kLeap = 0.05;      // most time on the path between two messages: a busy machine
-                                    // makes the arm late, not faster [s]
+constexpr double kLeap = 0.05;      // most time on the path between messages: late, not faster [s]
 
 struct Key {
   double time;   // [s]
@@ -36,8 +35,7 @@ const std::vector<Key> kPath{
 
 Key sample(double time) {
   for (std::size_t k = 1; k < kPath.size(); ++k) {
-    const Key& a = kPath[k - 1];
-    const Key& b = kPath[k];
+    const Key &a = kPath[k - 1], &b = kPath[k];
     if (time >= b.time) continue;
     const double fraction = std::max(0.0, time - a.time) / (b.time - a.time);
     const double s = fraction * fraction * (3.0 - 2.0 * fraction);  // no speed at either end

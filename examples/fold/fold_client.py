@@ -14,7 +14,7 @@ HAND = 0.115  # from the wrist to the tips of the fingers [m]
 SIDE = 0.18  # of the towel, from the fold to the edge that the fingers take [m]
 LIFT = 0.10  # of that edge above the fold, lower than it could be: the towel stays slack [m]
 DEPTH = 0.012  # of the edge between the fingers [m]
-LEAP = 0.05  # most time on the path between two messages: a busy machine makes the arm late [s]
+LEAP = 0.05  # most time on the path between messages: a busy machine makes the arm late [s]
 
 # Time [s], angle about the fold [rad], way from the grasp back [m], gap between the fingers [m].
 PATH = [(0.0, 0.0, 0.05, 0.024),  # in front of the edge
@@ -39,16 +39,12 @@ def sample(time):
     return PATH[-1][1:]
 
 
-def height(angle):
-    """Of the hand at the ends of its way [m]: by the edge of the table, and on two layers."""
-    return -0.002 + 0.017 * angle / math.pi
-
-
 def joints(angle, back, gap):
     """Inverse kinematics: of the wrist by two links of one length, then of the hand."""
     reach = HAND - DEPTH + back  # from the edge of the towel to the wrist
+    height = -0.002 + 0.017 * angle / math.pi  # by the table, then on two layers
     x = (SIDE + reach) * math.cos(angle)
-    z = (LIFT + reach) * math.sin(angle) + height(angle) - SHOULDER
+    z = (LIFT + reach) * math.sin(angle) + height - SHOULDER
     elbow = -2.0 * math.acos(math.hypot(x, z) / (2.0 * LINK))
     shoulder = math.atan2(z, x) - elbow / 2.0
     return [shoulder, elbow, angle - math.pi - shoulder - elbow, gap / 2.0]

@@ -43,7 +43,8 @@ FEATURES = {
                  ['ColliderSet::detect', 'Contacts::project']),
     'wind': ({'more': 'wind: {velocity: [0, 1, 0]}'}, ['addLoads', 'addWind']),
     'bending': ({'bending': 'plate'},
-                ['BendMatrix::addForces', 'BendMatrix::addProduct', 'BendProjection::projectFree']),
+                ['BendMatrix::addForces', 'BendMatrix::addProduct', 'BendMatrix::displace',
+                 'BendProjection::projectFree']),
     'tearing': ({'more': 'tearing: {ratio: 5}'}, ['Tearing::plan', 'Tearing::findOverloads']),
 }
 
