@@ -343,12 +343,10 @@ stable substep without damping, so it has no row.
 
 ## Two threads
 
-The hanging cloth with `line_xpbd` (30 substeps, plate bending), with `xpbd` (its defaults) and with
-`projective` (one substep, one iteration), wall time. One thread, two threads and two independent
-simulations take turns; the last show what the two cores of this machine give at all. Before each
-turn threads are given 50 ms to settle on their cores (`bench/kernels/threads_bench.cpp`). Lines
-along u and lines across them divide the particles in different ways, so the cores exchange
-particles between any two sweeps of `line_xpbd`.
+The hanging cloth with `xpbd` (its defaults) and with `projective` (one substep, one iteration),
+wall time. One thread, two threads and two independent simulations take turns; the last show what
+the two cores of this machine give at all. Before each turn threads are given 50 ms to settle on
+their cores (`bench/kernels/threads_bench.cpp`).
 
 %(threads)s
 

@@ -28,7 +28,6 @@ void go(Simulation& simulation, int threads, int steps) {
 }
 
 Scene sceneOf(int n, const std::string& method) {
-  if (method == "line_xpbd") return hanging(n, method, "plate");  // as scenes have it by default
   Scene scene = hanging(n, method);
   // The settings of the rows beside a peer.
   if (method == "projective") scene.solver.parameters = {{"substeps", 1.0}, {"iterations", 1.0}};
@@ -64,7 +63,7 @@ void threads(benchmark::State& run, const std::string& method) {
 }
 
 const bool kRegistered = [] {
-  for (const char* method : {"line_xpbd", "xpbd", "projective"}) {
+  for (const char* method : {"xpbd", "projective"}) {
     benchmark::RegisterBenchmark((std::string("threads/") + method).c_str(),
                                  [method](benchmark::State& run) { threads(run, method); })
         ->RangeMultiplier(2)
