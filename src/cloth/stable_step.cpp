@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "bending_row_sums.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -15,21 +17,6 @@ constexpr double kMargin = 1.1;
 
 /// A vector per particle, (particleCount,).
 using Field = std::vector<Vec3>;
-
-/// Returns the absolute row sums of the stiffness matrix of the bending energy [N/m].
-std::vector<double> bendingRowSums(const Model& model) {
-  std::vector<double> rows(static_cast<std::size_t>(model.particleCount()), 0.0);
-  for (const PlateElement& element : model.bending.elements()) {
-    double sum = 0.0;
-    for (double weight : element.weight) sum += std::abs(weight);
-    for (int k = 0; k < element.count; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      rows[static_cast<std::size_t>(element.vertex[i])] +=
-          element.stiffness * std::abs(element.weight[i]) * sum;
-    }
-  }
-  return rows;
-}
 
 double largestRetardation(const Model& model) {
   double largest = model.bending.empty() ? 0.0 : model.bendRetardation();
@@ -114,7 +101,8 @@ FastestMode boundFastestMode(const Model& model) {
     stiffness[static_cast<std::size_t>(spring.a)] += spring.stiffness;
     stiffness[static_cast<std::size_t>(spring.b)] += spring.stiffness;
   }
-  const std::vector<double> bending = bendingRowSums(model);
+  const std::vector<double> bending =
+      bendingRowSums(model, std::vector<double>(stiffness.size(), 1.0));
   double squared = 0.0;
   for (VertexId v = 0; v < model.particleCount(); ++v) {
     const auto k = static_cast<std::size_t>(v);

@@ -26,12 +26,12 @@ bool sameStencil(const PlateElement& a, const PlateElement& b) {
   return true;
 }
 
-/// Some elements, those with the same stencil joined into one.
+/// The elements of a part, those with the same stencil joined into one.
 std::vector<PlateElement> joined(const PlateBending& bending,
-                                 const std::vector<std::uint8_t>& isIn) {
+                                 const std::function<bool(std::size_t)>& isIn) {
   std::vector<std::size_t> order;
   for (std::size_t e = 0; e < bending.elements().size(); ++e) {
-    if (isIn[e] != 0 && bending.elements()[e].count > 0) order.push_back(e);
+    if (isIn(e) && bending.elements()[e].count > 0) order.push_back(e);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return bending.elements()[a].vertex < bending.elements()[b].vertex;
@@ -173,11 +173,11 @@ void projectAll(std::size_t count, const Part& part, const ConstAxes& start, con
 }  // namespace
 
 void BendProjection::build(const PlateBending& bending, const Particles& particles) {
-  build(bending, particles, std::vector<std::uint8_t>(bending.elements().size(), 1));
+  build(bending, particles, [](std::size_t /*e*/) { return true; });
 }
 
 void BendProjection::build(const PlateBending& bending, const Particles& particles,
-                           const std::vector<std::uint8_t>& isIn) {
+                           const std::function<bool(std::size_t)>& isIn) {
   const std::vector<PlateElement> elements = joined(bending, isIn);
   runs_.clear();
   stiffness_.clear();
@@ -239,7 +239,7 @@ double BendProjection::factorOf(const Run& run, std::int32_t k,
 
 void BendProjection::setStep(const BendStep& step, const ScalarArray& inverseMass) {
   gamma_ = step.retardation / step.h;
-  inverseSquare_ = 1.0 / (step.interval * step.h * step.h);
+  inverseSquare_ = 1.0 / step.square();
   held_.clear();
   for (const Run& run : runs_) {
     for (std::int32_t k = 0; k < run.length; ++k) {

@@ -1,6 +1,8 @@
 #pragma once
 /// \file Gauss-Seidel projection of bending elements.
 
+#include <functional>
+
 #include "cloth_sim/cloth/model.h"
 #include "particles.h"
 
@@ -11,6 +13,9 @@ struct BendStep {
   double h = 0.0;            ///< length of a substep [s]
   double retardation = 0.0;  ///< dashpot over stiffness [s]
   int interval = 1;          ///< substeps whose impulse an element gives at once
+
+  /// n h^2 of n substeps of h: displacement over acceleration that an impulse gives [s^2].
+  double square() const { return interval * h * h; }
 };
 
 /// The elements of a plate bending energy as constraints with compliance, coloured so that no two
@@ -24,9 +29,9 @@ struct BendStep {
 class BendProjection {
  public:
   void build(const PlateBending& bending, const Particles& particles);
-  /// Builds those of some elements. \param isIn  by element: 1 if it is one of them.
+  /// Takes a part of the elements. \param isIn  isIn(e): the element e is of the part.
   void build(const PlateBending& bending, const Particles& particles,
-             const std::vector<std::uint8_t>& isIn);
+             const std::function<bool(std::size_t)>& isIn);
 
   bool empty() const { return stiffness_.empty(); }
 

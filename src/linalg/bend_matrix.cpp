@@ -50,23 +50,6 @@ double weightOf(const PlateElement& element, const Particles& particles, std::si
 
 }  // namespace
 
-std::vector<double> bendingCircles(const Model& model) {
-  std::vector<double> circles(static_cast<std::size_t>(model.particleCount()), 0.0);
-  for (const PlateElement& element : model.bending.elements()) {
-    const auto count = static_cast<std::size_t>(element.count);
-    std::array<double, PlateElement::kMostVertices> scaled{};  // weights over roots of masses
-    double sum = 0.0;
-    for (std::size_t k = 0; k < count; ++k) {
-      scaled[k] = std::abs(element.weight[k]) / std::sqrt(model.mass[element.vertex[k]]);
-      sum += scaled[k];
-    }
-    for (std::size_t k = 0; k < count; ++k) {
-      circles[static_cast<std::size_t>(element.vertex[k])] += element.stiffness * scaled[k] * sum;
-    }
-  }
-  return circles;
-}
-
 /// Products of consecutive rows whose entries are the same but for a shift of their columns.
 struct BendMatrix::Kernel {
   struct Rows {
@@ -76,6 +59,14 @@ struct BendMatrix::Kernel {
     const std::int32_t* column;  ///< of the entries of the first row
     const double* value;
   };
+
+  /// The rows [begin, end) of one run.
+  static Rows rowsOf(const BendMatrix& matrix, std::int32_t begin, std::int32_t end) {
+    const auto first = static_cast<std::size_t>(begin);
+    const std::size_t entry = matrix.start_[first];
+    return {first, static_cast<std::size_t>(end - begin), matrix.start_[first + 1] - entry,
+            matrix.column_.data() + entry, matrix.value_.data() + entry};
+  }
 
   static constexpr std::size_t kBlock = 2 * kLanes;  ///< rows at a time
   /// Products of rows with one coordinate.
@@ -175,16 +166,14 @@ struct BendMatrix::Kernel {
 };
 
 void BendMatrix::build(const Model& model, const Particles& particles) {
-  retardation_ = model.bendRetardation();
-  buildWith(model, particles, [&](std::size_t e) { return model.bending.elements()[e].stiffness; });
+  build(model, particles, [](std::size_t /*e*/) { return true; });
 }
 
 void BendMatrix::build(const Model& model, const Particles& particles,
-                       const std::vector<std::uint8_t>& isIn) {
+                       const std::function<bool(std::size_t)>& isIn) {
   retardation_ = model.bendRetardation();
-  buildWith(model, particles, [&](std::size_t e) {
-    return isIn[e] != 0 ? model.bending.elements()[e].stiffness : 0.0;
-  });
+  buildWith(model, particles,
+            [&](std::size_t e) { return isIn(e) ? model.bending.elements()[e].stiffness : 0.0; });
 }
 
 void BendMatrix::buildSlip(const Model& model, const Particles& particles) {
@@ -261,11 +250,7 @@ void BendMatrix::forRuns(const Visit& visit) const {
     auto run = std::upper_bound(firstOfRun_.begin(), firstOfRun_.end(), first) - 1;
     for (std::int32_t row = first; row < last; ++run) {
       const std::int32_t end = std::min(last, run[1]);
-      const std::size_t entry = start_[static_cast<std::size_t>(row)];
-      const std::size_t entries = start_[static_cast<std::size_t>(row) + 1] - entry;
-      visit(typename Kernel::Rows{static_cast<std::size_t>(row),
-                                  static_cast<std::size_t>(end - row), entries,
-                                  column_.data() + entry, value_.data() + entry});
+      visit(Kernel::rowsOf(*this, row, end));
       row = end;
     }
   });
@@ -297,12 +282,9 @@ void BendMatrix::addForce(std::size_t slot, const VectorArray& x, const VectorAr
   force.set(slot, force.at(slot) - sum);
 }
 
-Vec3 BendMatrix::rowProduct(std::size_t row, const VectorArray& x) const {
-  Vec3 product = Vec3::Zero();
-  for (std::size_t k = start_[row]; k < start_[row + 1]; ++k) {
-    product += value_[k] * x.at(static_cast<std::size_t>(column_[k]));
-  }
-  return product;
+Vec3 BendMatrix::rowProduct(std::size_t row, const VectorArray& y) const {
+  const auto k = static_cast<std::int32_t>(row);
+  return Kernel::multiplyOne(Kernel::rowsOf(*this, k, k + 1), 0, axesAt(y, 0));
 }
 
 double BendMatrix::potential(const VectorArray& x, const VectorArray& v, double tau) const {

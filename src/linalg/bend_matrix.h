@@ -1,16 +1,12 @@
 #pragma once
 /// \file The stiffness matrix of a bending energy.
 
+#include <functional>
+
 #include "cloth_sim/cloth/model.h"
 #include "constraints/particles.h"
 
 namespace cloth_sim {
-
-/// Bounds the eigenvalues of M^-1 K by the circles of Gershgorin of M^-1/2 K M^-1/2, which has the
-/// same: light particles at corners do not widen these. K is the stiffness matrix of the bending
-/// energy or of some of its elements, M the masses.
-/// \return by vertex, the sum of the absolute values in its row, element by element [1/s^2].
-std::vector<double> bendingCircles(const Model& model);
 
 /// K of the energy 1/2 x^T K x of a PlateBending: one row per particle slot, the same for the three
 /// coordinates, in compressed rows. Constant until the model changes.
@@ -20,8 +16,10 @@ std::vector<double> bendingCircles(const Model& model);
 class BendMatrix {
  public:
   void build(const Model& model, const Particles& particles);
-  /// Builds the matrix of some elements. \param isIn  by element: 1 if it is one of them.
-  void build(const Model& model, const Particles& particles, const std::vector<std::uint8_t>& isIn);
+  /// Builds the matrix of a part of the elements. \param isIn  isIn(e): the element e is of the
+  /// part.
+  void build(const Model& model, const Particles& particles,
+             const std::function<bool(std::size_t)>& isIn);
   /// Builds the matrix with the stiffness of the slip elements instead of that of the elements: an
   /// upper bound on their stiffness, without the way in which normals of faces turn.
   void buildSlip(const Model& model, const Particles& particles);

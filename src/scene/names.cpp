@@ -1,8 +1,9 @@
 #include "names.h"
 
 #include <algorithm>
-#include <cctype>
 #include <numeric>
+
+#include "support/one_line.h"
 
 namespace cloth_sim {
 namespace {
@@ -35,11 +36,9 @@ bool isDigit(char c) { return c >= '0' && c <= '9'; }
 }  // namespace
 
 std::string shownText(const std::string& text) {
-  std::string result = text.substr(0, kLongestShown);
-  for (char& c : result) {
-    const auto code = static_cast<unsigned char>(c);
-    if (code >= 0x80) c = '?';  // it may be no UTF-8, or be cut in the middle of a character
-    if (std::iscntrl(code) != 0) c = ' ';
+  std::string result = oneLine(text.substr(0, kLongestShown));
+  for (char& c : result) {  // they may be no UTF-8, or be cut in the middle of a character
+    if (static_cast<unsigned char>(c) >= 0x80) c = '?';
   }
   return text.size() > kLongestShown ? result + "..." : result;
 }

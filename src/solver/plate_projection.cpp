@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "cloth/bending_row_sums.h"
 #include "linalg/vector_operations.h"
 
 namespace cloth_sim {
@@ -23,6 +24,15 @@ double powerOfTwoFrom(double h) {
   int exponent = 0;
   std::frexp((1.0 - kRounding) * h / kOne, &exponent);
   return std::ldexp(kOne, exponent);
+}
+
+/// Returns the circles of Gershgorin of M^-1/2 K M^-1/2, which has the eigenvalues of M^-1 K: light
+/// particles at corners do not widen these. K is the stiffness matrix of bending, M the masses.
+/// \return by vertex [1/s^2].
+std::vector<double> circlesOf(const Model& model) {
+  std::vector<double> scale;
+  for (const double mass : model.mass.values()) scale.push_back(1.0 / std::sqrt(mass));
+  return bendingRowSums(model, scale);
 }
 
 /// Largest stiffness over inertia of an element, times the square of the time between its impulses,
@@ -65,8 +75,8 @@ bool PlateProjection::isSplitFor(double h) const {
 /// shorter ones.
 void PlateProjection::split(const Substep& now, double h) {
   const std::vector<PlateElement>& elements = now.model.bending.elements();
-  const std::vector<double> circles = bendingCircles(now.model);
-  std::vector<std::uint8_t> isSoft(elements.size(), 0), isStiff(elements.size(), 1);
+  const std::vector<double> circles = circlesOf(now.model);
+  std::vector<std::uint8_t> isSoft(elements.size(), 0);
   softest_ = 0.0;
   for (std::size_t e = 0; e < elements.size(); ++e) {
     double largest = 0.0;
@@ -77,10 +87,9 @@ void PlateProjection::split(const Substep& now, double h) {
     if (!friction_.empty() || !isStable(largest, 1, h)) continue;
     softest_ = std::max(softest_, largest);
     isSoft[e] = 1;
-    isStiff[e] = 0;
   }
-  soft_.build(now.model, now.particles, isSoft);
-  stiff_.build(now.model.bending, now.particles, isStiff);
+  soft_.build(now.model, now.particles, [&](std::size_t e) { return isSoft[e] != 0; });
+  stiff_.build(now.model.bending, now.particles, [&](std::size_t e) { return isSoft[e] == 0; });
 }
 
 /// \param h  length of a substep [s].
@@ -100,8 +109,7 @@ void PlateProjection::project(const ScalarArray& inverseInertia, Substep& now) c
     now.kinematic.addImpulseAt(slot, impulse / now.h);
   };
   stiff_.project(now.particles, inverseInertia, onHeld);
-  const double square = step_.interval * now.h * now.h;
-  friction_.project(square, inverseInertia, now.particles, onHeld);
+  friction_.project(step_.square(), inverseInertia, now.particles, onHeld);
 }
 
 /// Gives the impulses of the soft elements.
@@ -117,8 +125,7 @@ void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) 
     const auto slot = static_cast<std::size_t>(held);
     now.kinematic.addImpulseAt(slot, -step_.interval * step_.h * soft_.rowProduct(slot, *at));
   }
-  const double square = step_.interval * step_.h * step_.h;
-  soft_.displace(square, inverseInertia, *at, p.x, now.force);
+  soft_.displace(step_.square(), inverseInertia, *at, p.x, now.force);
   std::swap(p.x, now.force);
 }
 

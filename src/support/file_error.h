@@ -25,6 +25,11 @@ class FileError : public std::runtime_error {
   int code_;
 };
 
+/// Checks that a file can have a name. The system would see only the part before a zero byte.
+/// \param expected  the name of what kind of file, for messages.
+/// \throws FileError
+void checkFileName(const std::string& path, const std::string& expected);
+
 /// Decides what happens to symbolic links.
 enum class Links : std::uint8_t {
   kFollowed,  ///< names on a command line: the link means its target

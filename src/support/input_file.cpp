@@ -25,8 +25,7 @@ std::string sizeText(std::uint64_t bytes) {
 
 /// Opens a file for reading. O_NONBLOCK keeps the call from waiting for the writer of a pipe.
 Descriptor openRegular(const std::string& path, const InputRules& rules, struct stat& status) {
-  if (path.empty()) throw FileError("expected the name of a file (got nothing)");
-  if (path.find('\0') != std::string::npos) throw FileError(path + ": has a zero byte in it");
+  checkFileName(path, "the name of a file");
   const int noFollow = rules.links == Links::kRefused ? O_NOFOLLOW : 0;
   // The kind is asked for first: opening some devices has effects (a tape rewinds).
   if (stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {

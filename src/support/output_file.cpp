@@ -111,8 +111,7 @@ void flushFolder(const std::string& file) {
 
 OutputFile::OutputFile(const std::string& path, const OutputRules& rules)
     : path_(path), target_(path) {
-  if (path.empty()) throw FileError("expected the name of a file to write (got nothing)");
-  if (path.find('\0') != std::string::npos) throw FileError(path + ": has a zero byte in it");
+  checkFileName(path, "the name of a file to write");
   const int own = ownDescriptor(path);
   if (own >= 0) {
     openDescriptor(own, rules);

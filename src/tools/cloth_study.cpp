@@ -24,6 +24,7 @@
 #include "study/make_auto_table.h"
 #include "study/study.h"
 #include "support/input_file.h"
+#include "support/one_line.h"
 #include "support/output_file.h"
 
 namespace cloth_sim {
@@ -341,13 +342,13 @@ int main(int argc, char** argv) {
     if (const std::optional<int> code = parse(argc, argv, options)) return *code;
     return run(options);
   } catch (const BadInput& error) {
-    std::cerr << "cloth_study: " << error.what() << std::endl;
+    std::cerr << "cloth_study: " << oneLine(error.what()) << std::endl;
     return kBadInput;
   } catch (const SceneError& error) {
-    std::cerr << "cloth_study: " << error.what() << std::endl;
+    std::cerr << "cloth_study: " << oneLine(error.what()) << std::endl;
     return kBadInput;
   } catch (const std::exception& error) {
-    std::cerr << "cloth_study: " << error.what() << std::endl;
+    std::cerr << "cloth_study: " << oneLine(error.what()) << std::endl;
     return kFailed;
   }
 }
