@@ -15,12 +15,11 @@ namespace {
 
 /// Faces that are renewed in sum until all are, over the most at a time.
 constexpr double kMostRenewed = 5.0;
-/// Slots of a segment: a box around their motion bounds how they move against each other.
+/// Slots that are compared together.
 constexpr std::int32_t kSegment = 16;
-/// Side of a patch, in cells.
-constexpr double kPatch = 8.0;
 
 constexpr std::int32_t kSegmentGrain = 256;
+constexpr std::int32_t kRunGrain = 32;
 constexpr std::int32_t kFaceGrain = 2048;
 constexpr std::int32_t kVertexGrain = 4096;
 
@@ -40,72 +39,36 @@ struct SegmentMotion {
   Axes moved;      ///< displacement, to be set [m]
 };
 
-/// Sets the displacements of a segment's slots along an axis against `common` [m], and the least
-/// and the largest of them. \return whether all are allowed; false for NaN.
+/// Sets the displacements of a segment's slots along an axis against `common` [m]. \return whether
+/// all are allowed; false for NaN.
 [[gnu::always_inline]] inline bool moveAxis(const double* x, const double* from, const double* low,
-                                            const double* high, double common, double* moved,
-                                            double& least, double& most) {
-  const Lanes first = lanesAt(x) - lanesAt(from) - common;
-  Lanes below = first;
-  Lanes above = first;
-  auto kept = first == first;
+                                            const double* high, double common, double* moved) {
+  auto kept = lanesAt(low) <= lanesAt(high);  // yes
   for (std::int32_t k = 0; k < kSegment; k += kLanes) {
     const Lanes now = lanesAt(x + k) - lanesAt(from + k) - common;
     lanesAt(moved + k) = now;
-    below = now < below ? now : below;
-    above = now > above ? now : above;
     kept &= (now >= lanesAt(low + k)) & (now <= lanesAt(high + k));
   }
-  least = std::min(std::min(below[0], below[1]), std::min(below[2], below[3]));
-  most = std::max(std::max(above[0], above[1]), std::max(above[2], above[3]));
   return (kept[0] & kept[1] & kept[2] & kept[3]) != 0;
 }
 
 /// Does so for `count` segments along all axes. \return whether all motion is allowed.
 CLOTH_SIM_VECTOR_CLONES
-bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t count, Box* boxes,
+bool moveSegments(const SegmentMotion& of, const Vec3& common, std::int32_t count,
                   std::uint8_t* isKept) {
   bool areKept = true;
   for (std::int32_t s = 0; s < count; ++s) {
     const std::int32_t at = s * kSegment;
-    double* const low = boxes[s].low.data();
-    double* const high = boxes[s].high.data();
     bool kept = moveAxis(of.x.x + at, of.from.x + at, of.low.x + at, of.high.x + at, common.x(),
-                         of.moved.x + at, low[0], high[0]);
+                         of.moved.x + at);
     kept &= moveAxis(of.x.y + at, of.from.y + at, of.low.y + at, of.high.y + at, common.y(),
-                     of.moved.y + at, low[1], high[1]);
+                     of.moved.y + at);
     kept &= moveAxis(of.x.z + at, of.from.z + at, of.low.z + at, of.high.z + at, common.z(),
-                     of.moved.z + at, low[2], high[2]);
+                     of.moved.z + at);
     isKept[s] = kept ? 1 : 0;
     areKept &= kept;
   }
   return areKept;
-}
-
-/// Returns the first group of `kLanes` faces in [first, last) with one whose edges may have changed
-/// by more than is allowed, by the number of its first face; the begin of the last faces, which are
-/// no whole group, if there is none. A quick check.
-/// \param corners  slots of the first, second and third corner of the faces.
-/// \param turn     square of the change that is allowed, by face [m^2].
-CLOTH_SIM_VECTOR_CLONES
-std::int32_t firstTurned(const ConstAxes& moved, const std::array<const std::int32_t*, 3>& corners,
-                         const double* turn, std::int32_t first, std::int32_t last) {
-  for (std::int32_t k = first;; k += kLanes) {
-    if (k + kLanes > last) return k;
-    Lanes square{};
-    for (const double* axis : {moved.x, moved.y, moved.z}) {
-      const Lanes origin = gather(axis, corners[0] + k);
-      const Lanes one = gather(axis, corners[1] + k) - origin;
-      const Lanes other = gather(axis, corners[2] + k) - origin;
-      square += one * one + other * other;
-    }
-    const auto kept = square <= lanesAt(turn + k);
-    if ((kept[0] & kept[1] & kept[2] & kept[3]) == 0) return k;
-  }
-}
-
-Vec2 middle(const TriangleMesh& mesh, const Face& face) {
-  return (mesh.material(face[0]) + mesh.material(face[1]) + mesh.material(face[2])) / 3.0;
 }
 
 }  // namespace
@@ -132,44 +95,8 @@ void Allowance::build(const Model& model) {
   motions_.resize(vertices);
   slots_.resize(vertices);
   balls_.resize(faces_.size());
-  turn_.resize(faces_.size());
-  sortIntoPatches(model);
-}
-
-/// Sorts the faces into squares of the material plane.
-void Allowance::sortIntoPatches(const Model& model) {
-  const TriangleMesh& mesh = model.mesh;
-  double area = 0.0;
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) area += mesh.restArea(f);
-  const double side = kPatch * std::sqrt(2.0 * area / static_cast<double>(faces_.size()));
-  using Key = std::array<std::int32_t, 3>;
-  std::vector<std::pair<Key, FaceId>> order;
-  order.reserve(faces_.size());
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const Vec2 at = middle(mesh, faces_[f]) / side;
-    const auto cloth = static_cast<std::int32_t>(model.clothOf(faces_[f][0]));
-    order.push_back({{cloth, static_cast<std::int32_t>(std::floor(at.y())),
-                      static_cast<std::int32_t>(std::floor(at.x()))},
-                     f});
-  }
-  std::sort(order.begin(), order.end());
-  patches_.clear();
-  patchFaces_.clear();
-  placeOf_.resize(faces_.size());
-  patchOf_.resize(faces_.size());
-  patchTurn_.resize(faces_.size());
-  for (std::vector<std::int32_t>& corner : corners_) corner.resize(faces_.size());
-  hasSegments_ = false;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k == 0 || order[k].first != order[k - 1].first) {
-      patches_.emplace_back();
-      patches_.back().firstFace = static_cast<std::int32_t>(k);
-    }
-    placeOf_[order[k].second] = static_cast<std::int32_t>(k);
-    patchFaces_.push_back(order[k].second);
-    patchOf_[order[k].second] = static_cast<std::int32_t>(patches_.size()) - 1;
-    patches_.back().lastFace = static_cast<std::int32_t>(k) + 1;
-  }
+  edges_.build(mesh);
+  hasSlots_ = false;
 }
 
 /// \param placeOf  position of a vertex [m].
@@ -230,31 +157,23 @@ void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& e
   });
   const auto startOf = [&](VertexId v) -> const Vec3& { return start[v]; };
   const auto endOf = [&](VertexId v) -> const Vec3& { return end[v]; };
-  forAll(faces_.size(), kFaceGrain, [&](FaceId f) {
-    allowTurn(f, gradient(f, startOf), gradient(f, endOf));
-    turn_[f] = balls_[f].radius * balls_[f].radius / inverseRest_[f].squaredNorm();
-  });
+  forAll(faces_.size(), kFaceGrain,
+         [&](FaceId f) { allowTurn(f, gradient(f, startOf), gradient(f, endOf)); });
 }
 
 void Allowance::follow(const ParticleView& particles) {
   const auto vertices = static_cast<VertexId>(slots_.size());
   for (VertexId v = 0; v < vertices; ++v) {
     const std::int32_t slot = particles.slot(v);
-    if (slot != slots_[v]) hasSegments_ = false;
+    if (slot != slots_[v]) hasSlots_ = false;
     slots_[v] = slot;
   }
-  if (!hasSegments_) {
+  if (!hasSlots_) {
     listSlots();
-    listSegments();
+    edges_.follow(slots_);
   }
   for (VertexId v = 0; v < vertices; ++v) setSlot(v);
-  for (Patch& patch : patches_) {
-    patch.turn = std::numeric_limits<double>::infinity();
-    for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
-      patchTurn_[k] = turn_[patchFaces_[k]];
-      patch.turn = std::min(patch.turn, patchTurn_[k]);
-    }
-  }
+  edges_.allow(balls_);
 }
 
 /// Sizes the arrays of slots. Whatever is in slots without a vertex may go anywhere.
@@ -269,25 +188,8 @@ void Allowance::listSlots() {
     low_.set(slot, Vec3::Constant(-std::numeric_limits<double>::infinity()));
     high_.set(slot, Vec3::Constant(std::numeric_limits<double>::infinity()));
   }
-}
-
-/// Lists the segments of slots that the corners of each patch lie in.
-void Allowance::listSegments() {
-  segments_.resize((vertexIn_.size() + kSegment - 1) / kSegment);
-  isSegmentKept_.resize(segments_.size());
-  for (Patch& patch : patches_) {
-    std::vector<std::int32_t>& list = patch.segments;
-    list.clear();
-    for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
-      for (int corner = 0; corner < 3; ++corner) {
-        corners_[corner][k] = slots_[faces_[patchFaces_[k]][corner]];
-        list.push_back(corners_[corner][k] / kSegment);
-      }
-    }
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-  }
-  hasSegments_ = true;
+  isSegmentKept_.resize((vertexIn_.size() + kSegment - 1) / kSegment);
+  hasSlots_ = true;
 }
 
 void Allowance::setSlot(VertexId v) {
@@ -301,22 +203,20 @@ bool Allowance::isKept(const ParticleView& particles) {
   const Vec3 common =
       meanMotion([&](VertexId v) -> Vec3 { return particles.at(slots_[v]) - origin_[v]; });
   std::atomic<bool> kept{true};
-  parallelFor(static_cast<std::int32_t>(segments_.size()), kSegmentGrain,
+  parallelFor(static_cast<std::int32_t>(isSegmentKept_.size()), kSegmentGrain,
               [&](std::int32_t first, std::int32_t last) {
                 if (!move(particles, common, first, last)) kept = false;
               });
-  constexpr std::int32_t kPatchGrain = 64;
-  parallelFor(static_cast<std::int32_t>(patches_.size()), kPatchGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t k = first; k < last && kept; ++k) {
-                  if (!isTurnKept(patches_[k])) kept = false;
-                }
-              });
+  parallelFor(edges_.runCount(), kRunGrain, [&](std::int32_t first, std::int32_t last) {
+    if (!kept) return;
+    if (!edges_.visitChanged(moved_, first, last, [&](FaceId f) { return isTurnKept(f); })) {
+      kept = false;
+    }
+  });
   return kept;
 }
 
-/// Finds the motion of the slots of some segments, and boxes around it. \return whether it is
-/// allowed.
+/// Finds the motion of the slots of some segments. \return whether it is allowed.
 bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int32_t first,
                      std::int32_t last) {
   const auto slots = static_cast<std::int32_t>(vertexIn_.size());
@@ -329,38 +229,18 @@ bool Allowance::move(const ParticleView& particles, const Vec3& common, std::int
                          axesAt(std::as_const(low_), at),
                          axesAt(std::as_const(high_), at),
                          axesAt(moved_, at)},
-                        common, whole - first, &segments_[first], &isSegmentKept_[first]);
+                        common, whole - first, &isSegmentKept_[first]);
   }
   if (whole == last) return kept;
   bool isRestKept = true;
-  segments_[whole] = Box();
   for (std::int32_t slot = whole * kSegment; slot < slots; ++slot) {
     const auto k = static_cast<std::size_t>(slot);
     const Vec3 moved = particles.at(slot) - from_.at(k) - common;
     moved_.set(k, moved);
-    segments_[whole].add({moved, moved});
     isRestKept = isRestKept && Box{low_.at(k), high_.at(k)}.contains(moved);
   }
   isSegmentKept_[whole] = isRestKept ? 1 : 0;
   return kept && isRestKept;
-}
-
-/// Tells whether the gradients of the faces of a patch are where they may be. The edges of all
-/// change by no more than the diagonal of a box around the motion of all corners.
-bool Allowance::isTurnKept(const Patch& patch) const {
-  Box box;
-  for (const std::int32_t segment : patch.segments) box.add(segments_[segment]);
-  if (2.0 * (box.high - box.low).squaredNorm() <= patch.turn) return true;
-  const std::array<const std::int32_t*, 3> corners{corners_[0].data(), corners_[1].data(),
-                                                   corners_[2].data()};
-  for (std::int32_t k = patch.firstFace; k < patch.lastFace;) {
-    k = firstTurned(axesAt(moved_, 0), corners, patchTurn_.data(), k, patch.lastFace);
-    const std::int32_t last = std::min(k + kLanes, patch.lastFace);
-    for (; k < last; ++k) {
-      if (!isTurnKept(patchFaces_[k])) return false;
-    }
-  }
-  return true;
 }
 
 /// Tells whether the gradient of a face is where it may be.
@@ -369,8 +249,6 @@ bool Allowance::isTurnKept(FaceId f) const {
   const Vec3 moved = moved_.at(static_cast<std::size_t>(slots_[face[0]]));
   const Vec3 first = moved_.at(static_cast<std::size_t>(slots_[face[1]])) - moved;
   const Vec3 second = moved_.at(static_cast<std::size_t>(slots_[face[2]])) - moved;
-  // The norm of the edges' change bounds that of the gradient.
-  if (first.squaredNorm() + second.squaredNorm() <= turn_[f]) return true;
   const Gradient now = Gradient::of(first + origin_[face[1]] - origin_[face[0]],
                                     second + origin_[face[2]] - origin_[face[0]], inverseRest_[f]);
   return (now - balls_[f].centre).norm() <= balls_[f].radius;
@@ -382,7 +260,7 @@ bool Allowance::findLeftVertices(std::size_t mostFaces) {
   left_.vertices.clear();
   left_.faces.clear();
   const auto slots = static_cast<std::int32_t>(vertexIn_.size());
-  for (std::size_t s = 0; s < segments_.size(); ++s) {
+  for (std::size_t s = 0; s < isSegmentKept_.size(); ++s) {
     if (isSegmentKept_[s] != 0) continue;
     const std::int32_t first = static_cast<std::int32_t>(s) * kSegment;
     for (std::int32_t slot = first; slot < std::min(first + kSegment, slots); ++slot) {
@@ -403,12 +281,10 @@ bool Allowance::findLeftVertices(std::size_t mostFaces) {
 bool Allowance::findLeft(double few) {
   const auto most = static_cast<std::size_t>(few * static_cast<double>(faces_.size()));
   if (!findLeftVertices(most)) return false;
-  for (const Patch& patch : patches_) {
-    if (isTurnKept(patch)) continue;
-    for (std::int32_t k = patch.firstFace; k < patch.lastFace; ++k) {
-      if (!isTurnKept(patchFaces_[k])) left_.faces.push_back(patchFaces_[k]);
-    }
-  }
+  edges_.visitChanged(moved_, 0, edges_.runCount(), [&](FaceId f) {
+    if (!isTurnKept(f)) left_.faces.push_back(f);
+    return true;
+  });
   std::sort(left_.faces.begin(), left_.faces.end());
   left_.faces.erase(std::unique(left_.faces.begin(), left_.faces.end()), left_.faces.end());
   return left_.faces.size() <= most;
@@ -431,10 +307,7 @@ bool Allowance::renewLeft(const ParticleView& particles, double few, double most
   }
   for (const FaceId f : left_.faces) {
     allowTurn(f, gradient(f, startOf), gradient(f, endOf));
-    // The centre of the ball is no longer the gradient at the origin: there is no quick check.
-    turn_[f] = -1.0;
-    patchTurn_[placeOf_[f]] = -1.0;
-    patches_[patchOf_[f]].turn = -1.0;
+    edges_.distrust(f);  // the centre of the ball is no longer the gradient at the origin
   }
   return true;
 }

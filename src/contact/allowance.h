@@ -2,12 +2,10 @@
 /// \file The motion of vertices and the turn of gradients of faces that are allowed until pairs of
 /// faces near each other are searched again.
 
-#include <array>
 #include <vector>
 
 #include "cloth_sim/contact/contacts.h"
-#include "linalg/vector_array.h"
-#include "material_tree.h"
+#include "edge_changes.h"
 
 namespace cloth_sim {
 
@@ -55,15 +53,6 @@ class Allowance {
   const Renewed& renewed() const { return left_; }
 
  private:
-  /// Faces near each other in the material plane, and the slots of their corners.
-  struct Patch {
-    std::int32_t firstFace = 0;  ///< in patchFaces_
-    std::int32_t lastFace = 0;   ///< past it
-    std::vector<std::int32_t> segments;
-    double turn = 0.0;  ///< least of `turn_` [m^2]
-  };
-
-  void sortIntoPatches(const Model& model);
   template <typename MotionOf>
   Vec3 meanMotion(const MotionOf& motionOf) const;
   template <typename PlaceOf>
@@ -71,11 +60,9 @@ class Allowance {
   void allowMotion(std::size_t v, const Vec3& offset, const Vec3& motion, const Vec3& common);
   void allowTurn(FaceId f, const Gradient& start, const Gradient& end);
   void listSlots();
-  void listSegments();
   void setSlot(VertexId v);
   bool move(const ParticleView& particles, const Vec3& common, std::int32_t first,
             std::int32_t last);
-  bool isTurnKept(const Patch& patch) const;
   bool isTurnKept(FaceId f) const;
   bool findLeft(double few);
   bool findLeftVertices(std::size_t mostFaces);
@@ -88,22 +75,15 @@ class Allowance {
   std::vector<Vec3> origin_;
   std::vector<Box> motions_;
   std::vector<GradientBall> balls_;
-  std::vector<double> turn_;         ///< square of the edges' change within a ball, by face [m^2]
-  std::vector<std::int32_t> slots_;  ///< by vertex
-  std::vector<VertexId> vertexIn_;   ///< by slot; kNone where a vertex was removed
-  VectorArray from_, low_, high_;    ///< origin_ and motions_ by slot [m]
-  VectorArray moved_;                ///< motion since, by slot [m]
-  std::vector<Box> segments_;        ///< around the motion of consecutive slots
-  std::vector<std::uint8_t> isSegmentKept_;  ///< 1 if all of its slots are where they may be
-  std::vector<Patch> patches_;
-  std::vector<FaceId> patchFaces_;                    ///< by patch
-  std::vector<std::int32_t> patchOf_;                 ///< by face
-  std::vector<std::int32_t> placeOf_;                 ///< in patchFaces_, by face
-  std::array<std::vector<std::int32_t>, 3> corners_;  ///< slots, in the order of patchFaces_
-  std::vector<double> patchTurn_;  ///< `turn_`, in the order of patchFaces_ [m^2]
-  bool hasSegments_ = false;       ///< those of the patches are known
-  Renewed left_;                   ///< vertices and faces that are not where they may be
-  std::int64_t renewed_ = 0;       ///< faces since all were
+  EdgeChanges edges_;
+  std::vector<std::int32_t> slots_;          ///< by vertex
+  std::vector<VertexId> vertexIn_;           ///< by slot; kNone where a vertex was removed
+  VectorArray from_, low_, high_;            ///< origin_ and motions_ by slot [m]
+  VectorArray moved_;                        ///< motion since, by slot [m]
+  std::vector<std::uint8_t> isSegmentKept_;  ///< 1 if all slots of a segment are where they may be
+  bool hasSlots_ = false;                    ///< the arrays by slot fit
+  Renewed left_;                             ///< vertices and faces that are not where they may be
+  std::int64_t renewed_ = 0;                 ///< faces since all were
 };
 
 }  // namespace cloth_sim

@@ -8,7 +8,7 @@
 namespace cloth_sim {
 namespace {
 
-constexpr FaceId kBlock = 64;          // faces that are searched for together
+constexpr FaceId kFaceBlock = 64;      // faces that are searched for together
 constexpr int kSweeps = 20;            // over all pairs, as long as any is pushed
 constexpr double kLeastAngle = 1e-3;   // sine of the least angle of two edges
 constexpr double kBeside = 1e-9;       // weights by which a point may be beside a face [-]
@@ -110,8 +110,8 @@ class PairSearch {
       : placed_(placed), mesh_(mesh), state_(state), search_(search), found_(scratch), out_(out) {}
 
   void run() {
-    for (FaceId first = 0; first < mesh_.faceCount(); first += kBlock) {
-      const FaceId last = std::min(first + kBlock, mesh_.faceCount());
+    for (FaceId first = 0; first < mesh_.faceCount(); first += kFaceBlock) {
+      const FaceId last = std::min(first + kFaceBlock, mesh_.faceCount());
       if (!mayMeet(first, last)) continue;
       for (FaceId f = first; f < last; ++f) search(mesh_.face(f));
     }

@@ -13,7 +13,7 @@ constexpr int kFindEvery = 6;
 /// Beyond any sum of the travel [m].
 constexpr double kNever = 1e300;
 /// Candidates that are looked at together: a multiple of the lanes.
-constexpr std::int32_t kBlock = 256;
+constexpr std::int32_t kLaneBlock = 256;
 
 /// Consecutive candidates, `count` of them, of the same kind.
 struct CandidateBlock {
@@ -33,9 +33,9 @@ struct CandidateMotion {
 
 /// Closest points of a block.
 struct BlockPoints {
-  std::array<std::array<double, kBlock>, 4> weight;
-  std::array<double, kBlock> apart;        ///< [m]
-  std::array<std::uint8_t, kBlock> isDue;  ///< 1 for those that may touch before the next time
+  std::array<std::array<double, kLaneBlock>, 4> weight;
+  std::array<double, kLaneBlock> apart;        ///< [m]
+  std::array<std::uint8_t, kLaneBlock> isDue;  ///< 1 for those that may touch before the next time
 };
 
 /// Vertices of four candidates: first those of the first corner.
@@ -260,8 +260,8 @@ void LayerCandidates::findDue(List& list, double farthest) {
   const CandidateMotion motion{axesAt(std::as_const(start_), 0), travel_.data(), outlook_.data(),
                                halfThickness_.data(), farthest};
   BlockPoints points;
-  for (std::size_t first = 0; first < count; first += kBlock) {
-    const std::size_t last = std::min(count, first + kBlock);
+  for (std::size_t first = 0; first < count; first += kLaneBlock) {
+    const std::size_t last = std::min(count, first + kLaneBlock);
     const CandidateBlock block{list.v.data() + first, list.due.data() + first,
                                static_cast<std::int32_t>(last - first)};
     if (list.face.empty()) {
