@@ -21,6 +21,7 @@ constexpr Reach kFar{16.0, 1.5e-3, 8e-3, 0.35};
 constexpr Reach kNear{4.0, 4e-4, 5e-3, 0.2};
 /// Share of the number of faces that there are pairs of where cloth is near itself.
 constexpr double kNearShare = 1.0 / 64.0;
+constexpr std::size_t kAllPairs = std::numeric_limits<std::size_t>::max();
 /// Share of the faces around which is searched at a time, before all are; and where there are more
 /// pairs than faces, because a search of all has more to find again then.
 constexpr double kFew = 0.05;
@@ -52,7 +53,7 @@ class LayerContact::Impl {
  private:
   void loadSupported(const ParticleView& particles);
   void loadAll(const ParticleView& particles);
-  void loadEnd(const ParticleView& particles);
+  void loadPairs(const ParticleView& particles);
   void store(const ParticleView& particles) const;
   double farthestMotion();
   void giveUp(const ParticleView& particles);
@@ -60,11 +61,11 @@ class LayerContact::Impl {
   SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();
-  void findPairs(const Reach& reach);
+  bool findPairs(const Reach& reach, std::size_t most);
   bool searchAroundLeft(const ParticleView& particles);
-  void searchAgain(const ParticleView& particles);
+  void searchAll(const ParticleView& particles);
   void searchAround();
-  void collect();
+  void collect(std::size_t most);
   void collectNew();
   void boxCorner(VertexId v);
   void boxFace(FaceId f);
@@ -159,14 +160,20 @@ void LayerContact::Impl::loadSupported(const ParticleView& particles) {
   }
 }
 
-/// Loads both ends of a substep, and from now on those of all vertices.
+/// Loads both ends of the substep of all vertices.
 void LayerContact::Impl::loadAll(const ParticleView& particles) {
   vertices_ = all_;
   load(particles);
 }
 
-void LayerContact::Impl::loadEnd(const ParticleView& particles) {
-  for (const VertexId v : vertices_) end_[v] = particles.at(particles.slot(v));
+/// Loads the vertices of pairs: their ends, and the whole substep of all where there are new ones.
+void LayerContact::Impl::loadPairs(const ParticleView& particles) {
+  if (vertices_.size() == all_.size() || listed_ < near_.size()) {
+    listVertices();
+    load(particles);
+  } else {
+    for (const VertexId v : vertices_) end_[v] = particles.at(particles.slot(v));
+  }
 }
 
 void LayerContact::Impl::store(const ParticleView& particles) const {
@@ -207,24 +214,20 @@ void LayerContact::Impl::boxFace(FaceId f) {
   boxes_[f] = box;
 }
 
-/// Finds the pairs of faces that may touch before the next search.
+/// Finds the pairs of faces that may touch before the next search. Far reach spares searches where
+/// there are few of them.
 void LayerContact::Impl::search() {
-  const double many = kNearShare * static_cast<double>(faces_.size());
-  const auto areMany = [&] { return static_cast<double>(near_.size()) > many; };
-  // Far reach spares searches where the last one of this step has found little.
-  bool isFar = isFresh_ && !areMany();
-  if (isFar) {
-    findPairs(kFar);
-    isFar = !areMany();
-  }
-  if (!isFar) findPairs(kNear);
+  const auto many = static_cast<std::size_t>(kNearShare * static_cast<double>(faces_.size()));
+  const bool wereMany = isFresh_ && near_.size() > many;
+  if (wereMany || !findPairs(kFar, many)) findPairs(kNear, kAllPairs);
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
   contacts_.assign(near_, corners_);
   isFresh_ = true;
   ++report.detections;
 }
 
-void LayerContact::Impl::findPairs(const Reach& reach) {
+/// \return whether there are no more than `most` pairs; if not, some may be missing.
+bool LayerContact::Impl::findPairs(const Reach& reach, std::size_t most) {
   allowance_.renew(start_, end_, reach);
   constexpr std::int32_t kGrain = 2048;
   parallelFor(static_cast<std::int32_t>(corners_.size()), kGrain,
@@ -240,15 +243,18 @@ void LayerContact::Impl::findPairs(const Reach& reach) {
   listed_ = 0;
   std::fill(isListed_.begin(), isListed_.end(), 0);
   known_.clear(faces_.size());
-  collect();
+  collect(most);
+  return near_.size() <= most;
 }
 
-/// Appends the pairs of faces near each other in parts that were brought up to date.
-void LayerContact::Impl::collect() {
+/// Appends the pairs of faces near each other in parts that were brought up to date, until there
+/// are more than `most`.
+void LayerContact::Impl::collect(std::size_t most) {
+  const NearPairs near{boxes_, near_, most};
   for (std::size_t a = 0; a < trees_.size(); ++a) {
-    trees_[a].collectOwn(boxes_, near_);
+    trees_[a].collectOwn(near);
     for (std::size_t b = a + 1; b < trees_.size(); ++b) {
-      MaterialTree::collectBetween(trees_[a], trees_[b], boxes_, near_);
+      MaterialTree::collectBetween(trees_[a], trees_[b], near);
     }
   }
 }
@@ -262,9 +268,8 @@ bool LayerContact::Impl::searchAroundLeft(const ParticleView& particles) {
   return true;
 }
 
-/// Searches from the start of the substep on. Before and after, all vertices are loaded.
-void LayerContact::Impl::searchAgain(const ParticleView& particles) {
-  if (searchAroundLeft(particles)) return;
+/// Searches from the start of the substep on. All vertices are loaded.
+void LayerContact::Impl::searchAll(const ParticleView& particles) {
   search();
   allowance_.follow(particles);
 }
@@ -288,12 +293,12 @@ void LayerContact::Impl::collectNew() {
     for (const FaceIds& pair : near_) known_.insert(pair);
   }
   const auto first = static_cast<std::ptrdiff_t>(near_.size());
-  collect();
+  collect(kAllPairs);
   const auto isKnown = [this](const FaceIds& pair) { return !known_.insert(pair); };
   near_.erase(std::remove_if(near_.begin() + first, near_.end(), isKnown), near_.end());
 }
 
-/// Loads the vertices of pairs only, from the next substep on.
+/// Lists the vertices of pairs: only these are loaded from now on.
 void LayerContact::Impl::listVertices() {
   for (; listed_ < near_.size(); ++listed_) {
     for (const FaceId f : {near_[listed_].first, near_[listed_].second}) {
@@ -312,10 +317,7 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   if (isFresh_ && pairs_.count() == 0) return;
   loadSupported(particles);
   if (!(farthestMotion() <= most_)) return;
-  if (!isFresh_) {
-    search();
-    allowance_.follow(particles);
-  }
+  if (!isFresh_) searchAll(particles);
   if (pairs_.count() == 0) return;
   contacts_.project(motion(), h);
   report.contacts = contacts_.active();
@@ -341,14 +343,10 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   report.moves += static_cast<std::int64_t>(end_.size());
   report.blocked = 0;
   std::fill(truncated_.begin(), truncated_.end(), 0);
-  bool isAllowed = isFresh_ && allowance_.isKept(particles);
-  if (isFresh_ && pairs_.count() == 0) {
-    isAllowed = isAllowed || searchAroundLeft(particles);
-    vertices_.clear();  // nothing is near
-    if (isAllowed && pairs_.count() == 0) return;
-  }
-  if (isAllowed && !vertices_.empty()) {
-    loadEnd(particles);
+  bool isAllowed = isFresh_ && (allowance_.isKept(particles) || searchAroundLeft(particles));
+  if (isAllowed) {
+    loadPairs(particles);
+    if (pairs_.count() == 0) return;
   } else {
     loadAll(particles);
     // A comparison that is false for NaN. The motion would meet everything.
@@ -356,7 +354,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   }
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
-    if (!isAllowed) searchAgain(particles);
+    if (!isAllowed && (searches == 0 || !searchAroundLeft(particles))) searchAll(particles);
     const PairOutcome outcome = pairs_.keepApart({motion(), truncated_});
     report.unproven += outcome.unproven;
     if (outcome.changed) store(particles);

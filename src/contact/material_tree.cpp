@@ -58,10 +58,6 @@ void sortByBucket(std::vector<std::pair<std::int32_t, FaceId>>& entries, std::si
 /// Tells whether nodes that are `i` columns and `j` rows apart are neighbours or the same.
 bool areNeighbours(int i, int j) { return std::abs(i) <= 1 && std::abs(j) <= 1; }
 
-void addPair(FaceId a, FaceId b, std::vector<FaceIds>& out) {
-  out.push_back(a < b ? FaceIds{a, b} : FaceIds{b, a});
-}
-
 }  // namespace
 
 GradientBall GradientBall::unknown() {
@@ -400,18 +396,17 @@ bool MaterialTree::wasSmooth(const Place& a, const Place& b) const {
   });
 }
 
-void MaterialTree::collectOwn(const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out) const {
+void MaterialTree::collectOwn(const NearPairs& near) const {
   if (levels_.empty()) return;
   const Place root{static_cast<int>(levels_.size()) - 1, 0, 0};
-  collectPair(root, root, areAllChanged_, boxes, out);
+  collectPair(root, root, areAllChanged_, near);
 }
 
-/// Appends the pairs of faces under two nodes of a level with boxes that meet.
+/// Adds the pairs of faces under two nodes of a level with boxes that meet.
 /// \param isNew  whether no pair under them has been looked at before.
 void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
-                               const std::vector<QuickBox>& boxes,
-                               std::vector<FaceIds>& out) const {
-  if ((!isNew && !isChanged(a, b)) || isSmooth(a, b)) return;
+                               const NearPairs& near) const {
+  if (near.areEnough() || (!isNew && !isChanged(a, b)) || isSmooth(a, b)) return;
   isNew = isNew || wasSmooth(a, b);
   const bool isSame = a.i == b.i && a.j == b.j;
   if (a.level == 0) {
@@ -419,7 +414,7 @@ void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
     const int second = levels_.front().node(b.i, b.j);
     for (const FaceId* f = begin(first); f != end(first); ++f) {
       for (const FaceId* g = isSame ? f + 1 : begin(second); g != end(second); ++g) {
-        if (boxes[*f].meets(boxes[*g])) addPair(*f, *g, out);
+        near.add(*f, *g);
       }
     }
     return;
@@ -430,30 +425,29 @@ void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
   for (int k = 0; k < countA; ++k) {
     const QuickBox& box = boxAt(partsA[k]);
     for (int m = isSame ? k : 0; m < countB; ++m) {
-      if (box.meets(boxAt(partsB[m]))) collectPair(partsA[k], partsB[m], isNew, boxes, out);
+      if (box.meets(boxAt(partsB[m]))) collectPair(partsA[k], partsB[m], isNew, near);
     }
   }
 }
 
 void MaterialTree::collectBetween(const MaterialTree& a, const MaterialTree& b,
-                                  const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out) {
+                                  const NearPairs& near) {
   if (a.levels_.empty() || b.levels_.empty()) return;
   collectPairBetween(a, {static_cast<int>(a.levels_.size()) - 1, 0, 0}, b,
-                     {static_cast<int>(b.levels_.size()) - 1, 0, 0}, boxes, out);
+                     {static_cast<int>(b.levels_.size()) - 1, 0, 0}, near);
 }
 
 void MaterialTree::collectPairBetween(const MaterialTree& treeA, const Place& a,
                                       const MaterialTree& treeB, const Place& b,
-                                      const std::vector<QuickBox>& boxes,
-                                      std::vector<FaceIds>& out) {
-  if (!treeA.isNew(a) && !treeB.isNew(b)) return;
+                                      const NearPairs& near) {
+  if (near.areEnough() || (!treeA.isNew(a) && !treeB.isNew(b))) return;
   if (!treeA.boxAt(a).meets(treeB.boxAt(b))) return;
   if (a.level == 0 && b.level == 0) {
     const int first = treeA.levels_.front().node(a.i, a.j);
     const int second = treeB.levels_.front().node(b.i, b.j);
     for (const FaceId* f = treeA.begin(first); f != treeA.end(first); ++f) {
       for (const FaceId* g = treeB.begin(second); g != treeB.end(second); ++g) {
-        if (boxes[*f].meets(boxes[*g])) addPair(*f, *g, out);
+        near.add(*f, *g);
       }
     }
     return;
@@ -461,10 +455,10 @@ void MaterialTree::collectPairBetween(const MaterialTree& treeA, const Place& a,
   std::array<Place, 4> parts;
   if (a.level >= b.level) {
     const int count = treeA.children(a, parts);
-    for (int k = 0; k < count; ++k) collectPairBetween(treeA, parts[k], treeB, b, boxes, out);
+    for (int k = 0; k < count; ++k) collectPairBetween(treeA, parts[k], treeB, b, near);
   } else {
     const int count = treeB.children(b, parts);
-    for (int k = 0; k < count; ++k) collectPairBetween(treeA, a, treeB, parts[k], boxes, out);
+    for (int k = 0; k < count; ++k) collectPairBetween(treeA, a, treeB, parts[k], near);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "closest_points.h"
 #include "cloth_sim/cloth/model.h"
@@ -94,6 +95,19 @@ struct FaceIds {
   FaceId second = kNone;
 };
 
+/// Where a search adds the pairs of faces that it finds.
+struct NearPairs {
+  const std::vector<QuickBox>& boxes;  ///< by face of the model
+  std::vector<FaceIds>& pairs;
+  std::size_t enough = std::numeric_limits<std::size_t>::max();  ///< ends when there are more
+
+  bool areEnough() const { return pairs.size() > enough; }
+  /// Adds a pair if its boxes meet.
+  void add(FaceId a, FaceId b) const {
+    if (boxes[a].meets(boxes[b])) pairs.push_back(a < b ? FaceIds{a, b} : FaceIds{b, a});
+  }
+};
+
 /// A quadtree whose leaves, buckets, are rectangles of about a cell in the material plane. Each
 /// node knows a box around its faces in the world, and a ball around their gradients.
 class MaterialTree {
@@ -111,14 +125,13 @@ class MaterialTree {
   void refit(const std::vector<FaceId>& faces, const std::vector<QuickBox>& boxes,
              const std::vector<GradientBall>& gradients);
 
-  /// Appends the pairs of faces with boxes that meet, except for pairs in parts that are proven not
-  /// to touch themselves; the smaller face first, in an order that depends on positions only. After
-  /// a refit of some faces: only pairs that the changes may have brought in, among them some that
-  /// are known already.
-  void collectOwn(const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out) const;
+  /// Adds the pairs of faces with boxes that meet, except for pairs in parts that are proven not to
+  /// touch themselves; the smaller face first, in an order that depends on positions only. After a
+  /// refit of some faces: only pairs that the changes may have brought in, among them some that are
+  /// known already.
+  void collectOwn(const NearPairs& near) const;
   /// The same for the faces of two cloths.
-  static void collectBetween(const MaterialTree& a, const MaterialTree& b,
-                             const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out);
+  static void collectBetween(const MaterialTree& a, const MaterialTree& b, const NearPairs& near);
 
  private:
   /// Tells whether a part of the material plane is proven not to touch itself.
@@ -160,11 +173,9 @@ class MaterialTree {
   bool wasSmooth(const Place& a, const Place& b) const;
   template <typename Ball>
   static bool isProven(const Place& a, const Place& b, const Ball& ballAt);
-  void collectPair(const Place& a, const Place& b, bool isNew, const std::vector<QuickBox>& boxes,
-                   std::vector<FaceIds>& out) const;
+  void collectPair(const Place& a, const Place& b, bool isNew, const NearPairs& near) const;
   static void collectPairBetween(const MaterialTree& treeA, const Place& a,
-                                 const MaterialTree& treeB, const Place& b,
-                                 const std::vector<QuickBox>& boxes, std::vector<FaceIds>& out);
+                                 const MaterialTree& treeB, const Place& b, const NearPairs& near);
   int children(const Place& of, std::array<Place, 4>& out) const;
   const FaceId* begin(int bucket) const { return owned_.data() + ownedStart_[bucket]; }
   const FaceId* end(int bucket) const { return owned_.data() + ownedStart_[bucket + 1]; }

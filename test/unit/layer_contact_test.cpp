@@ -276,7 +276,7 @@ std::vector<FaceIds> searchPairs(const Model& model, const FaceBounds& bounds) {
   tree.build(model, 0);
   tree.refit(bounds.boxes, bounds.balls);
   std::vector<FaceIds> pairs;
-  tree.collectOwn(bounds.boxes, pairs);
+  tree.collectOwn({bounds.boxes, pairs});
   return pairs;
 }
 
@@ -387,7 +387,7 @@ TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
   tree.build(model, 0);
   tree.refit(bounds.boxes, bounds.balls);
   std::vector<FaceIds> pairs;
-  tree.collectOwn(bounds.boxes, pairs);
+  tree.collectOwn({bounds.boxes, pairs});
   std::set<std::pair<FaceId, FaceId>> known;
   std::size_t added = 0;
   for (int round = 0; round < 60; ++round) {
@@ -406,7 +406,7 @@ TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
     }
     tree.refit(changed, bounds.boxes, bounds.balls);
     pairs.clear();
-    tree.collectOwn(bounds.boxes, pairs);
+    tree.collectOwn({bounds.boxes, pairs});
   }
   EXPECT_GT(added, 500U);
 }
