@@ -411,6 +411,28 @@ TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
   EXPECT_GT(added, 500U);
 }
 
+TEST(MaterialTree, ASearchEndsWhenThereAreEnoughPairs) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 21;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
+  for (GradientBall& ball : bounds.balls) ball.radius = 2.0;  // nothing is proven
+  const std::vector<FaceIds> all = searchPairs(model, bounds);
+  MaterialTree tree;
+  tree.build(model, 0);
+  tree.refit(bounds.boxes, bounds.balls);
+  std::vector<FaceIds> pairs;
+  tree.collectOwn({bounds.boxes, pairs, 20});
+  ASSERT_GT(pairs.size(), 20U);
+  ASSERT_LT(pairs.size(), 40U);
+  ASSERT_GT(all.size(), 40U);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    EXPECT_EQ(pairs[k].first, all[k].first);
+    EXPECT_EQ(pairs[k].second, all[k].second);
+  }
+}
+
 TEST(FacePairSet, KnowsWhatWasInserted) {
   FacePairSet pairs;
   pairs.clear(10);
