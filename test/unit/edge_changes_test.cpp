@@ -49,6 +49,27 @@ double turnOf(const TriangleMesh& mesh, FaceId f, const VectorArray& moved,
   return (change * rest.inverse()).norm();
 }
 
+std::vector<std::int32_t> slotsFrom(std::int32_t first, const TriangleMesh& mesh) {
+  std::vector<std::int32_t> slots(static_cast<std::size_t>(mesh.vertexCount()));
+  std::iota(slots.begin(), slots.end(), first);
+  return slots;
+}
+
+std::vector<GradientBall> ballsOf(double radius, const TriangleMesh& mesh) {
+  std::vector<GradientBall> balls(static_cast<std::size_t>(mesh.faceCount()));
+  for (GradientBall& ball : balls) ball.radius = radius;
+  return balls;
+}
+
+/// Edges of a mesh whose vertices are in slots of their own number; gradients may turn by 0.1.
+EdgeChanges edgesOf(const TriangleMesh& mesh) {
+  EdgeChanges edges;
+  edges.build(mesh);
+  edges.follow(slotsFrom(0, mesh));
+  edges.allow(ballsOf(0.1, mesh));
+  return edges;
+}
+
 std::set<FaceId> changedFaces(const EdgeChanges& edges, const VectorArray& moved) {
   std::set<FaceId> faces;
   edges.visitChanged(moved, 0, edges.runCount(), [&](FaceId f) {
@@ -62,8 +83,7 @@ TEST(EdgeChanges, MissNoGradientThatLeavesItsBall) {
   std::mt19937 generator(5);
   const TriangleMesh mesh = gridMesh(19, 14, 0.3, generator);
   const auto vertices = static_cast<std::size_t>(mesh.vertexCount());
-  std::vector<std::int32_t> slots(vertices);
-  std::iota(slots.begin(), slots.end(), 3);
+  std::vector<std::int32_t> slots = slotsFrom(3, mesh);
   EdgeChanges edges;
   edges.build(mesh);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -73,8 +93,8 @@ TEST(EdgeChanges, MissNoGradientThatLeavesItsBall) {
     if (round % 10 == 5) std::shuffle(slots.begin(), slots.end(), generator);
     if (round % 10 == 0) std::sort(slots.begin(), slots.end());
     edges.follow(slots);
-    std::vector<GradientBall> balls(static_cast<std::size_t>(mesh.faceCount()));
-    for (GradientBall& ball : balls) ball.radius = 0.2 + 0.1 * uniform(generator);
+    std::vector<GradientBall> balls = ballsOf(0.2, mesh);
+    for (GradientBall& ball : balls) ball.radius += 0.1 * uniform(generator);
     edges.allow(balls);
     VectorArray moved;
     moved.resize(vertices + 3);
@@ -100,15 +120,8 @@ TEST(EdgeChanges, MissNoGradientThatLeavesItsBall) {
 TEST(EdgeChanges, OfAGridAreRowsAndColumnsInRuns) {
   std::mt19937 generator(6);
   const TriangleMesh mesh = gridMesh(20, 10, 0.0, generator);
-  std::vector<std::int32_t> slots(200);
-  std::iota(slots.begin(), slots.end(), 0);
-  EdgeChanges edges;
-  edges.build(mesh);
-  edges.follow(slots);
+  const EdgeChanges edges = edgesOf(mesh);
   EXPECT_EQ(edges.runCount(), 10 + 1);  // a run for each row, one for all columns
-  std::vector<GradientBall> balls(static_cast<std::size_t>(mesh.faceCount()));
-  for (GradientBall& ball : balls) ball.radius = 0.1;
-  edges.allow(balls);
   VectorArray moved;
   moved.resize(200);
   const double allowed = 0.1 * kCell / std::sqrt(2.0);
@@ -122,20 +135,13 @@ TEST(EdgeChanges, OfAGridAreRowsAndColumnsInRuns) {
 TEST(EdgeChanges, CountWhereMotionIsNoNumberOrAFaceIsDistrusted) {
   std::mt19937 generator(7);
   const TriangleMesh mesh = gridMesh(9, 8, 0.2, generator);
-  std::vector<std::int32_t> slots(72);
-  std::iota(slots.begin(), slots.end(), 0);
-  EdgeChanges edges;
-  edges.build(mesh);
-  edges.follow(slots);
-  std::vector<GradientBall> balls(static_cast<std::size_t>(mesh.faceCount()));
-  for (GradientBall& ball : balls) ball.radius = 0.1;
-  edges.allow(balls);
+  EdgeChanges edges = edgesOf(mesh);
   VectorArray moved;
   moved.resize(72);
   EXPECT_TRUE(changedFaces(edges, moved).empty());
   edges.distrust(31);
   EXPECT_EQ(changedFaces(edges, moved).count(31), 1U);
-  edges.allow(balls);
+  edges.allow(ballsOf(0.1, mesh));
   EXPECT_TRUE(changedFaces(edges, moved).empty());
   moved.set(71, Vec3(0.0, std::numeric_limits<double>::quiet_NaN(), 0.0));
   const std::set<FaceId> changed = changedFaces(edges, moved);
