@@ -17,19 +17,6 @@ void require(bool holds, const Obstacle& obstacle, const std::string& error) {
 
 bool isNotNegative(double value) { return std::isfinite(value) && value >= 0.0; }
 
-/// The surface whose sharp corners and edges the cloth meets with its faces and edges, too; null if
-/// only particles meet the shape.
-std::shared_ptr<const TriangleSurface> sharpSurface(const Shape& shape) {
-  if (const auto* mesh = std::get_if<MeshShape>(&shape)) {
-    return mesh->sharpEdges ? mesh->file.surface : nullptr;
-  }
-  if (const auto* box = std::get_if<BoxShape>(&shape)) {
-    return box->sharpEdges ? std::make_shared<const TriangleSurface>(boxSurface(box->size))
-                           : nullptr;
-  }
-  return nullptr;
-}
-
 /// The first collider of that name in a vector that may be const; nullptr if there is none.
 template <class Colliders>
 auto findByName(Colliders& colliders, const std::string& name) -> decltype(colliders.data()) {

@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "cloth_sim/contact/shapes/box.h"
 #include "cloth_sim/contact/shapes/mesh.h"
 
 namespace cloth_sim {
@@ -23,6 +24,10 @@ TriangleSurface boxSurface(const Vec3& size) {
            {{2, 4, 6}},
            {{1, 3, 5}},
            {{3, 7, 5}}}};
+}
+
+std::shared_ptr<const TriangleSurface> BoxShape::sharpSurface() const {
+  return sharpEdges ? std::make_shared<const TriangleSurface>(boxSurface(size)) : nullptr;
 }
 
 SurfaceFile surfaceFile(std::string name, TriangleSurface surface) {

@@ -34,6 +34,9 @@ std::vector<DrawnPart> drawing(const Shape& shape);
 /// Radius of the ball around the position that fits a handle to drag the shape by [m]; absent if
 /// the shape cannot be dragged.
 std::optional<double> handleRadius(const Shape& shape);
+/// The surface whose sharp corners and edges the cloth meets with its faces and edges, too; null if
+/// only particles meet the shape.
+std::shared_ptr<const TriangleSurface> sharpSurface(const Shape& shape);
 /// Returns "radius: expected a length > 0" for the first bad dimension, "" if there is none.
 std::string validationError(const Shape& shape);
 

@@ -134,6 +134,7 @@ struct BoxShape {
     return {{DrawnPart::Kind::kBox, size, Vec3::Zero(), kColour}};
   }
   std::optional<double> handleRadius() const { return 0.5 * size.minCoeff(); }
+  std::shared_ptr<const TriangleSurface> sharpSurface() const;
 };
 
 }  // namespace cloth_sim

@@ -127,6 +127,9 @@ struct MeshShape {
 
   std::vector<DrawnPart> drawing() const;
   std::optional<double> handleRadius() const;
+  std::shared_ptr<const TriangleSurface> sharpSurface() const {
+    return sharpEdges ? file.surface : nullptr;
+  }
 };
 
 }  // namespace cloth_sim
