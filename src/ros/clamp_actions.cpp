@@ -207,7 +207,7 @@ template <typename Action>
 void ClampActionServer<Action>::accept(Handle handle) {
   const std::shared_ptr<Goals> goals = goals_;
   const ClampJobListener listener{
-      [handle, goals]() mutable { goals->gate.pass([&] { handle.setAccepted(); }); },
+      [handle, goals] { begin(handle, *goals); },
       [handle, goals](const ClampJobResult& end) { finish(handle, end, *goals); }};
   Work work;
   try {
@@ -231,6 +231,14 @@ void ClampActionServer<Action>::cancel(const Handle& handle) {
   const std::lock_guard<std::mutex> lock(goals_->mutex);
   const auto found = goals_->entries.find(handle.getGoalID().id);
   if (found != goals_->entries.end()) simulation_.cancelJob(found->second.work.job);
+}
+
+template <typename Action>
+void ClampActionServer<Action>::begin(Handle handle, Goals& goals) {
+  goals.gate.pass([&] { handle.setAccepted(); });
+  const std::lock_guard<std::mutex> lock(goals.mutex);
+  const auto found = goals.entries.find(handle.getGoalID().id);
+  if (found != goals.entries.end()) found->second.hasBegun = true;
 }
 
 template <typename Action>
@@ -273,6 +281,7 @@ void ClampActionServer<Action>::tellProgress() {
                                   [this](const ClampSnapshot& it) { return it.name == clamp_; });
   if (clamp == clamps.end()) return;
   for (auto& [id, entry] : goals_->entries) {
+    if (!entry.hasBegun) continue;
     entry.handle.publishFeedback(goals_->converter.toFeedback(*clamp, entry.work));
   }
 }

@@ -72,6 +72,7 @@ class ClampActionServer {
     struct Entry {
       Handle handle;
       Work work;
+      bool hasBegun = false;  ///< there is progress to tell
     };
     Gate gate;  ///< of all calls of handles from other threads
     std::mutex mutex;
@@ -82,6 +83,7 @@ class ClampActionServer {
   void accept(Handle handle);
   void cancel(const Handle& handle);
   void tellProgress();
+  static void begin(Handle handle, Goals& goals);
   static void finish(Handle handle, const ClampJobResult& end, Goals& goals);
   static void answer(Handle& handle, const ClampJobResult& end, bool succeeded,
                      const Result& result);
