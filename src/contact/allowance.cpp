@@ -43,7 +43,7 @@ struct SegmentMotion {
 /// all are allowed; false for NaN.
 [[gnu::always_inline]] inline bool moveAxis(const double* x, const double* from, const double* low,
                                             const double* high, double common, double* moved) {
-  auto kept = lanesAt(low) <= lanesAt(high);  // yes
+  auto kept = lanesAt(low) <= lanesAt(high);  // true in each lane
   for (std::int32_t k = 0; k < kSegment; k += kLanes) {
     const Lanes now = lanesAt(x + k) - lanesAt(from + k) - common;
     lanesAt(moved + k) = now;

@@ -21,7 +21,6 @@ constexpr Reach kFar{16.0, 1.5e-3, 8e-3, 0.35};
 constexpr Reach kNear{4.0, 4e-4, 5e-3, 0.2};
 /// Share of the number of faces that there are pairs of where cloth is near itself.
 constexpr double kNearShare = 1.0 / 64.0;
-constexpr std::size_t kAllPairs = std::numeric_limits<std::size_t>::max();
 /// Share of the faces around which is searched at a time, before all are; and where there are more
 /// pairs than faces, because a search of all has more to find again then.
 constexpr double kFew = 0.05;
@@ -219,14 +218,15 @@ void LayerContact::Impl::boxFace(FaceId f) {
 void LayerContact::Impl::search() {
   const auto many = static_cast<std::size_t>(kNearShare * static_cast<double>(faces_.size()));
   const bool wereMany = isFresh_ && near_.size() > many;
-  if (wereMany || !findPairs(kFar, many)) findPairs(kNear, kAllPairs);
+  if (wereMany || !findPairs(kFar, many)) findPairs(kNear, NearPairs::kAll);
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
   contacts_.assign(near_, corners_);
   isFresh_ = true;
   ++report.detections;
 }
 
-/// \return whether there are no more than `most` pairs; if not, some may be missing.
+/// Finds the pairs of faces within a reach.
+/// \return whether there are no more than `most`; if not, some may be missing.
 bool LayerContact::Impl::findPairs(const Reach& reach, std::size_t most) {
   allowance_.renew(start_, end_, reach);
   constexpr std::int32_t kGrain = 2048;
@@ -293,7 +293,7 @@ void LayerContact::Impl::collectNew() {
     for (const FaceIds& pair : near_) known_.insert(pair);
   }
   const auto first = static_cast<std::ptrdiff_t>(near_.size());
-  collect(kAllPairs);
+  collect(NearPairs::kAll);
   const auto isKnown = [this](const FaceIds& pair) { return !known_.insert(pair); };
   near_.erase(std::remove_if(near_.begin() + first, near_.end(), isKnown), near_.end());
 }

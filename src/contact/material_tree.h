@@ -97,9 +97,11 @@ struct FaceIds {
 
 /// Where a search adds the pairs of faces that it finds.
 struct NearPairs {
+  static constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
   const std::vector<QuickBox>& boxes;  ///< by face of the model
   std::vector<FaceIds>& pairs;
-  std::size_t enough = std::numeric_limits<std::size_t>::max();  ///< ends when there are more
+  std::size_t enough = kAll;  ///< the search ends when there are more
 
   bool areEnough() const { return pairs.size() > enough; }
   /// Adds a pair if its boxes meet.

@@ -21,16 +21,6 @@ std::string textOfGood(const Length& /*length*/) {
   return "a length > 0";
 }
 
-/// Calls the member of that name of shapes that have one. \param preferred  0.
-template <class S>
-auto sharpSurfaceOf(const S& shape, int /*preferred*/) -> decltype(shape.sharpSurface()) {
-  return shape.sharpSurface();
-}
-template <class S>
-std::shared_ptr<const TriangleSurface> sharpSurfaceOf(const S& /*shape*/, long /*otherwise*/) {
-  return nullptr;
-}
-
 template <std::size_t... kRow>
 std::vector<Shape> oneOfEach(std::index_sequence<kRow...> /*rows*/) {
   return {Shape(std::in_place_index<kRow>)...};
@@ -61,7 +51,7 @@ std::optional<double> handleRadius(const Shape& shape) {
 }
 
 std::shared_ptr<const TriangleSurface> sharpSurface(const Shape& shape) {
-  return std::visit([](const auto& known) { return sharpSurfaceOf(known, 0); }, shape);
+  return std::visit([](const auto& known) { return known.sharpSurface(); }, shape);
 }
 
 std::string validationError(const Shape& shape) {

@@ -11,8 +11,8 @@
 ///     drawing()                    vector of DrawnPart, in the axes of the shape
 ///     handleRadius()               optional [m]: how far the shape reaches around its position at
 ///                                  least; absent if a user cannot drag it
-///     sharpSurface()               may lack: the surface whose sharp corners and edges the cloth
-///                                  meets with its faces and edges, too; null if it is to meet none
+///     sharpSurface()               the surface whose sharp corners and edges the cloth meets with
+///                                  its faces and edges, too; null if only particles meet the shape
 ///
 /// Detection and projection call the geometry, a class with inlined members. Its points are
 /// relative to the position of the obstacle, in the axes of the world. Its `gap` is the signed

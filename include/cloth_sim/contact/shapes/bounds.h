@@ -88,6 +88,7 @@ struct BoundsShape {
     return {{DrawnPart::Kind::kBoxEdges, size, Vec3::Zero(), {0.35f, 0.40f, 0.50f, 0.6f}}};
   }
   std::optional<double> handleRadius() const { return std::nullopt; }
+  std::shared_ptr<const TriangleSurface> sharpSurface() const { return nullptr; }
 };
 
 }  // namespace cloth_sim

@@ -77,6 +77,7 @@ struct CapsuleShape {
             {DrawnPart::Kind::kSphere, Vec3::Constant(width), end, kRoundColour}};
   }
   std::optional<double> handleRadius() const { return radius; }
+  std::shared_ptr<const TriangleSurface> sharpSurface() const { return nullptr; }
 };
 
 }  // namespace cloth_sim

@@ -98,6 +98,7 @@ struct CylinderShape {
     return {{DrawnPart::Kind::kCylinder, {width, width, length}, Vec3::Zero(), kRoundColour}};
   }
   std::optional<double> handleRadius() const { return std::min(radius, 0.5 * length); }
+  std::shared_ptr<const TriangleSurface> sharpSurface() const { return nullptr; }
 };
 
 }  // namespace cloth_sim

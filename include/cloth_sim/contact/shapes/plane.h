@@ -67,6 +67,7 @@ struct PlaneShape {
              {0.95f, 0.96f, 0.97f}}};
   }
   std::optional<double> handleRadius() const { return std::nullopt; }
+  std::shared_ptr<const TriangleSurface> sharpSurface() const { return nullptr; }
 };
 
 }  // namespace cloth_sim

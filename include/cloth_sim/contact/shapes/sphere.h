@@ -69,6 +69,7 @@ struct SphereShape {
     return {{DrawnPart::Kind::kSphere, Vec3::Constant(2.0 * radius), Vec3::Zero(), kRoundColour}};
   }
   std::optional<double> handleRadius() const { return radius; }
+  std::shared_ptr<const TriangleSurface> sharpSurface() const { return nullptr; }
 };
 
 }  // namespace cloth_sim
