@@ -12,13 +12,13 @@ namespace cloth_sim {
 namespace {
 
 /// Eight different numbers from `first` on.
-std::array<float, kFloatLanes> row(float first) {
+inline std::array<float, kFloatLanes> row(float first) {
   std::array<float, kFloatLanes> numbers{};
   for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = first + static_cast<float>(k);
   return numbers;
 }
 
-void expectHalvesAreJoined() {
+inline void expectHalvesAreJoined() {
   const std::array<float, kFloatLanes> numbers = row(1.0f);
   const FloatLanes all = floatLanesAt(numbers.data());
   const FloatHalf low = lowHalf(all);
@@ -32,7 +32,7 @@ void expectHalvesAreJoined() {
 }
 
 /// Registers may begin at any number in memory: an aligned move would fault.
-void expectAnyPlaceWillDo() {
+inline void expectAnyPlaceWillDo() {
   alignas(64) std::array<double, 16> doubles{};
   alignas(64) std::array<float, 16> floats{};
   for (std::size_t k = 0; k < 16; ++k) floats[k] = static_cast<float>(doubles[k] = k);
@@ -44,7 +44,7 @@ void expectAnyPlaceWillDo() {
   }
 }
 
-void expectMatrixIsTransposed() {
+inline void expectMatrixIsTransposed() {
   std::array<std::array<double, kLanes>, kLanes> before{};
   Lanes rows[kLanes] = {};
   for (int r = 0; r < kLanes; ++r) {
@@ -59,7 +59,7 @@ void expectMatrixIsTransposed() {
   }
 }
 
-void expectHalvesAreTransposed() {
+inline void expectHalvesAreTransposed() {
   std::array<std::array<float, kFloatLanes>, 4> before{};
   FloatLanes rows[4] = {};  // a template would forget their alignment
   for (std::size_t r = 0; r < 4; ++r) {

@@ -203,6 +203,7 @@ TEST(SpringSchedule, OfAMeshWhoseRowsAllDiffer) {
 TEST(SpringSchedule, HalvesOfEveryColourGroupOfALargeGridAreTheSameHalvesOfTheCloth) {
   // Otherwise a thread would fetch from the other's cache what that has moved in the group before.
   const int rows = 96;
+  const int middle = rows / 2;
   const Scheduled grid(clothOf(96, rows, 1.0 / 95.0));
   const SpringSchedule& schedule = grid.schedule;
   const std::vector<SpringSchedule::Element> elements = elementsOf(schedule);
@@ -226,8 +227,8 @@ TEST(SpringSchedule, HalvesOfEveryColourGroupOfALargeGridAreTheSameHalvesOfTheCl
         }
       }
     }
-    EXPECT_NEAR(lastOfFirstHalf, rows / 2, 4);
-    EXPECT_NEAR(firstOfSecondHalf, rows / 2, 4);
+    EXPECT_NEAR(lastOfFirstHalf, middle, 4);
+    EXPECT_NEAR(firstOfSecondHalf, middle, 4);
   }
 }
 

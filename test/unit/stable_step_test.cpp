@@ -75,12 +75,12 @@ class StableStep : public testing::TestWithParam<Cloth> {
     spec.fabric.damping = 0.0;
     spec.springs = {cloth.shear, cloth.bend};
     if (raw) spec.raw = RawSprings{{80.0, 40.0, 5.0}, false, 0.0};
-    model = buildModel(spec);
-    state = flatState(model);
-    if (cloth.cut) damage(model, state);
+    model_ = buildModel(spec);
+    state_ = flatState(model_);
+    if (cloth.cut) damage(model_, state_);
   }
-  Model model;
-  State state;
+  Model model_;
+  State state_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Cloths, StableStep,
@@ -96,8 +96,8 @@ INSTANTIATE_TEST_SUITE_P(Cloths, StableStep,
 
 TEST_P(StableStep, IsALowerBoundWithinAFactorOfTwo) {
   // Without damping, symplectic Euler and Verlet are stable up to h = 2 / omega.
-  const double exact = 2.0 / std::sqrt(largestEigenvalue(model, state));
-  const double bound = stableStep(model);
+  const double exact = 2.0 / std::sqrt(largestEigenvalue(model_, state_));
+  const double bound = stableStep(model_);
   EXPECT_LE(bound, exact * (1.0 + 1e-12));
   EXPECT_GE(bound, 0.5 * exact);
 }

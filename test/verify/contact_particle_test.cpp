@@ -78,7 +78,7 @@ void expectNothingPasses(const Collider& collider, const std::vector<Vec3>& insi
   std::uniform_real_distribution<double> fraction(0.05, 0.95);
   int shots = 0;
   for (int k = 0; k < 2000; ++k) {
-    const Vec3 through = insidePoints[static_cast<std::size_t>(k) % insidePoints.size()];
+    const Vec3& through = insidePoints[static_cast<std::size_t>(k) % insidePoints.size()];
     const double nx = normal(random), ny = normal(random), nz = normal(random);
     const Vec3 direction = Vec3(nx, ny, nz).normalized();
     const Vec3 start = through - fraction(random) * speed * h * direction;

@@ -278,7 +278,7 @@ class Shadow {
     const Vec2 high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
     for (int row = index(low.y()); row <= index(high.y()); ++row) {
       for (int column = index(low.x()); column <= index(high.x()); ++column) {
-        const Vec2 at = cell_ * Vec2(column + 0.5 - kRaster / 2, row + 0.5 - kRaster / 2);
+        const Vec2 at = cell_ * Vec2(column + 0.5 - kMiddle, row + 0.5 - kMiddle);
         if (isInside(p, at)) dark_[row * kRaster + column] = 1;
       }
     }
@@ -290,9 +290,10 @@ class Shadow {
 
  private:
   static constexpr int kRaster = 256;
+  static constexpr int kMiddle = kRaster / 2;
 
   int index(double x) const {
-    return std::clamp(static_cast<int>(x / cell_) + kRaster / 2, 0, kRaster - 1);
+    return std::clamp(static_cast<int>(x / cell_) + kMiddle, 0, kRaster - 1);
   }
 
   double cell_;
