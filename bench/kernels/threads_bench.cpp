@@ -63,7 +63,7 @@ void threads(benchmark::State& run, const std::string& method) {
 }
 
 const bool kRegistered = [] {
-  for (const char* method : {"xpbd", "projective"}) {
+  for (const char* method : {"line_xpbd", "xpbd", "projective"}) {
     benchmark::RegisterBenchmark((std::string("threads/") + method).c_str(),
                                  [method](benchmark::State& run) { threads(run, method); })
         ->RangeMultiplier(2)
