@@ -16,8 +16,8 @@ namespace {
 constexpr float kNoSpring = 1e30F;
 /// Added to squares of lengths, so that no length is zero [m^2].
 constexpr float kLeastSquare = 1e-24F;
-/// Springs that are worth a thread of their own.
-constexpr std::int32_t kGrain = 2048;
+/// Steps of blocks that are worth a thread of their own.
+constexpr std::int32_t kGrainSteps = 128;
 
 /// Time for which impulses of bend springs are collected, at most [s].
 constexpr double kBendPeriod = 1.0 / 600.0;
@@ -375,6 +375,29 @@ struct LineProjection::Kernel {
   }
 };
 
+namespace {
+
+/// Calls `solve(begin, end)` for ranges of the blocks of a colour that have about as many steps
+/// each, on several threads.
+template <typename Solve>
+void forParts(const SpringLines& lines, const SpringLines::Colour& colour, const Solve& solve) {
+  const SpringLines::SimdBlock* const blocks = lines.blocks().data();
+  const SpringLines::SimdBlock* const first = blocks + colour.firstBlock;
+  const SpringLines::SimdBlock* const end = blocks + colour.endBlock;
+  const auto blockAt = [&](std::int32_t step) {
+    const auto isBefore = [](const SpringLines::SimdBlock& block, std::int32_t at) {
+      return block.firstStep < at;
+    };
+    const auto found = std::lower_bound(first, end, first->firstStep + step, isBefore);
+    return static_cast<std::int32_t>(found - blocks);
+  };
+  const std::int32_t steps = end[-1].firstStep + end[-1].steps - first->firstStep;
+  parallelFor(steps, kGrainSteps,
+              [&](std::int32_t begin, std::int32_t last) { solve(blockAt(begin), blockAt(last)); });
+}
+
+}  // namespace
+
 template <bool kMeasured>
 void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
                          const Particles& p, VectorArray& pull) {
@@ -387,14 +410,10 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
     if (colour.kind == SpringKind::kBend && !bends) continue;
-    const std::int32_t blocks = colour.endBlock - colour.firstBlock;
-    const auto grain =
-        static_cast<std::int32_t>(std::int64_t{kGrain} * blocks / std::max(1, colour.springs)) + 1;
-    parallelFor(blocks, grain, [&](std::int32_t begin, std::int32_t end) {
+    forParts(lines, colour, [&](std::int32_t begin, std::int32_t end) {
       thread_local std::vector<Kernel::Row> rows;
       if (rows.size() < longest) rows.resize(longest);
-      Kernel::solver<kMeasured>(!gamma_.empty())(arrays, colour.firstBlock + begin,
-                                                 colour.firstBlock + end, rows.data());
+      Kernel::solver<kMeasured>(!gamma_.empty())(arrays, begin, end, rows.data());
     });
   }
 }

@@ -31,7 +31,9 @@ void parallelFor(std::int32_t count, std::int32_t grain, const Body& body) {
       return static_cast<std::int32_t>(count * chunk / chunks);
     }
   };
-  const std::int32_t chunks = std::min(count / grain, kChunksPerThread * pool->size());
+  const std::int32_t threads = pool->size();
+  const std::int32_t most = std::min(count / grain, kChunksPerThread * threads);
+  const std::int32_t chunks = most > threads ? most - most % threads : most;  // as many for each
   const Loop loop{body, count, chunks};
   pool->run(
       chunks,

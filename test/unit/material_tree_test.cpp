@@ -1,0 +1,155 @@
+/// \file The search for pairs of faces that may touch.
+
+#include "contact/material_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "layer_support.h"
+
+namespace cloth_sim {
+namespace {
+
+TEST(GradientBall, GrowsToContainBoth) {
+  RandomPoints random(6);
+  for (int k = 0; k < 200; ++k) {
+    GradientBall a, b;
+    a.centre = {random.point(), random.point()};
+    b.centre = {random.point(), random.point()};
+    a.radius = std::abs(random.number());
+    b.radius = std::abs(random.number());
+    GradientBall both = a;
+    both.add(b);
+    EXPECT_LE((both.centre - a.centre).norm() + a.radius, both.radius + 1e-12);
+    EXPECT_LE((both.centre - b.centre).norm() + b.radius, both.radius + 1e-12);
+  }
+}
+
+/// Boxes and gradients of the faces of a cloth.
+struct FaceBounds {
+  std::vector<QuickBox> boxes;
+  std::vector<GradientBall> balls;
+};
+
+FaceBounds boundsOf(const Model& model, const State& state) {
+  FaceBounds bounds;
+  for (const Face& face : model.mesh.faces()) {
+    Box box;
+    for (const VertexId v : face) box.add({state.x[v], state.x[v]});
+    bounds.boxes.emplace_back(box);
+    Eigen::Matrix2d rest;
+    for (int k = 0; k < 2; ++k) {
+      rest.col(k) = model.mesh.material(face[k + 1]) - model.mesh.material(face[0]);
+    }
+    GradientBall ball;
+    ball.centre = Gradient::of(state.x[face[1]] - state.x[face[0]],
+                               state.x[face[2]] - state.x[face[0]], rest.inverse());
+    ball.radius = 0.05;
+    bounds.balls.push_back(ball);
+  }
+  return bounds;
+}
+
+std::vector<FaceIds> searchPairs(const Model& model, const FaceBounds& bounds) {
+  MaterialTree tree;
+  tree.build(model, 0);
+  tree.refit(bounds.boxes, bounds.balls);
+  std::vector<FaceIds> pairs;
+  tree.collectOwn({bounds.boxes, pairs});
+  return pairs;
+}
+
+std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
+  return searchPairs(model, boundsOf(model, state));
+}
+
+TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 21;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  EXPECT_TRUE(searchPairs(model, rolled(model, 10.0, 0.0)).empty()) << "nearly flat";
+  EXPECT_LT(searchPairs(model, rolled(model, 0.3, 0.0)).size(), 500U) << "half a turn";
+  int meeting = 0;
+  for (const double radius : {0.05, 0.08, 0.11}) {
+    const State state = rolled(model, radius, -0.006);
+    std::set<std::pair<FaceId, FaceId>> listed;
+    for (const FaceIds& pair : searchPairs(model, state)) {
+      EXPECT_LT(pair.first, pair.second);
+      EXPECT_TRUE(listed.insert({pair.first, pair.second}).second) << "listed twice";
+    }
+    const std::vector<Face>& faces = model.mesh.faces();
+    for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+      for (FaceId g = f + 1; g < model.mesh.faceCount(); ++g) {
+        if (!meet(faces[f], faces[g], state.x.values())) continue;
+        ++meeting;
+        EXPECT_EQ(listed.count({f, g}), 1U) << f << ' ' << g;
+      }
+    }
+  }
+  EXPECT_GT(meeting, 20);
+}
+
+TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 21;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  RandomPoints random(9);
+  FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
+  MaterialTree tree;
+  tree.build(model, 0);
+  tree.refit(bounds.boxes, bounds.balls);
+  std::vector<FaceIds> pairs;
+  tree.collectOwn({bounds.boxes, pairs});
+  std::set<std::pair<FaceId, FaceId>> known;
+  std::size_t added = 0;
+  for (int round = 0; round < 60; ++round) {
+    for (const FaceIds& pair : pairs) added += known.insert({pair.first, pair.second}).second;
+    for (const FaceIds& pair : searchPairs(model, bounds)) {
+      ASSERT_EQ(known.count({pair.first, pair.second}), 1U) << "round " << round;
+    }
+    std::vector<FaceId> changed;
+    for (int k = 0; k <= round % 5; ++k) {
+      const auto f = static_cast<FaceId>(std::abs(random.number()) * 0.999 *
+                                         static_cast<double>(model.mesh.faceCount()));
+      const Vec3 at = 0.5 * random.point();
+      bounds.boxes[f].add(QuickBox({at, at}));
+      bounds.balls[f].radius = std::abs(random.number());
+      changed.push_back(f);
+    }
+    tree.refit(changed, bounds.boxes, bounds.balls);
+    pairs.clear();
+    tree.collectOwn({bounds.boxes, pairs});
+  }
+  EXPECT_GT(added, 500U);
+}
+
+TEST(MaterialTree, ASearchEndsWhenThereAreEnoughPairs) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = 21;
+  cloth.fabric = fabricPreset("cotton");
+  const Model model = buildModel(cloth);
+  FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
+  for (GradientBall& ball : bounds.balls) ball.radius = 2.0;  // nothing is proven
+  const std::vector<FaceIds> all = searchPairs(model, bounds);
+  MaterialTree tree;
+  tree.build(model, 0);
+  tree.refit(bounds.boxes, bounds.balls);
+  std::vector<FaceIds> pairs;
+  tree.collectOwn({bounds.boxes, pairs, 20});
+  ASSERT_GT(pairs.size(), 20U);
+  ASSERT_LT(pairs.size(), 40U);
+  ASSERT_GT(all.size(), 40U);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    EXPECT_EQ(pairs[k].first, all[k].first);
+    EXPECT_EQ(pairs[k].second, all[k].second);
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim
