@@ -18,7 +18,7 @@ struct Runner {
 void addPeers(const Motion& motion, std::vector<Runner>& runners) {
   for (const bool bends : {true, false}) {
     const std::string name = bends ? "Bullet" : "Bullet without bending";
-    for (const int substeps : {8, 12, 20, 40}) {
+    for (const int substeps : {8, 12, 20, 40, 80}) {
       const MotionSetting setting{name, substeps, 4, 0.0};
       runners.emplace_back(motion, setting, bulletMotion(motion, {substeps, 4, bends}));
     }
