@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -202,9 +201,7 @@ std::vector<std::vector<SpringLines::Line>> SpringLines::coloured(std::size_t ve
   return colours;
 }
 
-/// Appends the lines of a colour in SIMD blocks of lines of similar lengths. Blocks follow each
-/// other across the cloth: a thread that solves the first half of them, and then of those of
-/// another direction, finds many of the particles in its cache.
+/// Appends the lines of a colour in SIMD blocks of lines of similar lengths.
 void SpringLines::appendColour(SpringKind kind, const std::vector<std::int32_t>& slotOf,
                                std::vector<Line>& lines) {
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
@@ -213,12 +210,7 @@ void SpringLines::appendColour(SpringKind kind, const std::vector<std::int32_t>&
     return classA != classB ? classA > classB : a.start < b.start;
   });
   Colour colour{static_cast<std::int32_t>(blocks_.size()), 0, 0, kind};
-  std::vector<std::size_t> firstOfBlock;
-  for (std::size_t k = 0; k < lines.size(); k += kWidth) firstOfBlock.push_back(k);
-  std::sort(firstOfBlock.begin(), firstOfBlock.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(lines[a].start, a) < std::pair(lines[b].start, b);
-  });
-  for (const std::size_t k : firstOfBlock) {
+  for (std::size_t k = 0; k < lines.size(); k += kWidth) {
     appendBlock(slotOf, lines.data() + k, std::min<std::size_t>(kWidth, lines.size() - k));
   }
   for (const Line& line : lines) colour.springs += line.count;
