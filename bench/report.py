@@ -346,7 +346,9 @@ stable substep without damping, so it has no row.
 The hanging cloth with `line_xpbd` and `xpbd` (30 and 20 substeps) and with `projective` (one
 substep, one iteration), wall time. One thread, two threads and two independent simulations take
 turns; the last show what the two cores of this machine give at all. Before each turn threads are
-given 50 ms to settle on their cores (`bench/kernels/threads_bench.cpp`).
+given 50 ms to settle on their cores (`bench/kernels/threads_bench.cpp`). The cores were near each
+other; where they are not, two threads may take longer than one
+([decision 048](decisions/048-line-solves.md)).
 
 %(threads)s
 

@@ -17,7 +17,7 @@ constexpr float kNoSpring = 1e30F;
 /// Added to squares of lengths, so that no length is zero [m^2].
 constexpr float kLeastSquare = 1e-24F;
 /// Steps of blocks that are worth a thread of their own.
-constexpr std::int32_t kGrainSteps = 128;
+constexpr std::int32_t kGrainSteps = 256;
 
 /// Time for which impulses of bend springs are collected, at most [s].
 constexpr double kBendPeriod = 1.0 / 600.0;
