@@ -22,6 +22,25 @@ constexpr std::int32_t kGrainSteps = 256;
 /// Time for which impulses of bend springs are collected, at most [s].
 constexpr double kBendPeriod = 1.0 / 600.0;
 
+/// Calls `solve(begin, end)` for ranges of the blocks of a colour that have about as many steps
+/// each, on several threads.
+template <typename Solve>
+void forParts(const SpringLines& lines, const SpringLines::Colour& colour, const Solve& solve) {
+  const SpringLines::SimdBlock* const blocks = lines.blocks().data();
+  const SpringLines::SimdBlock* const first = blocks + colour.firstBlock;
+  const SpringLines::SimdBlock* const end = blocks + colour.endBlock;
+  const auto blockAt = [&](std::int32_t step) {
+    const auto isBefore = [](const SpringLines::SimdBlock& block, std::int32_t at) {
+      return block.firstStep < at;
+    };
+    const auto found = std::lower_bound(first, end, first->firstStep + step, isBefore);
+    return static_cast<std::int32_t>(found - blocks);
+  };
+  const std::int32_t steps = end[-1].firstStep + end[-1].steps - first->firstStep;
+  parallelFor(steps, kGrainSteps,
+              [&](std::int32_t begin, std::int32_t last) { solve(blockAt(begin), blockAt(last)); });
+}
+
 }  // namespace
 
 void LineProjection::prepare(const SpringLines& lines, const SpringNetwork& springs) {
@@ -374,29 +393,6 @@ struct LineProjection::Kernel {
     return isDamped ? solveDamped : solveElastic;
   }
 };
-
-namespace {
-
-/// Calls `solve(begin, end)` for ranges of the blocks of a colour that have about as many steps
-/// each, on several threads.
-template <typename Solve>
-void forParts(const SpringLines& lines, const SpringLines::Colour& colour, const Solve& solve) {
-  const SpringLines::SimdBlock* const blocks = lines.blocks().data();
-  const SpringLines::SimdBlock* const first = blocks + colour.firstBlock;
-  const SpringLines::SimdBlock* const end = blocks + colour.endBlock;
-  const auto blockAt = [&](std::int32_t step) {
-    const auto isBefore = [](const SpringLines::SimdBlock& block, std::int32_t at) {
-      return block.firstStep < at;
-    };
-    const auto found = std::lower_bound(first, end, first->firstStep + step, isBefore);
-    return static_cast<std::int32_t>(found - blocks);
-  };
-  const std::int32_t steps = end[-1].firstStep + end[-1].steps - first->firstStep;
-  parallelFor(steps, kGrainSteps,
-              [&](std::int32_t begin, std::int32_t last) { solve(blockAt(begin), blockAt(last)); });
-}
-
-}  // namespace
 
 template <bool kMeasured>
 void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,

@@ -1,8 +1,9 @@
-/// \file Shared by the tests of layer contact.
-
 #pragma once
+/// \file Points, sheets and intersections that the tests of layer contact share.
 
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/scene/build.h"
