@@ -49,8 +49,8 @@ Marker clothMarker(const Surface& surface, const std_msgs::Header& header) {
 
 Marker tornMarker(const Surface& surface, const std_msgs::Header& header) {
   Marker marker = makeMarker("torn_edges", header);
-  for (const std::uint32_t vertex : surface.tornTriangles()) {
-    marker.points.push_back(toPoint(surface.tornPositions(), vertex));
+  for (const std::uint32_t vertex : surface.torn().triangles()) {
+    marker.points.push_back(toPoint(surface.torn().positions(), vertex));
   }
   deleteIfEmpty(marker);
   return marker;

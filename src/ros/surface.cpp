@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "vertex_normals.h"
 
@@ -11,9 +12,6 @@ namespace {
 
 using Eigen::Vector3f;
 using Map = Eigen::Map<const Vector3f>;
-
-constexpr std::size_t kRibbonVertices = 8;   ///< of one torn edge
-constexpr std::size_t kRibbonTriangles = 4;  ///< of one torn edge
 
 Surface::Packed packed(const std_msgs::ColorRGBA& colour, float factor) {
   const auto byte = [factor](float value) {
@@ -42,6 +40,23 @@ std::vector<Vec2> toMaterial(const std::vector<float>& uv) {
   return material;
 }
 
+/// Returns the vertices of the border edges that are not among the torn ones, two an edge.
+std::vector<std::uint32_t> without(const std::vector<std::array<VertexId, 2>>& border,
+                                   const std::vector<std::uint32_t>& torn) {
+  std::set<std::array<std::uint32_t, 2>> excluded;
+  for (std::size_t k = 0; k < torn.size(); k += 2) {
+    const auto [lower, upper] = std::minmax(torn[k], torn[k + 1]);
+    excluded.insert({lower, upper});
+  }
+  std::vector<std::uint32_t> rest;
+  for (const auto& edge : border) {
+    const std::array<std::uint32_t, 2> ends{static_cast<std::uint32_t>(edge[0]),
+                                            static_cast<std::uint32_t>(edge[1])};
+    if (excluded.count(ends) == 0) rest.insert(rest.end(), ends.begin(), ends.end());
+  }
+  return rest;
+}
+
 }  // namespace
 
 std::string Surface::setTopology(const ClothTopology& topology) {
@@ -54,9 +69,11 @@ std::string Surface::setTopology(const ClothTopology& topology) {
   revision_ = topology.revision;
   triangles_ = topology.triangles;
   vertexCount_ = count;
-  tornEdges_ = topology.torn_edges;
   faces_ = toFaces(triangles_);
-  strainLines_ = strainLines(faces_, toMaterial(topology.uv));
+  const FaceEdges edges = sortEdges(faces_, count);
+  strainLines_ = strainLines(edges, toMaterial(topology.uv));
+  torn_.setEdges(topology.torn_edges);
+  border_.setEdges(without(borderEdges(edges), topology.torn_edges));
   positions_.clear();
   return "";
 }
@@ -80,7 +97,8 @@ std::string Surface::setFrame(const ClothFrame& frame, const SurfaceStyle& style
   vertexNormals(faces_, vertices_, normals_);
   vertexStrains(strainLines_, vertices_, strain_);
   paint(style);
-  addRibbons(style.tornWidth);
+  torn_.update(positions_, normals_, style.tornWidth);
+  border_.update(positions_, normals_, style.borderWidth);
   return "";
 }
 
@@ -102,35 +120,6 @@ void Surface::paint(const SurfaceStyle& style) {
     const std_msgs::ColorRGBA& front = style.strain ? colours(strain_[v]) : style.front;
     front_[v] = packed(front, brightness(normals_[v]));
     back_[v] = packed(style.back, brightness(-normals_[v]));
-  }
-}
-
-void Surface::addRibbons(double width) {
-  const std::size_t edges = tornEdges_.size() / 2;
-  const auto half = static_cast<float>(0.5 * width);
-  tornPositions_.clear();
-  for (std::size_t e = 0; e < edges; ++e) {
-    const std::array<std::uint32_t, 2> ends{tornEdges_[2 * e], tornEdges_[2 * e + 1]};
-    const Map a(&positions_[3 * ends[0]]);
-    const Map b(&positions_[3 * ends[1]]);
-    const Vector3f up = (normals_[ends[0]] + normals_[ends[1]]).normalized();
-    const Vector3f aside = (b - a).cross(up).normalized();
-    for (const Vector3f& across : {aside, up}) {
-      for (const Map& end : {a, b}) {
-        for (const float side : {-half, half}) {
-          const Vector3f corner = end + side * across;
-          tornPositions_.insert(tornPositions_.end(), {corner.x(), corner.y(), corner.z()});
-        }
-      }
-    }
-  }
-  if (tornTriangles_.size() == 3 * kRibbonTriangles * edges) return;
-  tornTriangles_.clear();
-  for (std::size_t ribbon = 0; ribbon < 2 * edges; ++ribbon) {
-    const auto first = static_cast<std::uint32_t>(ribbon * kRibbonVertices / 2);
-    for (const std::uint32_t corner : {0u, 1u, 2u, 1u, 3u, 2u}) {
-      tornTriangles_.push_back(first + corner);
-    }
   }
 }
 

@@ -13,6 +13,7 @@
 #include "cloth_sim/ClothTopology.h"
 #include "cloth_sim/cloth/strain.h"
 #include "cloth_sim/ros/shading.h"
+#include "ribbons.h"
 
 namespace cloth_sim {
 
@@ -21,10 +22,11 @@ struct SurfaceStyle {
   double strainRange = 0.2;  ///< strain of the last colour of the map [-], > 0
   std_msgs::ColorRGBA front = makeColour(0.23f, 0.42f, 0.62f);
   std_msgs::ColorRGBA back = makeColour(0.86f, 0.74f, 0.62f);
-  double tornWidth = 0.005;  ///< of the ribbons along torn edges [m], >= 0
+  double tornWidth = 0.005;    ///< of the ribbons along torn edges [m], >= 0
+  double borderWidth = 0.002;  ///< of the ribbons along the borders of cloths [m], >= 0
 };
 
-/// Vertices, colours and triangles of both sides of a cloth, and ribbons along its torn edges.
+/// Vertices, colours and triangles of both sides of a cloth, and ribbons along its border.
 /// Buffers are kept from frame to frame, so that a frame allocates nothing once warm.
 class Surface {
  public:
@@ -57,10 +59,10 @@ class Surface {
   const std::vector<float>& strain() const { return strain_; }
   const std::vector<Packed>& frontColours() const { return front_; }
   const std::vector<Packed>& backColours() const { return back_; }
-  /// Two crossed ribbons along each torn edge: x y z of eight vertices [m].
-  const std::vector<float>& tornPositions() const { return tornPositions_; }
-  /// Triangles of the ribbons, three vertex numbers each; they are seen from both sides.
-  const std::vector<std::uint32_t>& tornTriangles() const { return tornTriangles_; }
+  /// Along the edges that tearing and cutting made.
+  const Ribbons& torn() const { return torn_; }
+  /// Along the rest of the border.
+  const Ribbons& border() const { return border_; }
   /// Lowest and highest corner of the box around the positions [m].
   const Eigen::Vector3f& low() const { return low_; }
   const Eigen::Vector3f& high() const { return high_; }
@@ -68,12 +70,10 @@ class Surface {
  private:
   void computeBox();
   void paint(const SurfaceStyle& style);
-  void addRibbons(double width);
 
   std::uint64_t revision_ = 0;
   std::size_t vertexCount_ = 0;
   std::vector<std::uint32_t> triangles_;
-  std::vector<std::uint32_t> tornEdges_;
   std::vector<Face> faces_;              ///< the triangles, as the core has them
   std::vector<StrainLine> strainLines_;  ///< the structural and shear springs
   std::vector<float> positions_;
@@ -82,8 +82,8 @@ class Surface {
   std::vector<float> strain_;
   std::vector<Packed> front_;
   std::vector<Packed> back_;
-  std::vector<float> tornPositions_;
-  std::vector<std::uint32_t> tornTriangles_;
+  Ribbons torn_;
+  Ribbons border_;
   Eigen::Vector3f low_ = Eigen::Vector3f::Zero();
   Eigen::Vector3f high_ = Eigen::Vector3f::Zero();
 };

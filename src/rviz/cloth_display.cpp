@@ -90,16 +90,26 @@ void ClothDisplay::addSurfaceProperties() {
       new rviz::ColorProperty("Color", QColor(219, 189, 158), "Colour of the back.", showBack_);
   wireColour_ =
       new rviz::ColorProperty("Wire Color", QColor(26, 31, 41), "Colour of the wireframe.", this);
+  addBorderProperties();
+  for (rviz::Property* property : std::initializer_list<rviz::Property*>{
+           mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
+           wireColour_, showBorder_, borderColour_, borderWidth_, tornColour_, tornWidth_}) {
+    connect(property, &rviz::Property::changed, this, [this] { applyStyle(); });
+  }
+}
+
+void ClothDisplay::addBorderProperties() {
+  showBorder_ = new rviz::BoolProperty(
+      "Border", true, "Draw the borders of cloths, so that layers can be told apart.", this);
+  borderColour_ =
+      new rviz::ColorProperty("Color", QColor(26, 31, 41), "Colour of the borders.", showBorder_);
+  borderWidth_ = new rviz::FloatProperty("Width", 0.002f, "Width of the borders [m].", showBorder_);
+  borderWidth_->setMin(0.0f);
   tornColour_ = new rviz::ColorProperty("Torn Color", QColor(230, 13, 64),
                                         "Colour of the edges made by tears and cuts.", this);
   tornWidth_ = new rviz::FloatProperty("Torn Width", 0.005f,
                                        "Width of the edges made by tears and cuts [m].", this);
   tornWidth_->setMin(0.0f);
-  for (rviz::Property* property : std::initializer_list<rviz::Property*>{
-           mode_, strain_, strainRange_, showLegend_, frontColour_, showBack_, backColour_,
-           wireColour_, tornColour_, tornWidth_}) {
-    connect(property, &rviz::Property::changed, this, [this] { applyStyle(); });
-  }
 }
 
 ClothDisplay::~ClothDisplay() { unsubscribe(); }
@@ -276,6 +286,7 @@ SurfaceStyle ClothDisplay::style() const {
   style.front = toColour(*frontColour_);
   style.back = toColour(*backColour_);
   style.tornWidth = tornWidth_->getFloat();
+  style.borderWidth = borderWidth_->getFloat();
   return style;
 }
 
@@ -286,6 +297,8 @@ SurfaceParts ClothDisplay::parts() const {
   parts.back = showBack_->getBool();
   parts.wireColour = wireColour_->getOgreColor();
   parts.tornColour = tornColour_->getOgreColor();
+  parts.border = showBorder_->getBool();
+  parts.borderColour = borderColour_->getOgreColor();
   return parts;
 }
 

@@ -64,6 +64,7 @@ class ClothDisplay : public rviz::Display {
   void frameScene();
   bool placeInScene(const std::string& frame);
   void addSurfaceProperties();
+  void addBorderProperties();
   void applyStyle();
   SurfaceStyle style() const;
   SurfaceParts parts() const;
@@ -94,6 +95,9 @@ class ClothDisplay : public rviz::Display {
   rviz::BoolProperty* showBack_ = nullptr;
   rviz::ColorProperty* backColour_ = nullptr;
   rviz::ColorProperty* wireColour_ = nullptr;
+  rviz::BoolProperty* showBorder_ = nullptr;
+  rviz::ColorProperty* borderColour_ = nullptr;
+  rviz::FloatProperty* borderWidth_ = nullptr;
   rviz::ColorProperty* tornColour_ = nullptr;
   rviz::FloatProperty* tornWidth_ = nullptr;
   rviz::BoolProperty* showContacts_ = nullptr;

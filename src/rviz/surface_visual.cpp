@@ -12,24 +12,45 @@ namespace {
 /// obstacles from showing through a coarse mesh, and draws lines in front of faces.
 constexpr float kFaceBias = 160.0f;
 constexpr float kWireBias = 192.0f;
+/// Borders are drawn in front of the faces around them, and behind a layer of cloth above them.
+constexpr float kBorderBias = 168.0f;
 
 }  // namespace
 
 struct SurfaceVisual::Layers {
+  /// Ribbons in one colour, with buffers of their own.
+  struct RibbonLayer {
+    RibbonLayer(const char* name, float depthBias) : mesh(uniqueOgreName(name), false) {
+      mesh.pass().setCullingMode(Ogre::CULL_NONE);
+      mesh.pass().setDepthBias(depthBias);
+    }
+
+    void update(const Ribbons& ribbons) {
+      const std::size_t corners = ribbons.positions().size() / 3;
+      positions.write(ribbons.positions().data(), corners);
+      triangles.write(ribbons.triangles());
+      mesh.setVertices(positions, nullptr, corners);
+      mesh.setTriangles(triangles, ribbons.triangles().size());
+    }
+
+    VertexStream positions{3 * sizeof(float)};
+    IndexStream triangles;
+    MeshLayer mesh;
+  };
+
   VertexStream positions{3 * sizeof(float)};
   VertexStream frontColours{sizeof(Surface::Packed)};
   VertexStream backColours{sizeof(Surface::Packed)};
-  VertexStream tornPositions{3 * sizeof(float)};
   IndexStream triangles;
-  IndexStream tornTriangles;
   MeshLayer front{uniqueOgreName("front"), true};
   MeshLayer back{uniqueOgreName("back"), true};
   MeshLayer wires{uniqueOgreName("wires"), false};
-  MeshLayer torn{uniqueOgreName("torn"), false};
+  RibbonLayer border{"border", kBorderBias};
+  RibbonLayer torn{"torn", kWireBias};
   Ogre::SceneManager* scene = nullptr;
   Ogre::SceneNode* node = nullptr;
 
-  std::array<MeshLayer*, 4> all() { return {&front, &back, &wires, &torn}; }
+  std::array<MeshLayer*, 5> all() { return {&front, &back, &wires, &border.mesh, &torn.mesh}; }
 };
 
 SurfaceVisual::SurfaceVisual(Ogre::SceneManager& scene, Ogre::SceneNode& parent)
@@ -41,8 +62,6 @@ SurfaceVisual::SurfaceVisual(Ogre::SceneManager& scene, Ogre::SceneNode& parent)
   layers_->wires.pass().setCullingMode(Ogre::CULL_NONE);
   layers_->wires.pass().setPolygonMode(Ogre::PM_WIREFRAME);
   layers_->wires.pass().setDepthBias(kWireBias);
-  layers_->torn.pass().setCullingMode(Ogre::CULL_NONE);
-  layers_->torn.pass().setDepthBias(kWireBias);
   for (MeshLayer* layer : {&layers_->front, &layers_->back}) layer->pass().setDepthBias(kFaceBias);
   for (MeshLayer* layer : layers_->all()) layers_->node->attachObject(layer);
   setParts(parts_);
@@ -70,11 +89,8 @@ void SurfaceVisual::updateVertices(const Surface& surface) {
   layers_->back.setVertices(layers_->positions, &layers_->backColours, count);
   layers_->wires.setVertices(layers_->positions, nullptr, count);
 
-  const std::size_t corners = surface.tornPositions().size() / 3;
-  layers_->tornPositions.write(surface.tornPositions().data(), corners);
-  layers_->tornTriangles.write(surface.tornTriangles());
-  layers_->torn.setVertices(layers_->tornPositions, nullptr, corners);
-  layers_->torn.setTriangles(layers_->tornTriangles, surface.tornTriangles().size());
+  layers_->border.update(surface.border());
+  layers_->torn.update(surface.torn());
 
   filled_ = count > 0;
   if (filled_) {
@@ -89,7 +105,8 @@ void SurfaceVisual::updateVertices(const Surface& surface) {
 void SurfaceVisual::setParts(const SurfaceParts& parts) {
   parts_ = parts;
   layers_->wires.setColour(parts.wireColour);
-  layers_->torn.setColour(parts.tornColour);
+  layers_->border.mesh.setColour(parts.borderColour);
+  layers_->torn.mesh.setColour(parts.tornColour);
   showParts();
 }
 
@@ -106,7 +123,8 @@ void SurfaceVisual::showParts() {
   show(layers_->front, parts_.faces);
   show(layers_->back, parts_.faces && parts_.back);
   show(layers_->wires, parts_.wireframe);
-  show(layers_->torn, true);
+  show(layers_->border.mesh, parts_.border);
+  show(layers_->torn.mesh, true);
 }
 
 }  // namespace cloth_sim

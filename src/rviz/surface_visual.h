@@ -21,10 +21,12 @@ struct SurfaceParts {
   bool wireframe = false;
   Ogre::ColourValue wireColour{0.10f, 0.12f, 0.16f};
   Ogre::ColourValue tornColour{0.90f, 0.05f, 0.25f};
+  bool border = true;
+  Ogre::ColourValue borderColour{0.10f, 0.12f, 0.16f};
 };
 
-/// Front, back, wireframe and torn edges of a cloth. Front, back and wireframe share one buffer of
-/// positions and one of triangles. Parts without triangles are hidden.
+/// Front, back, wireframe, border and torn edges of a cloth. Front, back and wireframe share one
+/// buffer of positions and one of triangles. Parts without triangles are hidden.
 class SurfaceVisual {
  public:
   /// \param parent  outlives this.

@@ -144,6 +144,20 @@ class RvizTest(unittest.TestCase):
         inside = view.part(self.screen.picture(), (-0.45, 0.55), (0.45, 1.45))
         self.assertGreater((inside[..., 1] > inside[..., [0, 2]].max(axis=2) + 40).mean(), 0.98)
 
+    def test_look_of_the_border(self):
+        green = (0, 200, 0)
+        view = self.open('Cut', 'Border: {Value: true, Color: 0; 200; 0, Width: 0.02}')
+        picture = self.screen.picture()
+        around = is_near(view.part(picture, (-0.5, 0.5), (0.5, 1.5), grow=6), green)
+        inside = view.part(picture, (-0.45, 0.55), (0.45, 1.45))
+        for name, side in (('top', around[:12].any(axis=0)), ('bottom', around[-12:].any(axis=0)),
+                           ('left', around[:, :12].any(axis=1)),
+                           ('right', around[:, -12:].any(axis=1))):
+            self.assertGreater(side.mean(), 0.95, name)
+        self.assertFalse(is_near(inside, green).any())
+        view = self.open('Cut', 'Border: {Value: false, Color: 0; 200; 0, Width: 0.02}')
+        self.assertFalse(is_near(self.screen.picture(), green).any())
+
     def test_look_of_the_wireframe(self):
         self.screen.open_rviz(config('Cut', 'Style: Wireframe'))
         view = View(self.screen)

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <vector>
 
+#include "cloth_sim/mesh/face_edges.h"
 #include "cloth_sim/mesh/triangle_mesh.h"
 
 namespace cloth_sim {
@@ -39,9 +40,9 @@ struct StrainLine {
 /// Derives the structural and shear springs of a mesh: every edge, and across every inner bias edge
 /// the other diagonal, if that is a bias direction, too. A cloth of a scene that leaves out shear
 /// springs has fewer.
+/// \param sorted    the edges of its faces.
 /// \param material  coordinates of each vertex [m].
-std::vector<StrainLine> strainLines(const std::vector<Face>& faces,
-                                    const std::vector<Vec2>& material);
+std::vector<StrainLine> strainLines(const FaceEdges& sorted, const std::vector<Vec2>& material);
 
 /// Computes the strain of each vertex.
 /// \param positions  of each vertex [m].

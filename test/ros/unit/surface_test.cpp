@@ -121,18 +121,32 @@ TEST(Surface, TornEdgesGetTwoCrossedRibbonsOfTheirWidth) {
   style.tornWidth = 0.02;
   ASSERT_EQ(surface.setTopology(cell()), "");
   ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
-  ASSERT_EQ(surface.tornPositions().size(), 3u * 8u);
-  ASSERT_EQ(surface.tornTriangles().size(), 3u * 4u);
+  ASSERT_EQ(surface.torn().positions().size(), 3u * 8u);
+  ASSERT_EQ(surface.torn().triangles().size(), 3u * 4u);
   for (std::size_t v = 0; v < 8; ++v) {
-    const Eigen::Map<const Eigen::Vector3f> p(&surface.tornPositions()[3 * v]);
+    const Eigen::Map<const Eigen::Vector3f> p(&surface.torn().positions()[3 * v]);
     EXPECT_NEAR(std::hypot(p.x() - 1.0f, p.z() - 2.0f), 0.01f, 1e-6f) << v;
   }
   ClothTopology whole = cell();
   whole.torn_edges.clear();
   ASSERT_EQ(surface.setTopology(whole), "");
   ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
-  EXPECT_TRUE(surface.tornPositions().empty());
-  EXPECT_TRUE(surface.tornTriangles().empty());
+  EXPECT_TRUE(surface.torn().positions().empty());
+  EXPECT_TRUE(surface.torn().triangles().empty());
+}
+
+TEST(Surface, BordersAreTheEdgesOfOneFaceThatAreNotTorn) {
+  Surface surface;
+  SurfaceStyle style;
+  style.borderWidth = 0.01;
+  ASSERT_EQ(surface.setTopology(cell()), "");
+  EXPECT_THAT(surface.border().edges(), testing::ElementsAre(0, 1, 0, 2, 2, 3));
+  ASSERT_EQ(surface.setFrame(pulled(1.0f), style), "");
+  ASSERT_EQ(surface.border().positions().size(), 3u * 3u * 8u);
+  for (std::size_t v = 0; v < 8; ++v) {  // of the edge 0, 1, which lies along x
+    const Eigen::Map<const Eigen::Vector3f> p(&surface.border().positions()[3 * v]);
+    EXPECT_NEAR(std::hypot(p.y(), p.z() - 2.0f), 0.005f, 1e-6f) << v;
+  }
 }
 
 TEST(Surface, FramesOfAnotherRevisionAreNotTaken) {
