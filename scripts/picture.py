@@ -197,7 +197,8 @@ def draw_moment(axes, camera, scene, run, index):
     for triangles, colour in scene.solids(run.states[index][1], run.obstacle_poses(index)):
         picture.add_solid(triangles, colour)
     picture.add_cloth(*run.shape(index))
-    picture.draw(axes)
+    axes.imshow(picture.buffer.samples())
+    axes.set_axis_off()
 
 
 def camera_for(run, indices, args):

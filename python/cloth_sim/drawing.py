@@ -1,23 +1,22 @@
-"""Draws the cloth, obstacles and clamps in perspective, by matplotlib; needs no display.
+"""Draws the cloth, obstacles and clamps in perspective; needs no display.
 
-Colours of the cloth show its strain; its back is of another colour, edges that tearing made are
-dark red.
+Colours of the cloth show its strain; its back is of another colour, its border is dark, edges that
+tearing made are dark red.
 """
 import math
 import os
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PolyCollection
-from matplotlib.colors import LinearSegmentedColormap
-from matplotlib.figure import Figure
 import numpy as np
 
 from cloth_sim.collada import read_collada
+from cloth_sim.depth_buffer import DepthBuffer
 
-FRONT = LinearSegmentedColormap.from_list('front', ['#7fb2d9', '#3f7fb5', '#f2c14e', '#d7263d'])
-BACK = LinearSegmentedColormap.from_list('back', ['#e3d3bd', '#c7a980', '#f2c14e', '#d7263d'])
+# Colours of equal steps of strain.
+FRONT = np.array([[127, 178, 217], [63, 127, 181], [242, 193, 78], [215, 38, 61]]) / 255
+BACK = np.array([[227, 211, 189], [199, 169, 128], [242, 193, 78], [215, 38, 61]]) / 255
 FULL_STRAIN = 0.2  # [-] where the colours end
 TORN = np.array([0.45, 0.02, 0.06])
+BORDER = np.array([0.13, 0.20, 0.30])
 BOARD = np.array([0.80, 0.79, 0.76])
 BALL = np.array([0.45, 0.62, 0.45])
 STEEL = np.array([0.30, 0.32, 0.36])
@@ -34,12 +33,26 @@ class Topology:
     def __init__(self, faces, uv, torn):
         self.faces, self.uv, self.torn = faces, uv, torn
         self.lines = strain_lines(faces, uv)
+        self.border = border_edges(faces, torn)
+
+
+def face_edges(faces):
+    """Vertex pairs (3 m, 2), the lower one first: one edge of all faces, then the next."""
+    return np.concatenate([np.sort(faces[:, [k, (k + 1) % 3]], axis=1) for k in range(3)])
+
+
+def border_edges(faces, torn):
+    """Vertex pairs (k, 2) of the edges with one face that are not torn."""
+    pairs = np.concatenate([face_edges(faces), np.sort(torn, axis=1)])
+    keys = pairs @ (pairs.max(initial=0) + 1, 1)
+    _, index, count = np.unique(keys, return_index=True, return_counts=True)
+    return pairs[index[count == 1]]
 
 
 def strain_lines(faces, uv):
     """Vertex pairs (n, 2) of the structural and shear springs: every edge, and across every inner
     bias edge the other diagonal, if that is a bias direction, too."""
-    edges = np.concatenate([np.sort(faces[:, [k, (k + 1) % 3]], axis=1) for k in range(3)])
+    edges = face_edges(faces)
     opposite = np.concatenate([faces[:, (k + 2) % 3] for k in range(3)])
     order = np.lexsort((edges[:, 1], edges[:, 0]))
     edges, opposite = edges[order], opposite[order]
@@ -160,16 +173,6 @@ def read_mesh(path):
     return np.array(corners, dtype=float).reshape(-1, 3, 3)
 
 
-def divided(triangles, count=5000):
-    """The same surface in at least `count` triangles: few large ones are drawn in a wrong order."""
-    while 0 < len(triangles) < count:
-        a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-        triangles = np.concatenate([np.stack(part, axis=1) for part in (
-            (a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
-    return triangles
-
-
 def turn_by(vector):
     """The rotation about a vector by its length [rad]."""
     angle = float(np.linalg.norm(vector))
@@ -248,7 +251,7 @@ class Scene:
             path = next((path for path in paths if os.path.exists(path)), None)
             if path is None:
                 raise DrawingError(f'cannot find the mesh {name}: give --scene')
-            self.meshes[name] = divided(read_mesh(path))
+            self.meshes[name] = read_mesh(path)
         return self.meshes[name] * np.array(entry.get('scale', 1), dtype=float)
 
     def _obstacle(self, entry, where, turn):
@@ -316,13 +319,16 @@ class Camera:
 
 
 class Picture:
-    """Triangles with a colour each, drawn by matplotlib from far to near."""
+    """Bodies and cloths as they are seen by a camera."""
+
+    BEHIND = 0.002   # of the depth: bodies are drawn farther away, so that cloth lies on them
+    AHEAD = 0.00025  # of the depth: the border is nearer than its faces, not than a layer above
+    TORN_AHEAD = 0.002
+    NEAR = 0.01      # [m]: nothing is drawn that is not farther away
 
     def __init__(self, camera):
         self.camera = camera
-        self.parts = []  # (corners on the screen, depth, colour, width of the outline)
-        self.solid = []  # for each part, whether cloth that lies on it is drawn over it
-        self.reach = 0.0  # how much farther than its nearest corner the middle of a face is [m]
+        self.buffer = DepthBuffer(camera.width, camera.height, BACKGROUND)
 
     def add_solid(self, triangles, colour):
         """Adds triangles (n, 3, 3) of a closed body, over which cloth that lies on it is drawn."""
@@ -330,44 +336,33 @@ class Picture:
         towards_us = np.einsum('td,td->t', normal, self.camera.eye - triangles[:, 0]) > 0
         triangles, normal = triangles[towards_us], unit(normal[towards_us])
         screen = self.camera.project(triangles)
-        self._add(screen, screen[..., 2].max(axis=1), colour * lighting(normal)[:, None],
-                  is_solid=True)
+        screen[..., 2] *= 1 + self.BEHIND
+        self._add(screen, colour * lighting(normal)[:, None])
 
     def add_cloth(self, points, topology):
-        """Adds both sides of a cloth, coloured by strain, and its torn edges."""
+        """Adds both sides of a cloth, coloured by strain, its border and its torn edges."""
         faces = topology.faces
         normals = vertex_normals(points, faces)[faces].mean(axis=1)
         from_front = np.einsum('td,td->t', normals, self.camera.eye - points[faces[:, 0]]) > 0
-        level = np.clip(face_strains(topology, points) / FULL_STRAIN, 0.0, 1.0)
-        colours = np.where(from_front[:, None], FRONT(level)[:, :3], BACK(level)[:, :3])
+        level = face_strains(topology, points) / FULL_STRAIN
+        colours = np.where(from_front[:, None], colour_of(level, FRONT), colour_of(level, BACK))
         light = lighting(unit(np.where(from_front[:, None], normals, -normals)))
-        screen = self.camera.project(points[faces])
-        middle = screen[..., 2].mean(axis=1)
-        self.reach = max(self.reach, np.percentile(middle - screen[..., 2].min(axis=1), 95))
-        self._add(screen, middle, colours * light[:, None])
-        torn = self.camera.project(points[topology.torn])[:, [0, 1, 1]]
-        self._add(torn, torn[..., 2].min(axis=1), TORN, width=1.5)
+        self._add(self.camera.project(points[faces]), colours * light[:, None])
+        for edges, colour, width, ahead in ((topology.border, BORDER, 1.0, self.AHEAD),
+                                            (topology.torn, TORN, 1.5, self.TORN_AHEAD)):
+            ends = self.camera.project(points[edges])
+            in_front = (ends[..., 2] > self.NEAR).all(axis=1)
+            self.buffer.add_lines(ends[in_front], colour, width, ahead)
 
-    def _add(self, screen, depth, colours, width=0.5, is_solid=False):
-        shape = (len(screen), 3)
-        self.solid.append(np.full(len(screen), is_solid))
-        self.parts.append((screen[..., :2], depth, np.broadcast_to(np.clip(colours, 0, 1), shape),
-                           np.full(len(screen), width)))
+    def _add(self, screen, colours):
+        in_front = (screen[..., 2] > self.NEAR).all(axis=1)
+        self.buffer.add_triangles(screen[in_front], colours[in_front])
 
-    def draw(self, axes):
-        corners, depth, colours, widths = (np.concatenate(part) for part in zip(*self.parts))
-        order = np.argsort(-(depth + self.reach * np.concatenate(self.solid)))
-        # Outlines in the colour of the face, so that no background shows between two faces.
-        axes.add_collection(PolyCollection(corners[order], facecolors=colours[order],
-                                           edgecolors=colours[order], linewidths=widths[order]))
-        axes.set_xlim(0, self.camera.width)
-        axes.set_ylim(self.camera.height, 0)
-        axes.set_aspect('equal')
-        axes.set_facecolor(BACKGROUND)
-        axes.set_xticks([])
-        axes.set_yticks([])
-        for side in axes.spines.values():
-            side.set_visible(False)
+
+def colour_of(level, colours):
+    """Colours (n, 3) at levels (n) of 0 to 1, between equally spaced ones."""
+    steps = np.linspace(0, 1, len(colours))
+    return np.stack([np.interp(level, steps, part) for part in colours.T], axis=1)
 
 
 def unit(vectors):
@@ -399,7 +394,4 @@ def image_of(camera, scene, state, points, topology):
     for triangles, colour in scene.solids(state):
         picture.add_solid(triangles, colour)
     picture.add_cloth(points, topology)
-    canvas = FigureCanvasAgg(Figure(figsize=(camera.width / 100, camera.height / 100), dpi=100))
-    picture.draw(canvas.figure.add_axes((0, 0, 1, 1)))
-    canvas.draw()
-    return np.array(canvas.buffer_rgba())[..., :3]
+    return picture.buffer.image()

@@ -4,6 +4,7 @@ import os
 import numpy as np
 import yaml
 
+from cloth_sim import drawing
 from cloth_sim.script import Script
 from cloth_sim.session import Session
 from cloth_sim.spaces import Box, Env
@@ -106,7 +107,6 @@ class ClothEnv(Env):
             return None
         if self._session is None:
             raise RuntimeError('render: there is no episode: call reset')
-        from cloth_sim import drawing  # needs matplotlib, which nothing else here does
         if self._camera is None:
             box = np.stack(np.meshgrid(*zip(*self.task.room)), axis=-1).reshape(-1, 3)
             self._camera = drawing.Camera(box, *self.task.view, *SIZE)

@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 
+import numpy
 import rosunit
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -132,6 +133,12 @@ class PictureTest(unittest.TestCase):
             self.assertAlmostEqual(strain, state.max_strain, delta=1e-4, msg=f't = {state.time}')
             largest = max(largest, strain)
         self.assertGreater(largest, 0.01)
+
+    def test_the_border_has_one_face_and_is_not_torn(self):
+        drawing = load_picture().drawing
+        cell = numpy.array([[0, 1, 3], [0, 3, 2]])
+        border = drawing.border_edges(cell, numpy.array([[3, 1]]))
+        self.assertEqual(border.tolist(), [[0, 1], [0, 2], [2, 3]])
 
 
 if __name__ == '__main__':
