@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "cloth_sim/mesh/face_edges.h"
 #include "support/simd.h"
 #include "support/vector_clones.h"
 #include "threads/parallel_for.h"
@@ -24,13 +25,13 @@ double leastStretchSquared(const Vec2& first, const Vec2& second) {
 
 /// The corner at which the edges of a face are farthest from parallel, and the square of their
 /// smaller singular value [m^2].
-std::pair<int, double> bestCorner(const TriangleMesh& mesh, const Face& face) {
-  std::pair<int, double> best{0, -1.0};
+std::pair<VertexId, double> bestCorner(const TriangleMesh& mesh, const Face& face) {
+  std::pair<VertexId, double> best{kNone, -1.0};
   for (int k = 0; k < 3; ++k) {
     const Vec2& at = mesh.material(face[k]);
     const double spread = leastStretchSquared(mesh.material(face[(k + 1) % 3]) - at,
                                               mesh.material(face[(k + 2) % 3]) - at);
-    if (spread > best.second) best = {k, spread};
+    if (spread > best.second) best = {face[k], spread};
   }
   return best;
 }
@@ -59,27 +60,26 @@ std::int32_t firstBeyond(const ConstAxes& from, const ConstAxes& to, const doubl
 }  // namespace
 
 void EdgeChanges::build(const TriangleMesh& mesh) {
-  using Use = std::tuple<VertexId, VertexId, FaceId>;  // both ends of an edge, ascending; a face
-  std::vector<Use> uses;
+  std::vector<VertexId> corners;  // by face
   spread_.clear();
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const Face& face = mesh.face(f);
-    const auto [corner, spread] = bestCorner(mesh, face);
+    const auto [corner, spread] = bestCorner(mesh, mesh.face(f));
+    corners.push_back(corner);
     spread_.push_back(spread);
-    for (const int k : {1, 2}) {
-      const auto [a, b] = std::minmax(face[corner], face[(corner + k) % 3]);
-      uses.emplace_back(a, b, f);
-    }
   }
-  std::sort(uses.begin(), uses.end());
+  const FaceEdges sorted = sortEdges(mesh.faces(), static_cast<std::size_t>(mesh.vertexCount()));
   ends_.clear();
   facesOf_.clear();
-  for (const auto& [a, b, f] : uses) {
-    if (!ends_.empty() && ends_.back() == std::array<VertexId, 2>{a, b}) {
-      facesOf_.back()[1] = f;
-    } else {
-      ends_.push_back({a, b});
-      facesOf_.push_back({f, kNone});
+  for (VertexId v = 0; v < mesh.vertexCount(); ++v) {
+    for (std::size_t k = sorted.first[v]; k < sorted.first[v + 1]; ++k) {
+      const FaceEdges::Edge& edge = sorted.edges[k];
+      if (edge.opposite == corners[edge.face]) continue;
+      if (!ends_.empty() && ends_.back() == std::array<VertexId, 2>{v, edge.upper}) {
+        facesOf_.back()[1] = edge.face;
+      } else {
+        ends_.push_back({v, edge.upper});
+        facesOf_.push_back({edge.face, kNone});
+      }
     }
   }
   limit_.resize(ends_.size());

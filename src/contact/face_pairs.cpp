@@ -49,7 +49,7 @@ void moveBack(VertexId v, double t, const Truncation& now) {
   if (!(t < 1.0)) return;
   const SubstepMotion& motion = now.motion;
   motion.end[v] = motion.start[v] + std::max(0.0, t) * (motion.end[v] - motion.start[v]);
-  now.truncated[v] = 1;
+  now.truncated[v] = now.pass;
 }
 
 /// Makes a vertex end at least at `bound` along `n`, or where it starts if that is less [m], by
@@ -65,7 +65,7 @@ void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now)
   const double to = n.dot(now.motion.end[v]);
   if (to >= bound || now.motion.mass[v] == 0.0) return;
   now.motion.end[v] += (bound - to) * n;
-  now.truncated[v] = 1;
+  now.truncated[v] = now.pass;
 }
 
 }  // namespace
@@ -151,9 +151,12 @@ double FacePairs::slackOf(Pair& pair, const SubstepMotion& motion) {
     if (apart > kApart) return slackIn(apart);
   }
   const SeparatingDirection before = bestDirection(pair, motion.start);
-  const SeparatingDirection after = bestDirection(pair, motion.end);
   pair.direction = before.direction;
-  if (!(before.distance > 0.0) || after.distance <= kApart) return 0.0;
+  if (!(before.distance > 0.0)) return 0.0;
+  apart = separationWithin(pair, motion);
+  if (apart > kApart) return slackIn(apart);
+  const SeparatingDirection after = bestDirection(pair, motion.end);
+  if (after.distance <= kApart) return 0.0;
   if (!staysApart(pair, before.direction, after.direction, motion)) return 0.0;
   pair.direction = after.direction;
   return slackIn(after.distance);
@@ -362,20 +365,32 @@ void FacePairs::shortenApart(const Pair& pair, const Truncation& now) const {
   for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, now);
 }
 
+/// Marks the faces with corners whose motion the last pass has changed.
+void FacePairs::markMovedFaces(const Truncation& last) {
+  constexpr std::int32_t kGrain = 4096;
+  isMoved_.resize(watch_.faces().size());
+  const auto isMoved = [&](VertexId v) { return last.truncated[v] == last.pass; };
+  parallelFor(static_cast<std::int32_t>(watch_.paired().size()), kGrain,
+              [&](std::int32_t first, std::int32_t end) {
+                for (std::int32_t k = first; k < end; ++k) {
+                  const FaceId f = watch_.paired()[k];
+                  const Face& face = watch_.faces()[f];
+                  isMoved_[f] = isMoved(face[0]) || isMoved(face[1]) || isMoved(face[2]) ? 1 : 0;
+                }
+              });
+}
+
 /// Lists the pairs that have to be looked at again after a pass that changed motion: those that
 /// failed, or that have a vertex that was moved; unless their own motion was scaled.
-void FacePairs::listAgain(const std::vector<std::uint8_t>& truncated) {
-  constexpr std::int32_t kGrain = 2048;
-  isListed_.assign(watch_.count(), 0);
-  const auto isMoved = [&](FaceId f) {
-    const Face& face = watch_.faces()[f];
-    return (truncated[face[0]] | truncated[face[1]] | truncated[face[2]]) != 0;
-  };
+void FacePairs::listAgain(const Truncation& last) {
+  constexpr std::int32_t kGrain = 4096;
+  markMovedFaces(last);
+  isListed_.resize(watch_.count());
   parallelFor(static_cast<std::int32_t>(watch_.count()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t k = first; k < last; ++k) {
+              [&](std::int32_t first, std::int32_t end) {
+                for (std::int32_t k = first; k < end; ++k) {
                   const FaceIds& ids = watch_.ids(static_cast<std::size_t>(k));
-                  isListed_[k] = isMoved(ids.first) || isMoved(ids.second) ? 1 : 0;
+                  isListed_[k] = isMoved_[ids.first] | isMoved_[ids.second];
                 }
               });
   for (const std::uint32_t k : failing_) isListed_[k] = 1;
@@ -404,7 +419,7 @@ void FacePairs::findFailing(const SubstepMotion& motion) {
   }
 }
 
-PairOutcome FacePairs::keepApart(const Truncation& now) {
+PairOutcome FacePairs::keepApart(Truncation now) {
   PairOutcome outcome;
   if (watch_.count() == 0) return outcome;
   const SubstepMotion& motion = now.motion;
@@ -414,7 +429,8 @@ PairOutcome FacePairs::keepApart(const Truncation& now) {
   constexpr int kSlidingPasses = 12;
   constexpr int kMostPasses = 60;
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    if (pass > 0) listAgain(now.truncated);
+    if (pass > 0) listAgain(now);
+    now.pass = static_cast<std::uint8_t>(pass + 1);
     findFailing(motion);
     if (failing_.empty()) return outcome;
     outcome.changed = true;

@@ -8,7 +8,8 @@ namespace cloth_sim {
 /// A substep whose motion may be shortened.
 struct Truncation {
   SubstepMotion motion;
-  std::vector<std::uint8_t>& truncated;  ///< by vertex: set to 1 if its motion was changed
+  std::vector<std::uint8_t>& truncated;  ///< by vertex: set to `pass` if its motion is changed
+  std::uint8_t pass = 1;                 ///< from 1 on
 };
 
 /// Outcome of keeping the faces of all pairs apart in a substep.
@@ -39,7 +40,7 @@ class FacePairs {
 
   /// Changes the motion of vertices so that no pair touches or passes through itself, neither at
   /// the end of the substep nor on the way there.
-  PairOutcome keepApart(const Truncation& now);
+  PairOutcome keepApart(Truncation now);
   /// Takes all motion back.
   void stop(const Truncation& now);
 
@@ -60,7 +61,8 @@ class FacePairs {
   static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
   static double separationWithin(const Pair& pair, const SubstepMotion& motion);
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
-  void listAgain(const std::vector<std::uint8_t>& truncated);
+  void listAgain(const Truncation& last);
+  void markMovedFaces(const Truncation& last);
   void findFailing(const SubstepMotion& motion);
   static double slackOf(Pair& pair, const SubstepMotion& motion);
   static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
@@ -77,6 +79,7 @@ class FacePairs {
   std::vector<Pair> pairs_;             ///< that were looked at
   std::vector<std::uint32_t> listed_;   ///< scratch: pairs to look at, ascending
   std::vector<std::uint8_t> isListed_;  ///< scratch: by pair
+  std::vector<std::uint8_t> isMoved_;   ///< scratch: by face
   std::vector<double> slack_;           ///< scratch: see `slackOf`, in the order of `listed_` [m]
   std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven, ascending
   double least_ = 0.0;                  ///< see `assign` [m]

@@ -19,6 +19,10 @@ constexpr double kFastest = 500.0;
 constexpr Reach kFar{16.0, 1.5e-3, 8e-3, 0.35};
 /// Reach of searches where it is not: boxes that meet cost more than another search.
 constexpr Reach kNear{4.0, 4e-4, 5e-3, 0.2};
+/// Reach of the first search after a failure in the middle of a step: the next one is often near.
+constexpr Reach kBrief{1.5, 1e-4, 5e-3, 0.1};
+/// Reach of searches for what touches where it is.
+constexpr Reach kNowhere{0.0, 0.0, 0.0, 0.0};
 /// Share of the number of faces that there are pairs of where cloth is near itself.
 constexpr double kNearShare = 1.0 / 64.0;
 /// Share of the faces around which is searched at a time, before all are; and where there are more
@@ -37,8 +41,11 @@ class LayerContact::Impl {
   }
 
   void build(const Model& model);
-  LayerOverlap findOverlap(const std::vector<Vec3>& x);
-  void beginStep();
+  /// \param isAsked  whether pairs with a face matter.
+  template <typename IsAsked>
+  LayerOverlap findOverlap(const std::vector<Vec3>& x, const IsAsked& isAsked);
+  LayerOverlap findOverlapWith(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
+  void beginStep(bool isRest);
   void load(const ParticleView& particles);
   void project(const ParticleView& particles, double h);
   void settle(const ParticleView& particles, double h);
@@ -79,6 +86,7 @@ class LayerContact::Impl {
   LayerContacts contacts_;
   double most_ = 0.0;               ///< most motion in a substep [m]
   bool isFresh_ = false;            ///< pairs are those of this step
+  bool isBrief_ = false;            ///< the next search is that of the rest of a step
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
@@ -112,15 +120,17 @@ void LayerContact::Impl::build(const Model& model) {
   corners_.resize(vertices);
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
-  beginStep();
+  beginStep(false);
 }
 
-LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
+template <typename IsAsked>
+LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x, const IsAsked& isAsked) {
   start_ = x;
   end_ = x;
-  search();
+  findPairs(kNowhere, NearPairs::kAll);
   LayerOverlap overlap;
   for (const FaceIds& ids : near_) {
+    if (!isAsked(ids.first) && !isAsked(ids.second)) continue;
     if (FacePairs::areApart(faces_[ids.first], faces_[ids.second], x)) continue;
     overlap.pairs.push_back({ids.first, ids.second});
     if (overlap.pairs.size() > 1) continue;
@@ -128,12 +138,20 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
       for (const VertexId v : faces_[f]) overlap.place += x[v] / 6.0;
     }
   }
-  beginStep();
+  beginStep(false);
   return overlap;
 }
 
-void LayerContact::Impl::beginStep() {
+LayerOverlap LayerContact::Impl::findOverlapWith(const std::vector<Vec3>& x,
+                                                 const std::vector<FaceId>& faces) {
+  std::vector<std::uint8_t> isAsked(faces_.size(), 0);
+  for (const FaceId f : faces) isAsked[f] = 1;
+  return findOverlap(x, [&](FaceId f) { return isAsked[f] != 0; });
+}
+
+void LayerContact::Impl::beginStep(bool isRest) {
   report = LayerReport();
+  isBrief_ = isRest;
   isFresh_ = false;
   vertices_ = all_;
   pairs_.clear();
@@ -218,7 +236,11 @@ void LayerContact::Impl::boxFace(FaceId f) {
 void LayerContact::Impl::search() {
   const auto many = static_cast<std::size_t>(kNearShare * static_cast<double>(faces_.size()));
   const bool wereMany = isFresh_ && near_.size() > many;
-  if (wereMany || !findPairs(kFar, many)) findPairs(kNear, NearPairs::kAll);
+  if (std::exchange(isBrief_, false)) {
+    findPairs(kBrief, NearPairs::kAll);
+  } else if (wereMany || !findPairs(kFar, many)) {
+    findPairs(kNear, NearPairs::kAll);
+  }
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
   contacts_.assign(near_, corners_);
   isFresh_ = true;
@@ -365,7 +387,7 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   if (!isAllowed) stop(particles);
   report.pairs = static_cast<int>(pairs_.count());
   for (const VertexId v : vertices_) {
-    report.truncated += truncated_[v];
+    report.truncated += truncated_[v] != 0 ? 1 : 0;
     if (isHeldBack(v)) ++report.blocked;
   }
   if (vertices_.size() == all_.size()) listVertices();
@@ -400,9 +422,16 @@ LayerContact::~LayerContact() = default;
 
 void LayerContact::onModelChanged(const Model& model) { impl_->build(model); }
 
-LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) { return impl_->findOverlap(x); }
+LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) {
+  return impl_->findOverlap(x, [](FaceId) { return true; });
+}
 
-void LayerContact::beginStep() { impl_->beginStep(); }
+LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x,
+                                       const std::vector<FaceId>& faces) {
+  return impl_->findOverlapWith(x, faces);
+}
+
+void LayerContact::beginStep(bool isRest) { impl_->beginStep(isRest); }
 
 void LayerContact::load(const ParticleView& particles) { impl_->load(particles); }
 

@@ -101,6 +101,16 @@ std::map<VertexId, Vec3> movesOf(const std::vector<Lip>& lips) {
   return move;
 }
 
+/// The faces that an edit or moves of vertices have changed; some twice.
+std::vector<FaceId> changedFaces(const MeshChanges& changes, const TriangleMesh& mesh,
+                                 const std::map<VertexId, Vec3>& moves) {
+  std::vector<FaceId> faces = changes.changedFaces;
+  for (const auto& [v, by] : moves) {
+    faces.insert(faces.end(), mesh.facesAround(v).begin(), mesh.facesAround(v).end());
+  }
+  return faces;
+}
+
 }  // namespace
 
 bool partLips(const MeshChanges& changes, const TriangleMesh& mesh, LayerContact& layers,
@@ -108,10 +118,11 @@ bool partLips(const MeshChanges& changes, const TriangleMesh& mesh, LayerContact
   const std::map<VertexId, Vec3> moves = movesOf(listLips(changes, mesh, state.x));
   if (moves.empty()) return true;
   const VertexData<Vec3> before = state.x;
+  const std::vector<FaceId> changed = changedFaces(changes, mesh, moves);
   // Less than a tenth would be near what the certificate can resolve.
   for (const double scale : {1.0, 0.1}) {
     for (const auto& [v, by] : moves) state.x[v] = before[v] + scale * by;
-    if (layers.findOverlap(state.x.values()).pairs.empty()) return true;
+    if (layers.findOverlap(state.x.values(), changed).pairs.empty()) return true;
   }
   return false;
 }

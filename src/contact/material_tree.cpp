@@ -42,17 +42,15 @@ bool isStretchAbove(const Gradient& g, double least) {
   return uu > 0.0 && vv > 0.0 && uu * vv > uv * uv;
 }
 
-/// Turns lists of (bucket, face) into faces by bucket, ascending.
-void sortByBucket(std::vector<std::pair<std::int32_t, FaceId>>& entries, std::size_t buckets,
+/// Turns a list of (bucket, face) into faces by bucket, in the order of the list.
+void sortByBucket(const std::vector<std::pair<std::int32_t, FaceId>>& entries, std::size_t buckets,
                   std::vector<std::int32_t>& start, std::vector<FaceId>& faces) {
-  std::sort(entries.begin(), entries.end());
   start.assign(buckets + 1, 0);
-  faces.clear();
-  for (const auto& [bucket, face] : entries) {
-    ++start[static_cast<std::size_t>(bucket) + 1];
-    faces.push_back(face);
-  }
+  for (const auto& [bucket, face] : entries) ++start[static_cast<std::size_t>(bucket) + 1];
   for (std::size_t k = 0; k < buckets; ++k) start[k + 1] += start[k];
+  std::vector<std::int32_t> next = start;
+  faces.resize(entries.size());
+  for (const auto& [bucket, face] : entries) faces[next[bucket]++] = face;
 }
 
 /// Tells whether nodes that are `i` columns and `j` rows apart are neighbours or the same.

@@ -36,6 +36,8 @@ class PairWatch {
   std::size_t count() const { return ids_.size(); }
   const FaceIds& ids(std::size_t k) const { return ids_[k]; }
   const std::vector<Face>& faces() const { return faces_; }
+  /// The faces of pairs.
+  const std::vector<FaceId>& paired() const { return paired_; }
 
   /// Adds the motion of a substep.
   void follow(const SubstepMotion& motion);

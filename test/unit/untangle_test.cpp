@@ -88,6 +88,19 @@ TEST_F(TwoSheets, ThatAreApartStayAsTheyAre) {
   EXPECT_EQ(x_, before);
 }
 
+TEST_F(TwoSheets, OverlapIsFoundAmongThePairsOfSomeFaces) {
+  raise(false, bump);
+  const FacePairList all = layers_->findOverlap(x_).pairs;
+  ASSERT_GT(all.size(), 20u);
+  const FaceId asked = all[7][0];
+  FacePairList wanted;
+  for (const auto& pair : all) {
+    if (pair[0] == asked || pair[1] == asked) wanted.push_back(pair);
+  }
+  EXPECT_EQ(layers_->findOverlap(x_, {asked}).pairs, wanted);
+  EXPECT_TRUE(layers_->findOverlap(x_, {}).pairs.empty());
+}
+
 TEST_F(TwoSheets, BumpThatSticksThroughIsTakenBack) {
   raise(false, bump);
   EXPECT_GT(intersections(), 0);

@@ -79,8 +79,10 @@ class LayerContact {
   /// Finds faces that touch or intersect each other.
   /// \param x  positions, by vertex [m].
   LayerOverlap findOverlap(const std::vector<Vec3>& x);
-  /// Prepares for a step.
-  void beginStep();
+  /// The same, but only pairs with one of `faces`: those that have changed since no faces touched.
+  LayerOverlap findOverlap(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
+  /// Prepares for a step. \param isRest  whether it is the rest of one, after a failure.
+  void beginStep(bool isRest);
   /// Reads where a substep leads before obstacles stop it.
   void load(const ParticleView& particles);
   /// Moves layers apart, as displacements at the end of a substep of `h` [s].

@@ -9,12 +9,13 @@
 
 namespace cloth_sim {
 
-/// The edges of all faces, in the order of their lower and then their upper vertices. An edge of
-/// two faces is listed twice, one after the other.
+/// The edges of all faces, in the order of their lower vertices, their upper vertices and their
+/// faces. An edge of two faces is listed twice, one after the other.
 struct FaceEdges {
   struct Edge {
     VertexId upper = kNone;     ///< its end with the higher number
     VertexId opposite = kNone;  ///< the third vertex of the face
+    FaceId face = kNone;
   };
 
   /// (vertices + 1): the edges with the lower vertex v are edges[first[v]] to
