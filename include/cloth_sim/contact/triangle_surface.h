@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -109,11 +108,22 @@ class TriangleSurface {
              SurfaceHit& hit) const;
 
  private:
+  friend class SurfaceSweep;
+
+  /// Distance below which round-off decides a direction [m].
+  static constexpr double kNoDistance = 1e-12;
+
   /// A triangle ready for use.
   struct Flat {
     Vec3 corner;                    ///< the first one [m]
     Vec3 normal;                    ///< of unit length
     std::array<Vec3, 2> gradients;  ///< of the weights of the other two, along the plane [1/m]
+
+    /// Tells whether the foot of a point is in the triangle. \param p  relative to `corner`.
+    bool isOver(const Vec3& p) const;
+    /// A lower bound of the squared distance from the foot of a point to the triangle [m^2].
+    /// \param p  relative to `corner`.
+    double leastSquareBeside(const Vec3& p) const;
   };
 
   std::array<Vec3, 3> cornersOf(std::int32_t triangle) const;
@@ -127,18 +137,6 @@ class TriangleSurface {
 
   Vec3 pseudonormal(const TrianglePoint& at) const;
   TrianglePoint closestOf(std::int32_t triangle, const Vec3& p) const;
-  void fill(const Vec3& from, const Vec3& to, double reach, NearTriangles& near) const;
-  bool list(double reach, NearTriangles& near) const;
-  std::optional<bool> sideNearby(const Vec3& p, double within, const NearTriangles& near) const;
-  bool stopsInside(const Vec3& from, const Vec3& to, double reach, double rise,
-                   SurfaceHit& hit) const;
-  bool meets(std::int32_t triangle, const Vec3& from, const Vec3& to, double reach, double rise,
-             SurfaceHit& hit, TrianglePoint& at) const;
-  bool isBesideNearer(const TrianglePoint& at, const Vec3& p, double reach,
-                      const NearTriangles& near) const;
-  template <class Function>
-  void visitNear(const Vec3& from, const Vec3& to, double reach, const NearTriangles& near,
-                 Function&& function) const;
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;               ///< in the order of the leaves
