@@ -52,10 +52,11 @@ void keepBetter(const Placement& candidate, Placement& best) {
 
 /// Chooses the first of two placements that makes good faces. If neither does, it chooses the one
 /// of three with the largest angle, and `fallback` if none of them is allowed.
+/// \param good  smallest angle of good faces [rad], >= 0.
 Placement choose(const Placement& first, const Placement& second, const Placement& third,
-                 const Placement& fallback) {
+                 const Placement& fallback, double good = kGoodAngle) {
   for (const Placement& placement : {first, second}) {
-    if (placement.angle >= kGoodAngle) return placement;
+    if (placement.angle >= good) return placement;
   }
   Placement best;
   for (const Placement& placement : {first, second, third}) keepBetter(placement, best);
@@ -176,10 +177,10 @@ class Embedding {
   };
   /// The ways to place an anchor in a face.
   struct AnchorPlacements {
-    Placement nearest;        ///< use the nearest corner as it is
-    Placement snap;           ///< move a corner within the snapping distance
-    Placement split;          ///< split an edge or the face
-    Placement pull;           ///< move a corner from farther away
+    Placement nearest;  ///< use the nearest corner as it is
+    Placement snap;     ///< move a corner within the snapping distance
+    Placement split;    ///< split an edge or the face
+    Placement pull;     ///< move a corner from farther away, or split an edge beside the point
     bool isAtCorner = false;  ///< the point coincides with the nearest corner
   };
 
@@ -253,9 +254,11 @@ bool Embedding::isOn(VertexId v, VertexId w, const Vec2& at) const {
 VertexId Embedding::placeAnchor(const SurfacePoint& where) {
   const Vec2& at = where.material;
   const AnchorPlacements ways = anchorPlacements(locate(mesh_, where), at);
-  const VertexId v =
-      apply(ways.isAtCorner ? ways.nearest : choose(ways.snap, ways.split, ways.pull, ways.nearest),
-            at, remesher_);
+  // Where nothing moves, what is not exact takes the end off the line: any allowed face will do.
+  const double good = remesher_.limits().keepsSurface ? 0.0 : kGoodAngle;
+  const VertexId v = apply(
+      ways.isAtCorner ? ways.nearest : choose(ways.snap, ways.split, ways.pull, ways.nearest, good),
+      at, remesher_);
   noteDeviation(v, at);
   remesher_.hold(v);
   return v;
@@ -282,9 +285,11 @@ Embedding::AnchorPlacements Embedding::anchorPlacements(FaceId f, const Vec2& at
     keepBetter(move, distance < snap * length ? ways.snap : ways.pull);
     // A split may leave the line of an inner edge, but not that of a border or a marked edge.
     const bool mayBend = mesh_.facesOnEdge(v, w)[1] != kNone && !remesher_.isMarked(v, w);
-    if (mayBend || isOn(v, w, at)) {
+    const bool isOnEdge = isOn(v, w, at);
+    if (mayBend || isOnEdge) {
+      const bool isExact = isOnEdge || !remesher_.limits().keepsSurface;
       keepBetter({Placement::Kind::kSplitEdge, {v, w}, kNone, remesher_.angleIfSplit(v, w, at)},
-                 ways.split);
+                 isExact ? ways.split : ways.pull);
     }
   }
   keepBetter({Placement::Kind::kSplitFace, {}, f, remesher_.angleIfSplit(f, at)}, ways.split);
