@@ -347,6 +347,28 @@ TEST(EmbedPath, EndsAtExactlyItsLastPoint) {
   }
 }
 
+TEST(EmbedPath, EndsNearItsLastPointWhereNothingMoves) {
+  Generator random(2);
+  int exact = 0;
+  constexpr int kTrials = 200;
+  constexpr double kCell = 1.0 / 8.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    TriangleMesh mesh = makeGridMesh({9, 9, 1.0, 1.0});
+    const std::vector<Vec2> before = mesh.material();
+    const Vec2 to(uniform(random, 0.3, 0.7), uniform(random, 0.3, 0.7));
+    ShapeLimits limits;
+    limits.keepsSurface = true;
+    Remesher remesher(mesh, limits, {});
+    const EmbeddedPath done = embed(pathAlong(mesh, {{0.5 * kCell, 0.0}, to}), remesher);
+    const double off = (mesh.material(done.vertices.back()) - to).norm();
+    if (off < 1e-14) ++exact;
+    EXPECT_LT(off, 0.5 * std::sqrt(2.0) * kCell) << to.transpose();
+    EXPECT_TRUE(std::equal(before.begin(), before.end(), mesh.material().begin()));
+    EXPECT_GE(smallestAngle(mesh), kLeastAngle - 1e-9);
+  }
+  EXPECT_GT(exact, kTrials / 2) << "the rest would leave slivers";
+}
+
 TEST(EmbedPath, EndsAtTheLastCrossingIfAsked) {
   TriangleMesh mesh = makeGridMesh({9, 9, 8.0, 8.0});
   Remesher remesher(mesh, {}, {});

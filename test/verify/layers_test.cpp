@@ -94,32 +94,48 @@ TEST(Layers, AMethodThatCannotHoldThemIsRefused) {
   }
 }
 
-TEST(Layers, AClothThatIsTornAndCutKeepsTheCertificate) {
-  const std::string yaml = R"(
+/// A cloth of 0.4 m is pulled apart along a seam in its middle, from a notch on.
+/// \param particles  along each side.
+Simulation tornAlongASeam(int particles) {
+  std::string yaml = R"(
 cloth:
   size: [0.4, 0.4]
-  particles: [25, 25]
+  particles: [COUNT, COUNT]
   fabric: cotton
-  bending: springs  # they cross the seam, which runs along a column of particles
+  bending: springs  # they cross a seam that runs along a column of particles
   pose: {position: [0, 0, 0.5]}
 drag: 1
 self_contact: true
 solver: {method: line_xpbd, error: 0.01}
 clamps:
   left: {patch: {particle: [1, 12], radius: 1}, max_speed: 2}
-  right: {patch: {particle: [23, 12], radius: 1}, max_speed: 2}
+  right: {patch: {particle: [LAST, 12], radius: 1}, max_speed: 2}
 tearing: {ratio: 1.2, seam: {path: [[0.2, 0.0], [0.2, 0.4]], half_width: 0.0}}
 phases:
   - name: grasp
     clamps: {all: {attach: true, grasp: true, speed: 2}}
     until: {clamps: [at_target, closed]}
   - name: pull
-    notch: [[0.2, 0.0], [0.2, 0.12]]
+    notch: [[0.2, 0.0], [0.2, 0.127]]
     clamps: {left: {move_by: [-0.2, 0, 0], speed: 1}, right: {move_by: [0.2, 0, 0], speed: 1}}
     until: {pieces: 2}
     timeout: 2
 )";
-  Simulation simulation(parseScene(yaml, "torn"));
+  const auto put = [&yaml](const std::string& name, int number) {
+    for (std::size_t at = 0; (at = yaml.find(name, at)) != std::string::npos;) {
+      yaml.replace(at, name.size(), std::to_string(number));
+    }
+  };
+  put("COUNT", particles);
+  put("LAST", particles - 2);
+  return Simulation(parseScene(yaml, "torn"));
+}
+
+class TornLayers : public testing::TestWithParam<int> {};
+
+/// The two pieces are the halves, rather than one and a sliver beside the seam.
+TEST_P(TornLayers, KeepTheCertificateAndComeApartInHalves) {
+  Simulation simulation = tornAlongASeam(GetParam());
   for (int step = 0; step < 200 && simulation.script().status() != ScriptStatus::kDone; ++step) {
     simulation.step();
     ASSERT_FALSE(simulation.failed()) << simulation.failure();
@@ -129,7 +145,12 @@ phases:
   EXPECT_EQ(simulation.script().status(), ScriptStatus::kDone);
   EXPECT_GT(simulation.broken().torn, 0);
   EXPECT_GT(simulation.broken().cut, 0);
+  const auto pieces = simulation.snapshot()->figures->pieces;
+  ASSERT_EQ(pieces.size(), 2u);
+  for (const auto& piece : pieces) EXPECT_NEAR(piece.restArea, 0.08, 1e-3);
 }
+
+INSTANTIATE_TEST_SUITE_P(SeamAlongAndBetweenColumns, TornLayers, testing::Values(25, 24));
 
 /// Flat square cloths above each other, each smaller than the one below by `less` [m] and turned
 /// against it.
