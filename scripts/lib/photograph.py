@@ -66,8 +66,11 @@ def main():
     pause = rospy.ServiceProxy('/cloth/pause', Pause)
     phases = rospy.ServiceProxy('/cloth/get_state', GetState)().phases
     for moment in args.moments:
-        if moment.partition('+')[0] not in (phases or ['']):
-            sys.exit(f"error: no phase '{moment.partition('+')[0]}' (there are: {', '.join(phases)})")
+        phase = moment.partition('+')[0]
+        if phase not in (phases or ['']):
+            sys.exit(f"error: --at {moment}: expected PHASE or PHASE+SECONDS, of the phases "
+                     f"{', '.join(phases)}" if phases else
+                     f'error: --at {moment}: expected +SECONDS, the scene has no phases')
     wait(window_shown, deadline, 'rviz')
     time.sleep(3.0)  # until its window is drawn
     pause(False)
