@@ -3,6 +3,7 @@ import numpy as np
 
 SAMPLES = 3         # of a pixel, along each side
 AT_ONCE = 2000000   # samples of triangles that are looked at together
+NEAR = 0.01         # [m]: nothing is drawn that is not farther away
 
 
 class DepthBuffer:
@@ -20,7 +21,8 @@ class DepthBuffer:
         """Draws triangles, corners (n, 3, 3), in colours (n, 3) of 0 to 1."""
         low, size = self._boxes(corners)
         area, planes = _planes(corners)
-        seen = (size.min(axis=1) > 0) & (np.abs(area) > 1e-12)
+        seen = ((size.min(axis=1) > 0) & (np.abs(area) > 1e-12) &
+                (corners[..., 2] > NEAR).all(axis=1))
         low, size, planes = low[seen], size[seen], planes[seen]
         colours = _bytes(colours[seen])
         counts = size.prod(axis=1)

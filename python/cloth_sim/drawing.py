@@ -324,7 +324,6 @@ class Picture:
     BEHIND = 0.002   # of the depth: bodies are drawn farther away, so that cloth lies on them
     AHEAD = 0.00025  # of the depth: the border is nearer than its faces, not than a layer above
     TORN_AHEAD = 0.002
-    NEAR = 0.01      # [m]: nothing is drawn that is not farther away
 
     def __init__(self, camera):
         self.camera = camera
@@ -337,7 +336,7 @@ class Picture:
         triangles, normal = triangles[towards_us], unit(normal[towards_us])
         screen = self.camera.project(triangles)
         screen[..., 2] *= 1 + self.BEHIND
-        self._add(screen, colour * lighting(normal)[:, None])
+        self.buffer.add_triangles(screen, colour * lighting(normal)[:, None])
 
     def add_cloth(self, points, topology):
         """Adds both sides of a cloth, coloured by strain, its border and its torn edges."""
@@ -347,16 +346,10 @@ class Picture:
         level = face_strains(topology, points) / FULL_STRAIN
         colours = np.where(from_front[:, None], colour_of(level, FRONT), colour_of(level, BACK))
         light = lighting(unit(np.where(from_front[:, None], normals, -normals)))
-        self._add(self.camera.project(points[faces]), colours * light[:, None])
+        self.buffer.add_triangles(self.camera.project(points[faces]), colours * light[:, None])
         for edges, colour, width, ahead in ((topology.border, BORDER, 1.0, self.AHEAD),
                                             (topology.torn, TORN, 1.5, self.TORN_AHEAD)):
-            ends = self.camera.project(points[edges])
-            in_front = (ends[..., 2] > self.NEAR).all(axis=1)
-            self.buffer.add_lines(ends[in_front], colour, width, ahead)
-
-    def _add(self, screen, colours):
-        in_front = (screen[..., 2] > self.NEAR).all(axis=1)
-        self.buffer.add_triangles(screen[in_front], colours[in_front])
+            self.buffer.add_lines(self.camera.project(points[edges]), colour, width, ahead)
 
 
 def colour_of(level, colours):

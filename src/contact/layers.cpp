@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "allowance.h"
 #include "face_pair_set.h"
@@ -41,10 +42,8 @@ class LayerContact::Impl {
   }
 
   void build(const Model& model);
-  /// \param isAsked  whether pairs with a face matter.
-  template <typename IsAsked>
-  LayerOverlap findOverlap(const std::vector<Vec3>& x, const IsAsked& isAsked);
-  LayerOverlap findOverlapWith(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
+  LayerOverlap findOverlap(const std::vector<Vec3>& x);
+  LayerOverlap findOverlap(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
   void beginStep(bool isRest);
   void load(const ParticleView& particles);
   void project(const ParticleView& particles, double h);
@@ -57,6 +56,8 @@ class LayerContact::Impl {
   LayerReport report;  ///< but for leastDistance
 
  private:
+  /// \param isAsked  by face: 1 if pairs with it matter.
+  LayerOverlap overlapOf(const std::vector<Vec3>& x, const std::vector<std::uint8_t>& isAsked);
   void loadSupported(const ParticleView& particles);
   void loadAll(const ParticleView& particles);
   void loadPairs(const ParticleView& particles);
@@ -123,14 +124,25 @@ void LayerContact::Impl::build(const Model& model) {
   beginStep(false);
 }
 
-template <typename IsAsked>
-LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x, const IsAsked& isAsked) {
+LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
+  return overlapOf(x, std::vector<std::uint8_t>(faces_.size(), 1));
+}
+
+LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x,
+                                             const std::vector<FaceId>& faces) {
+  std::vector<std::uint8_t> isAsked(faces_.size(), 0);
+  for (const FaceId f : faces) isAsked[f] = 1;
+  return overlapOf(x, isAsked);
+}
+
+LayerOverlap LayerContact::Impl::overlapOf(const std::vector<Vec3>& x,
+                                           const std::vector<std::uint8_t>& isAsked) {
   start_ = x;
   end_ = x;
   findPairs(kNowhere, NearPairs::kAll);
   LayerOverlap overlap;
   for (const FaceIds& ids : near_) {
-    if (!isAsked(ids.first) && !isAsked(ids.second)) continue;
+    if ((isAsked[ids.first] | isAsked[ids.second]) == 0) continue;
     if (FacePairs::areApart(faces_[ids.first], faces_[ids.second], x)) continue;
     overlap.pairs.push_back({ids.first, ids.second});
     if (overlap.pairs.size() > 1) continue;
@@ -140,13 +152,6 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x, const I
   }
   beginStep(false);
   return overlap;
-}
-
-LayerOverlap LayerContact::Impl::findOverlapWith(const std::vector<Vec3>& x,
-                                                 const std::vector<FaceId>& faces) {
-  std::vector<std::uint8_t> isAsked(faces_.size(), 0);
-  for (const FaceId f : faces) isAsked[f] = 1;
-  return findOverlap(x, [&](FaceId f) { return isAsked[f] != 0; });
 }
 
 void LayerContact::Impl::beginStep(bool isRest) {
@@ -422,13 +427,11 @@ LayerContact::~LayerContact() = default;
 
 void LayerContact::onModelChanged(const Model& model) { impl_->build(model); }
 
-LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) {
-  return impl_->findOverlap(x, [](FaceId) { return true; });
-}
+LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x) { return impl_->findOverlap(x); }
 
 LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x,
                                        const std::vector<FaceId>& faces) {
-  return impl_->findOverlapWith(x, faces);
+  return impl_->findOverlap(x, faces);
 }
 
 void LayerContact::beginStep(bool isRest) { impl_->beginStep(isRest); }

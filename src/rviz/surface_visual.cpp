@@ -25,12 +25,14 @@ struct SurfaceVisual::Layers {
       mesh.pass().setDepthBias(depthBias);
     }
 
-    void update(const Ribbons& ribbons) {
+    void updateTriangles(const Ribbons& ribbons) {
+      triangles.write(ribbons.triangles());
+      mesh.setTriangles(triangles, ribbons.triangles().size());
+    }
+    void updateVertices(const Ribbons& ribbons) {
       const std::size_t corners = ribbons.positions().size() / 3;
       positions.write(ribbons.positions().data(), corners);
-      triangles.write(ribbons.triangles());
       mesh.setVertices(positions, nullptr, corners);
-      mesh.setTriangles(triangles, ribbons.triangles().size());
     }
 
     VertexStream positions{3 * sizeof(float)};
@@ -77,6 +79,8 @@ void SurfaceVisual::updateTriangles(const Surface& surface) {
   for (MeshLayer* layer : {&layers_->front, &layers_->back, &layers_->wires}) {
     layer->setTriangles(layers_->triangles, surface.triangles().size());
   }
+  layers_->border.updateTriangles(surface.border());
+  layers_->torn.updateTriangles(surface.torn());
   hide();
 }
 
@@ -89,8 +93,8 @@ void SurfaceVisual::updateVertices(const Surface& surface) {
   layers_->back.setVertices(layers_->positions, &layers_->backColours, count);
   layers_->wires.setVertices(layers_->positions, nullptr, count);
 
-  layers_->border.update(surface.border());
-  layers_->torn.update(surface.torn());
+  layers_->border.updateVertices(surface.border());
+  layers_->torn.updateVertices(surface.torn());
 
   filled_ = count > 0;
   if (filled_) {

@@ -155,7 +155,7 @@ class RvizTest(unittest.TestCase):
                            ('right', around[:, -12:].any(axis=1))):
             self.assertGreater(side.mean(), 0.95, name)
         self.assertFalse(is_near(inside, green).any())
-        view = self.open('Cut', 'Border: {Value: false, Color: 0; 200; 0, Width: 0.02}')
+        self.open('Cut', 'Border: {Value: false, Color: 0; 200; 0, Width: 0.02}')
         self.assertFalse(is_near(self.screen.picture(), green).any())
 
     def test_look_of_the_wireframe(self):

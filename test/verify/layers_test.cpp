@@ -97,10 +97,10 @@ TEST(Layers, AMethodThatCannotHoldThemIsRefused) {
 /// A cloth of 0.4 m is pulled apart along a seam in its middle, from a notch on.
 /// \param particles  along each side.
 Simulation tornAlongASeam(int particles) {
-  std::string yaml = R"(
+  const std::string yaml = R"(
 cloth:
   size: [0.4, 0.4]
-  particles: [COUNT, COUNT]
+  particles: [25, 25]
   fabric: cotton
   bending: springs  # they cross a seam that runs along a column of particles
   pose: {position: [0, 0, 0.5]}
@@ -109,7 +109,7 @@ self_contact: true
 solver: {method: line_xpbd, error: 0.01}
 clamps:
   left: {patch: {particle: [1, 12], radius: 1}, max_speed: 2}
-  right: {patch: {particle: [LAST, 12], radius: 1}, max_speed: 2}
+  right: {patch: {particle: [23, 12], radius: 1}, max_speed: 2}
 tearing: {ratio: 1.2, seam: {path: [[0.2, 0.0], [0.2, 0.4]], half_width: 0.0}}
 phases:
   - name: grasp
@@ -121,14 +121,11 @@ phases:
     until: {pieces: 2}
     timeout: 2
 )";
-  const auto put = [&yaml](const std::string& name, int number) {
-    for (std::size_t at = 0; (at = yaml.find(name, at)) != std::string::npos;) {
-      yaml.replace(at, name.size(), std::to_string(number));
-    }
-  };
-  put("COUNT", particles);
-  put("LAST", particles - 2);
-  return Simulation(parseScene(yaml, "torn"));
+  const std::string count = std::to_string(particles);
+  const std::string right = std::to_string(particles - 2);
+  return Simulation(parseScene(yaml, "torn",
+                               {"cloth.particles=[" + count + ", " + count + "]",
+                                "clamps.right.patch.particle=[" + right + ", 12]"}));
 }
 
 class TornLayers : public testing::TestWithParam<int> {};

@@ -1,5 +1,5 @@
 #pragma once
-/// \file The edges of the faces of a mesh, for a receiver of triangles that has no `TriangleMesh`.
+/// \file The edges of the faces of a mesh, sorted by their vertices.
 
 #include <array>
 #include <cstddef>
