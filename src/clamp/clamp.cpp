@@ -126,13 +126,13 @@ void Clamp::release() {
   wrench_ = Wrench();
 }
 
-void Clamp::advance(const Model& model, const State& state, double dt) {
+void Clamp::advance(const Model& model, const State& state, double dt, Squeeze how) {
   if (!(dt > 0.0)) return;
   const double gapBefore = gap_;
   moveGap(dt);
   if (state_ == ClampState::kClosing) grasp(model, state, gapBefore, dt);
   slide(model, state, dt);
-  squeeze(dt);
+  squeeze(how, dt);
   moveTarget(dt);
   movePose(dt);
 }

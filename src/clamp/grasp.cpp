@@ -90,12 +90,21 @@ void Clamp::take(VertexId vertex, const Vec3& local) {
 }
 
 /// Moves held particles from beyond a plate towards it, no faster than a plate closes.
-void Clamp::squeeze(double dt) {
+void Clamp::squeeze(Squeeze how, double dt) {
   const double travel = 0.5 * spec_.closingSpeed * dt;
+  const auto squeezed = [&](double height) {
+    return std::min(height, std::max(0.5 * gap_, height - travel));
+  };
+  double highest = 0.0;
+  for (const Grip& grip : grips_) highest = std::max(highest, std::abs(grip.local.z()));
+  const double top = squeezed(highest);
+  const double factor = highest > 0.0 ? top / highest : 1.0;
   for (Grip& grip : grips_) {
     const double before = grip.local.z();
-    const double after = std::max(0.5 * gap_, std::abs(before) - travel);
-    if (std::abs(before) > after) grip.local.z() = std::copysign(after, before);
+    const double height = std::abs(before);
+    // Not above the top by round-off, or the squeezing would not end.
+    const double after = how == Squeeze::kEach ? squeezed(height) : std::min(top, factor * height);
+    grip.local.z() = std::copysign(after, before);
     grip.squeeze = (grip.local.z() - before) / dt;
   }
 }

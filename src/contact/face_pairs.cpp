@@ -20,6 +20,12 @@ constexpr double kKeepSliding = 0.1;
 /// Fraction of the distance of two faces that each side keeps from the plane between them.
 constexpr double kKeep = 0.05;
 
+/// Passes of the certificate: at first only vertices slide that nobody holds, then moving held ones
+/// as well; after that motion is shortened.
+constexpr int kPassesOfFree = 12;
+constexpr int kPassesOfSliding = 20;
+constexpr int kMostPasses = 60;
+
 Corners cornersOf(const Face& face, const std::vector<Vec3>& x) {
   return {x[face[0]], x[face[1]], x[face[2]]};
 }
@@ -60,10 +66,19 @@ void keepBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) 
   if (to < bound && to < from) moveBack(v, (from - bound) / (from - to), now);
 }
 
-/// Makes a vertex end at least at `bound` along `n` [m], unless its motion is prescribed.
+/// Tells whether a vertex may leave its way by some distance [m]: first those that nobody holds,
+/// then held ones as well, by no more than they move, so that they need not stop.
+bool maySlide(VertexId v, double distance, const Truncation& now) {
+  const SubstepMotion& motion = now.motion;
+  if (motion.mass[v] > 0.0) return true;
+  return now.pass > kPassesOfFree &&
+         distance * distance <= (motion.end[v] - motion.start[v]).squaredNorm();
+}
+
+/// Makes a vertex end at least at `bound` along `n` [m], if it may slide so far.
 void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
   const double to = n.dot(now.motion.end[v]);
-  if (to >= bound || now.motion.mass[v] == 0.0) return;
+  if (to >= bound || !maySlide(v, bound - to, now)) return;
   now.motion.end[v] += (bound - to) * n;
   now.truncated[v] = now.pass;
 }
@@ -426,8 +441,6 @@ PairOutcome FacePairs::keepApart(Truncation now) {
   watch_.follow(motion);
   watch_.listDue(listed_);
   for (const std::uint32_t k : listed_) pairAt(k).isFixed = false;
-  constexpr int kSlidingPasses = 12;
-  constexpr int kMostPasses = 60;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     if (pass > 0) listAgain(now);
     now.pass = static_cast<std::uint8_t>(pass + 1);
@@ -436,11 +449,11 @@ PairOutcome FacePairs::keepApart(Truncation now) {
     outcome.changed = true;
     for (const std::uint32_t k : failing_) {
       Pair& pair = pairAt(k);
-      const bool maySlide = pass < kSlidingPasses;
-      if (maySlide && slide(pair, now)) continue;
+      const bool areSliding = pass < kPassesOfSliding;
+      if (areSliding && slide(pair, now)) continue;
       if (!shorten(pair, now)) ++outcome.unproven;
       // Where others may slide, what stays now may be moved again.
-      pair.isFixed = !maySlide;
+      pair.isFixed = !areSliding;
     }
   }
   stop(now);

@@ -74,10 +74,12 @@ void Holders::takeBack() {
   drag_ = dragBefore_;
 }
 
-void Holders::advance(const Model& model, const State& state, double dt) {
+void Holders::advance(const Model& model, const State& state, double dt,
+                      const LayerContact* layers) {
+  const Squeeze squeeze = layers == nullptr ? Squeeze::kEach : Squeeze::kTogether;
   for (Clamp& clamp : clamps_) {
     clamp.clearWrench();
-    clamp.advance(model, state, dt);
+    clamp.advance(model, state, dt, squeeze);
   }
   drag_.advance(state, dt);
 }

@@ -50,7 +50,7 @@ void Simulation::step() {
   const ThreadPool::ParallelRegion region(pool_);
   const int brokenBefore = broken().total;
   parts_.holders.remember();
-  parts_.holders.advance(model(), state(), parts_.dt());
+  parts_.holders.advance(model(), state(), parts_.dt(), parts_.layers.get());
   parts_.obstacles.steer(time(), parts_.dt());
   std::optional<double> done = 0.0;
   while (done && *done < 1.0) done = solveFrom(*done);

@@ -55,10 +55,11 @@ struct Nothing {
 };
 
 /// Steps until the clamp has closed.
-void closeFully(Clamp& clamp, const Model& model, const State& state) {
+void closeFully(Clamp& clamp, const Model& model, const State& state,
+                Squeeze how = Squeeze::kEach) {
   clamp.close();
   for (int k = 0; k < 1000 && clamp.state() != ClampState::kClosed; ++k) {
-    clamp.advance(model, state, kDt);
+    clamp.advance(model, state, kDt, how);
   }
   ASSERT_EQ(clamp.state(), ClampState::kClosed);
 }
@@ -344,6 +345,32 @@ TEST(ClampPatchParticles, GraspKeepsTheirPlacesAlsoBesideAndBehindThePlates) {
     Vec3 expected = cloth.state.x[target.vertex];
     expected.z() = std::min(expected.z(), 0.5 * byPatch.gapClosed);
     EXPECT_LT((target.position - expected).norm(), 1e-12);
+  }
+}
+
+TEST(ClampGrasp, SqueezedTogetherLayersKeepTheirOrder) {
+  GridCloth cloth;
+  const std::vector<double> heights = {0.08, 0.076, 0.0, -0.061};  // the open plates: 0.06
+  for (std::size_t k = 0; k < heights.size(); ++k) cloth.state.x[43 + k].z() = heights[k];
+  ClampSpec byPatch = spec();
+  byPatch.patch = ClampPatch{5, 4, 3};
+  byPatch.pose.position = Vec3(cloth.state.x[45].x(), cloth.state.x[45].y(), 0.0);
+  Clamp clamp(byPatch);
+  closeFully(clamp, cloth.model, cloth.state, Squeeze::kTogether);
+  std::vector<KinematicTarget> before = targetsOf(clamp);
+  for (int k = 0; k < 60; ++k) {
+    clamp.advance(cloth.model, cloth.state, kDt, Squeeze::kTogether);
+    const std::vector<KinematicTarget> now = targetsOf(clamp);
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      const double moved = (now[i].position - before[i].position).norm();
+      EXPECT_LT(moved, 0.5 * byPatch.closingSpeed * kDt + 1e-12) << "no faster than a plate";
+    }
+    before = now;
+  }
+  EXPECT_TRUE(clamp.isStill());
+  const double factor = 0.5 * byPatch.gapClosed / 0.08;
+  for (const KinematicTarget& target : targetsOf(clamp)) {
+    EXPECT_NEAR(target.position.z(), factor * cloth.state.x[target.vertex].z(), 1e-12);
   }
 }
 

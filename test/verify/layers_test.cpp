@@ -318,6 +318,27 @@ phases:
   }
 }
 
+/// The hand closes over folds whose sides lie beyond a plate. They kept the clamp back for good
+/// where all came to lie in the plane of that plate.
+TEST(Layers, AClampThatHasClosedOverASharpFoldLiftsIt) {
+  Simulation simulation(
+      loadScene(std::string(CLOTH_SIM_SOURCE_DIR) + "/test/ros/tear_48.yaml",
+                {"seed=2", "self_contact=true", "solver={error: 0.01, dt: 0.016666666666666666}"}));
+  const auto isLifting = [&] {
+    const PhaseSpec* phase = simulation.script().current();
+    return phase != nullptr && phase->name != "lower_and_notch";
+  };
+  int blocked = 0;
+  do {
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+    if (simulation.layerReport()->blocked > 0) ++blocked;
+  } while (isLifting() && simulation.time() < 6.0);
+  EXPECT_LT(simulation.time(), 5.5) << "1.5 s after the clamps have closed";
+  EXPECT_LT(blocked, 10);
+  EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
+}
+
 TEST(Layers, ClothThatIntersectsItselfAtTheStartIsRefused) {
   const std::string yaml = R"(
 cloth:

@@ -69,6 +69,13 @@ struct Wrench {
   }
 };
 
+/// Motion of held particles that are beyond a plate, while it closes.
+enum class Squeeze {
+  kEach,     ///< each comes to lie in the plane of the plate
+  kTogether  ///< all held particles move towards the middle by one factor, so that layers that
+             ///< touch each other keep their order and their gaps
+};
+
 enum class ClampState { kOpen, kClosing, kClosed };
 const char* toString(ClampState state);  ///< "open", "closing", "closed"
 
@@ -82,9 +89,9 @@ const char* toString(ClampState state);  ///< "open", "closing", "closed"
 /// Grasp: while the gap closes, the plates take along the particles that they meet: a particle
 /// between them is held from the step in which one of them reaches it. When the gap has closed, all
 /// particles left between the plates are held too. A held particle keeps its place in the clamp's
-/// frame, except that its z is brought into the gap, at most at half the closing speed (that of one
-/// plate), so that nothing jumps. A patch is grasped in the same way, but wherever it is, also
-/// beside the plates; its particles beyond a plate are held as soon as closing begins.
+/// frame, except that its z is brought into the gap (`Squeeze`), at most at half the closing speed
+/// (that of one plate), so that nothing jumps. A patch is grasped in the same way, but wherever it
+/// is, also beside the plates; its particles beyond a plate are held as soon as closing begins.
 ///
 /// Slip: a grip of limited force holds as long as the norm of the sum of the reactions is within
 /// its limit. Beyond it, all held particles slide together: they are free, and the grip brakes them
@@ -142,7 +149,7 @@ class Clamp {
 
   /// Moves pose and gap by one step of `dt` [s], and grasps the particles that the plates meet.
   /// \param state  before the step.
-  void advance(const Model& model, const State& state, double dt);
+  void advance(const Model& model, const State& state, double dt, Squeeze how = Squeeze::kEach);
 
   /// Stops the clamp, and takes back of its motion in the last step what its held particles could
   /// not follow: layers of cloth were in their way.
@@ -230,7 +237,7 @@ class Clamp {
   void graspPatch(const Model& model, const State& state);
   void graspRegion(const State& state, double gapBefore, double dt);
   void take(VertexId vertex, const Vec3& local);
-  void squeeze(double dt);
+  void squeeze(Squeeze how, double dt);
   void slide(const Model& model, const State& state, double dt);
   Vec3 slidingVelocity(const Model& model, const State& state) const;
   double heldMass(const Model& model) const;

@@ -40,8 +40,9 @@ class Holders {
   void takeBack();
 
   /// Clears the wrenches of the clamps, and moves clamps and the pull by one step.
-  /// \param state  before the step.
-  void advance(const Model& model, const State& state, double dt);
+  /// \param state   before the step.
+  /// \param layers  null if layers of cloth do not touch.
+  void advance(const Model& model, const State& state, double dt, const LayerContact* layers);
 
   /// Fills in `controls.kinematic` (each held particle once, ascending by vertex) and
   /// `controls.forces` (friction of clamps that slip).
