@@ -24,7 +24,7 @@ constexpr double kKeep = 0.05;
 /// as well; after that motion is shortened.
 constexpr int kPassesOfFree = 12;
 constexpr int kPassesOfSliding = 20;
-constexpr int kMostPasses = 60;
+constexpr int kPassesInAll = 60;
 
 Corners cornersOf(const Face& face, const std::vector<Vec3>& x) {
   return {x[face[0]], x[face[1]], x[face[2]]};
@@ -441,7 +441,7 @@ PairOutcome FacePairs::keepApart(Truncation now) {
   watch_.follow(motion);
   watch_.listDue(listed_);
   for (const std::uint32_t k : listed_) pairAt(k).isFixed = false;
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kPassesInAll; ++pass) {
     if (pass > 0) listAgain(now);
     now.pass = static_cast<std::uint8_t>(pass + 1);
     findFailing(motion);

@@ -211,8 +211,7 @@ TEST(Layers, AStackRestsAThicknessApart) {
 TEST(Layers, AStackOfTenRestsAThicknessApart) {
   const Simulation simulation = restingStack(10, 0.015, 60);
   expectAThicknessApart(simulation);
-  // The cloth never comes to rest altogether (docs/layers.md, Limits).
-  EXPECT_LT(fastestOf(simulation), 0.05);
+  EXPECT_LT(fastestOf(simulation), 0.001);
   EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
 }
 
