@@ -209,11 +209,10 @@ void SpringLines::appendColour(SpringKind kind, const std::vector<std::int32_t>&
     const std::int32_t classA = a.count / kSimilar, classB = b.count / kSimilar;
     return classA != classB ? classA > classB : a.start < b.start;
   });
-  Colour colour{static_cast<std::int32_t>(blocks_.size()), 0, 0, kind};
+  Colour colour{static_cast<std::int32_t>(blocks_.size()), 0, kind};
   for (std::size_t k = 0; k < lines.size(); k += kWidth) {
     appendBlock(slotOf, lines.data() + k, std::min<std::size_t>(kWidth, lines.size() - k));
   }
-  for (const Line& line : lines) colour.springs += line.count;
   colour.endBlock = static_cast<std::int32_t>(blocks_.size());
   colours_.push_back(colour);
 }

@@ -36,7 +36,6 @@ class SpringLines {
   struct Colour {
     std::int32_t firstBlock = 0;
     std::int32_t endBlock = 0;
-    std::int32_t springs = 0;
     SpringKind kind = SpringKind::kStructural;
   };
   using Slots = std::array<std::int32_t, kWidth>;

@@ -63,7 +63,7 @@ void Contacts::project(const ParticleView& particles, double time, double h) {
   layers->project(particles, h);
   if (layers->carriesLoad()) {
     projectObstacles(particles, time, h);
-    layers->settle(particles);
+    layers->settle(particles, h);
   }
   layers->certify(particles);
 }

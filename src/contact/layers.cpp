@@ -47,7 +47,7 @@ class LayerContact::Impl {
   void beginStep(bool isRest);
   void load(const ParticleView& particles);
   void project(const ParticleView& particles, double h);
-  void settle(const ParticleView& particles);
+  void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
   bool isBlocked(std::size_t v) const;
   LayerReport wholeReport() const;
@@ -351,9 +351,9 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   if (report.contacts > 0) store(particles);
 }
 
-void LayerContact::Impl::settle(const ParticleView& particles) {
+void LayerContact::Impl::settle(const ParticleView& particles, double h) {
   loadSupported(particles);
-  contacts_.settle(motion(), supported_);
+  contacts_.settle(motion(), h, supported_);
   store(particles);
 }
 
@@ -442,7 +442,7 @@ void LayerContact::project(const ParticleView& particles, double h) {
   impl_->project(particles, h);
 }
 
-void LayerContact::settle(const ParticleView& particles) { impl_->settle(particles); }
+void LayerContact::settle(const ParticleView& particles, double h) { impl_->settle(particles, h); }
 
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
 

@@ -52,10 +52,9 @@ void forColours(const SpringLines& lines, const Visit& visit) {
 /// Checks that lines hold every spring once, join its ends, and share no particle within a colour.
 void expectHoldsEverySpringOnce(const Scheduled& cloth, const SpringLines& lines) {
   std::multiset<std::int32_t> seen;
-  forColours(lines, [&](const SpringLines::Colour& colour, const std::vector<LineOfBlock>& all) {
+  forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBlock>& all) {
     std::set<std::int32_t> particles;
     std::size_t places = 0;
-    std::int32_t springs = 0;
     for (const LineOfBlock& line : all) {
       for (std::size_t s = 0; s < line.springs.size(); ++s) {
         const Spring spring = cloth.model.springs[line.springs[s]];
@@ -64,12 +63,10 @@ void expectHoldsEverySpringOnce(const Scheduled& cloth, const SpringLines& lines
         ASSERT_EQ(ends, (std::set<std::int32_t>{line.slots[s], line.slots[s + 1]}));
         seen.insert(line.springs[s]);
       }
-      springs += static_cast<std::int32_t>(line.springs.size());
       places += line.slots.size();
       particles.insert(line.slots.begin(), line.slots.end());
     }
     EXPECT_EQ(particles.size(), places) << "lines of a colour share a particle";
-    EXPECT_EQ(colour.springs, springs);
   });
   EXPECT_EQ(static_cast<std::int32_t>(seen.size()), cloth.model.springs.count());
   EXPECT_EQ((std::set<std::int32_t>(seen.begin(), seen.end()).size()), seen.size());

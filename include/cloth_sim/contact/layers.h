@@ -89,7 +89,7 @@ class LayerContact {
   void project(const ParticleView& particles, double h);
   /// Takes up the load that is left, from the particles that obstacles have moved since `load`
   /// upwards.
-  void settle(const ParticleView& particles);
+  void settle(const ParticleView& particles, double h);
   /// Shortens motions that would make faces intersect. Nothing may move particles afterwards in the
   /// same substep.
   void certify(const ParticleView& particles);
