@@ -1,8 +1,11 @@
 #include "material_tree.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+
+#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
@@ -11,6 +14,9 @@ namespace {
 constexpr double kCells = 1.0;
 /// Round-off of material coordinates, as a fraction of a bucket.
 constexpr double kRounding = 1e-9;
+/// Pairs of nodes into which a search is divided, at least.
+constexpr std::size_t kLeastParts = 64;
+constexpr std::int32_t kNodeGrain = 1024;
 
 struct MaterialBox {
   Vec2 low = Vec2::Constant(1e300);
@@ -224,13 +230,15 @@ void MaterialTree::refit(const std::vector<QuickBox>& boxes,
   for (std::size_t k = 0; k < levels_.size(); ++k) {
     std::fill(levels_[k].squares.begin(), levels_[k].squares.end(), Proof::kUnknown);
     const auto nodes = static_cast<std::int32_t>(levels_[k].boxes.size());
-    for (std::int32_t node = 0; node < nodes; ++node) {
-      if (k == 0) {
-        refitBucket(node, boxes, gradients);
-      } else {
-        refitNode(static_cast<int>(k), node);
+    parallelFor(nodes, kNodeGrain, [&](std::int32_t first, std::int32_t last) {
+      for (std::int32_t node = first; node < last; ++node) {
+        if (k == 0) {
+          refitBucket(node, boxes, gradients);
+        } else {
+          refitNode(static_cast<int>(k), node);
+        }
       }
-    }
+    });
   }
 }
 
@@ -373,7 +381,10 @@ bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
 
 /// Tells whether the square of 2 x 2 nodes from (i, j) on, as far as there are nodes, is proven.
 bool MaterialTree::isSquareProven(const Level& level, int i, int j) const {
-  Proof& proof = level.squares[level.node(i, j)];
+  // Threads may find the same answer at once.
+  Proof& known = level.squares[level.node(i, j)];
+  Proof proof = Proof::kUnknown;
+  __atomic_load(&known, &proof, __ATOMIC_RELAXED);
   if (proof == Proof::kUnknown) {
     const Place from{0, i, j};
     const Place to{0, std::min(i + 1, level.columns - 1), std::min(j + 1, level.rows - 1)};
@@ -381,6 +392,7 @@ bool MaterialTree::isSquareProven(const Level& level, int i, int j) const {
       return level.balls[level.node(column, row)];
     });
     proof = holds ? Proof::kYes : Proof::kNo;
+    __atomic_store(&known, &proof, __ATOMIC_RELAXED);
   }
   return proof == Proof::kYes;
 }
@@ -394,36 +406,65 @@ bool MaterialTree::wasSmooth(const Place& a, const Place& b) const {
   });
 }
 
-void MaterialTree::collectOwn(const NearPairs& near) const {
+/// Threads take pairs of large nodes; what they find is put together in the order of these.
+void MaterialTree::collectOwn(const NearPairs& near) {
   if (levels_.empty()) return;
   const Place root{static_cast<int>(levels_.size()) - 1, 0, 0};
-  collectPair(root, root, areAllChanged_, near);
+  parts_.assign(1, {root, root, areAllChanged_});
+  while (!parts_.empty() && parts_.size() < kLeastParts && parts_.front().a.level > 0) {
+    whole_.swap(parts_);
+    parts_.clear();
+    for (const NodePair& pair : whole_) {
+      forOpenChildren(pair, [&](const NodePair& child) { parts_.push_back(child); });
+    }
+  }
+  found_.resize(std::max(found_.size(), parts_.size()));
+  std::atomic<std::size_t> all{near.pairs.size()};
+  parallelForEach(parts_.size(), [&](std::size_t k) {
+    found_[k].clear();
+    collectPair(parts_[k], {near.boxes, found_[k], near.enough, &all});
+    all += found_[k].size();
+  });
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    near.pairs.insert(near.pairs.end(), found_[k].begin(), found_[k].end());
+  }
 }
 
-/// Adds the pairs of faces under two nodes of a level with boxes that meet.
-/// \param isNew  whether no pair under them has been looked at before.
-void MaterialTree::collectPair(const Place& a, const Place& b, bool isNew,
-                               const NearPairs& near) const {
-  if (near.areEnough() || (!isNew && !isChanged(a, b)) || isSmooth(a, b)) return;
-  isNew = isNew || wasSmooth(a, b);
-  const bool isSame = a.i == b.i && a.j == b.j;
-  if (a.level == 0) {
-    const int first = levels_.front().node(a.i, a.j);
-    const int second = levels_.front().node(b.i, b.j);
-    for (const FaceId* f = begin(first); f != end(first); ++f) {
-      for (const FaceId* g = isSame ? f + 1 : begin(second); g != end(second); ++g) {
-        near.add(*f, *g);
-      }
-    }
-    return;
-  }
+/// Calls `visit(pair)` for the pairs of children of a pair of nodes with boxes that meet, unless
+/// nothing is to be found under the pair.
+template <typename Visit>
+void MaterialTree::forOpenChildren(const NodePair& pair, const Visit& visit) const {
+  if (!isOpen(pair)) return;
+  const bool isNew = pair.isNew || wasSmooth(pair.a, pair.b);
+  const bool isSame = pair.isOneNode();
   std::array<Place, 4> partsA, partsB;
-  const int countA = children(a, partsA);
-  const int countB = children(b, partsB);
+  const int countA = children(pair.a, partsA);
+  const int countB = children(pair.b, partsB);
   for (int k = 0; k < countA; ++k) {
     const QuickBox& box = boxAt(partsA[k]);
     for (int m = isSame ? k : 0; m < countB; ++m) {
-      if (box.meets(boxAt(partsB[m]))) collectPair(partsA[k], partsB[m], isNew, near);
+      if (box.meets(boxAt(partsB[m]))) visit(NodePair{partsA[k], partsB[m], isNew});
+    }
+  }
+}
+
+/// Tells whether a pair of nodes may hold pairs of faces that touch and have not been looked at.
+bool MaterialTree::isOpen(const NodePair& pair) const {
+  return (pair.isNew || isChanged(pair.a, pair.b)) && !isSmooth(pair.a, pair.b);
+}
+
+/// Adds the pairs of faces under a pair of nodes with boxes that meet.
+void MaterialTree::collectPair(const NodePair& pair, const NearPairs& near) const {
+  if (near.areEnough()) return;
+  if (pair.a.level > 0) {
+    return forOpenChildren(pair, [&](const NodePair& child) { collectPair(child, near); });
+  }
+  if (!isOpen(pair)) return;
+  const int first = levels_.front().node(pair.a.i, pair.a.j);
+  const int second = levels_.front().node(pair.b.i, pair.b.j);
+  for (const FaceId* f = begin(first); f != end(first); ++f) {
+    for (const FaceId* g = pair.isOneNode() ? f + 1 : begin(second); g != end(second); ++g) {
+      near.add(*f, *g);
     }
   }
 }

@@ -2,6 +2,7 @@
 /// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it
 /// that nothing rules out from touching.
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -102,8 +103,13 @@ struct NearPairs {
   const std::vector<QuickBox>& boxes;  ///< by face of the model
   std::vector<FaceIds>& pairs;
   std::size_t enough = kAll;  ///< the search ends when there are more
+  /// Pairs that other parts of the search have found; null if there are none.
+  const std::atomic<std::size_t>* others = nullptr;
 
-  bool areEnough() const { return pairs.size() > enough; }
+  bool areEnough() const {
+    const std::size_t found = others == nullptr ? 0 : others->load(std::memory_order_relaxed);
+    return pairs.size() + found > enough;
+  }
   /// Adds a pair if its boxes meet.
   void add(FaceId a, FaceId b) const {
     if (boxes[a].meets(boxes[b])) pairs.push_back(a < b ? FaceIds{a, b} : FaceIds{b, a});
@@ -131,7 +137,7 @@ class MaterialTree {
   /// touch themselves; the smaller face first, in an order that depends on positions only. After a
   /// refit of some faces: only pairs that the changes may have brought in, among them some that are
   /// known already.
-  void collectOwn(const NearPairs& near) const;
+  void collectOwn(const NearPairs& near);
   /// The same for the faces of two cloths.
   static void collectBetween(const MaterialTree& a, const MaterialTree& b, const NearPairs& near);
 
@@ -158,6 +164,14 @@ class MaterialTree {
     int j = 0;
   };
 
+  /// Two nodes of a level, or one with itself.
+  struct NodePair {
+    Place a;
+    Place b;
+    bool isNew = false;  ///< no pair of faces under them has been looked at before
+    bool isOneNode() const { return a.i == b.i && a.j == b.j; }
+  };
+
   void placeFaces(const Model& model);
   void findContributions(const Model& model);
   void blockOpenBorders(const Model& model);
@@ -175,7 +189,10 @@ class MaterialTree {
   bool wasSmooth(const Place& a, const Place& b) const;
   template <typename Ball>
   static bool isProven(const Place& a, const Place& b, const Ball& ballAt);
-  void collectPair(const Place& a, const Place& b, bool isNew, const NearPairs& near) const;
+  bool isOpen(const NodePair& pair) const;
+  template <typename Visit>
+  void forOpenChildren(const NodePair& pair, const Visit& visit) const;
+  void collectPair(const NodePair& pair, const NearPairs& near) const;
   static void collectPairBetween(const MaterialTree& treeA, const Place& a,
                                  const MaterialTree& treeB, const Place& b, const NearPairs& near);
   int children(const Place& of, std::array<Place, 4>& out) const;
@@ -189,11 +206,14 @@ class MaterialTree {
   std::vector<Level> levels_;
   std::vector<std::int32_t> ownedStart_, gradientStart_;  ///< by bucket
   std::vector<std::int32_t> reachStart_;                  ///< by face of the model
-  std::vector<std::int32_t> reach_;  ///< buckets by the faces that own or overlap them
-  std::vector<FaceId> owned_;        ///< faces by the bucket that their centre lies in
-  std::vector<FaceId> gradients_;    ///< faces by the buckets that they overlap
-  std::vector<bool> isBlocked_;      ///< by bucket: the surface is not continuous in it
-  bool areAllChanged_ = false;       ///< the last refit was one of all nodes
+  std::vector<std::int32_t> reach_;          ///< buckets by the faces that own or overlap them
+  std::vector<FaceId> owned_;                ///< faces by the bucket that their centre lies in
+  std::vector<FaceId> gradients_;            ///< faces by the buckets that they overlap
+  std::vector<bool> isBlocked_;              ///< by bucket: the surface is not continuous in it
+  bool areAllChanged_ = false;               ///< the last refit was one of all nodes
+  std::vector<NodePair> parts_;              ///< scratch: pairs of nodes that threads take
+  std::vector<NodePair> whole_;              ///< scratch: the pairs of nodes above these
+  std::vector<std::vector<FaceIds>> found_;  ///< scratch: by part
 };
 
 }  // namespace cloth_sim
