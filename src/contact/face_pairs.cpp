@@ -67,7 +67,7 @@ void keepBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) 
 }
 
 /// Tells whether a vertex may leave its way by some distance [m]: first those that nobody holds,
-/// then held ones as well, by no more than they move, so that they need not stop.
+/// then held ones as well, each time by no more than they move, so that they need not stop.
 bool maySlide(VertexId v, double distance, const Truncation& now) {
   const SubstepMotion& motion = now.motion;
   if (motion.mass[v] > 0.0) return true;

@@ -149,6 +149,7 @@ class Clamp {
 
   /// Moves pose and gap by one step of `dt` [s], and grasps the particles that the plates meet.
   /// \param state  before the step.
+  /// \param how    held particles are brought between the plates.
   void advance(const Model& model, const State& state, double dt, Squeeze how = Squeeze::kEach);
 
   /// Stops the clamp, and takes back of its motion in the last step what its held particles could
