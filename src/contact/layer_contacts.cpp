@@ -179,40 +179,27 @@ void LayerContacts::project(const SubstepMotion& motion, double h) {
   for (const VertexId v : motion.vertices) {
     inverseMass_[v] = motion.mass[v] > 0.0 ? 1.0 / motion.mass[v] : 0.0;
   }
-  findTouching(motion);
+  findTouching(motion.end);
   for (const std::uint32_t k : touching_) projectFreely(k, motion, h);
   for (auto k = touching_.rbegin(); k != touching_.rend(); ++k) {
     if (projectFreely(*k, motion, h)) ++active_;
   }
 }
 
-/// Tells whether a contact is too near at the end of the substep, or nearly so, or would be if it
-/// came nearer by as much as it moves: what pushes one of its sides may come from another layer.
-bool LayerContacts::mayTouch(const Contact& contact, const SubstepMotion& motion) {
-  constexpr double kSlack = 1.003;  // of the distance to keep, because sweeps move the neighbours
-  constexpr double kFar = 1.1;      // from here on it does not matter
-  const auto gapOf = [&](const std::vector<Vec3>& x) {
-    Vec3 apart = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) apart += contact.weight[k] * x[contact.v[k]];
-    return contact.normal.dot(apart);
-  };
-  const double gap = gapOf(motion.end);
-  const double near = kSlack * contact.distance;
-  if (gap < near) return true;
-  if (gap > kFar * contact.distance) return false;
-  return gap < near + std::abs(gapOf(motion.start) - gap);
-}
-
 /// Lists the contacts that are too near at the end of the substep, or nearly so: sweeps over the
 /// others would do nothing.
-void LayerContacts::findTouching(const SubstepMotion& motion) {
+void LayerContacts::findTouching(const std::vector<Vec3>& x) {
+  constexpr double kSlack = 1.003;  // of the distance to keep, because sweeps move their neighbours
   constexpr std::int32_t kGrain = 4096;
   isTouching_.resize(contacts_.size());
   parallelFor(static_cast<std::int32_t>(contacts_.size()), kGrain,
               [&](std::int32_t first, std::int32_t last) {
                 for (auto k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(last);
                      ++k) {
-                  isTouching_[k] = mayTouch(contacts_[k], motion) ? 1 : 0;
+                  const Contact& contact = contacts_[k];
+                  Vec3 apart = Vec3::Zero();
+                  for (int i = 0; i < 4; ++i) apart += contact.weight[i] * x[contact.v[i]];
+                  isTouching_[k] = contact.normal.dot(apart) < kSlack * contact.distance ? 1 : 0;
                 }
               });
   touching_.clear();

@@ -69,8 +69,7 @@ class LayerContacts {
   Contact contactAt(const ClosestPoints& closest, const std::vector<Vec3>& x) const;
   void sortByVertex(const std::vector<Vec3>& x);
   const ClosestPoints& pointsAt(std::size_t at) const { return candidates_.found()[order_[at]]; }
-  static bool mayTouch(const Contact& contact, const SubstepMotion& motion);
-  void findTouching(const SubstepMotion& motion);
+  void findTouching(const std::vector<Vec3>& x);
   bool isListed(std::size_t first, std::size_t at) const;
   bool isClosestFace(std::size_t first, std::size_t last, std::size_t at) const;
   bool projectFreely(std::size_t k, const SubstepMotion& motion, double h);
