@@ -91,7 +91,6 @@ void Clamp::take(VertexId vertex, const Vec3& local) {
 
 /// Moves held particles from beyond a plate towards it, no faster than a plate closes.
 void Clamp::squeeze(Squeeze how, double dt) {
-  if (!spec_.patch) how = Squeeze::kEach;  // a bulge must not press layers between the plates
   const double travel = 0.5 * spec_.closingSpeed * dt;
   const auto squeezed = [&](double height) {
     return std::min(height, std::max(0.5 * gap_, height - travel));

@@ -76,10 +76,11 @@ void Holders::takeBack() {
 
 void Holders::advance(const Model& model, const State& state, double dt,
                       const LayerContact* layers) {
-  const Squeeze squeeze = layers == nullptr ? Squeeze::kEach : Squeeze::kTogether;
   for (Clamp& clamp : clamps_) {
     clamp.clearWrench();
-    clamp.advance(model, state, dt, squeeze);
+    // A patch may be folded. Of what is between plates, one bulge would press all layers together.
+    const bool keepsOrder = layers != nullptr && clamp.spec().patch.has_value();
+    clamp.advance(model, state, dt, keepsOrder ? Squeeze::kTogether : Squeeze::kEach);
   }
   drag_.advance(state, dt);
 }

@@ -317,7 +317,7 @@ phases:
   }
 }
 
-/// The hand closes over folds whose sides lie beyond a plate. They kept the clamp back for good
+/// Clamps close over folds whose sides lie beyond a plate. These kept a clamp back for good
 /// where all came to lie in the plane of that plate.
 TEST(Layers, AClampThatHasClosedOverASharpFoldLiftsIt) {
   Simulation simulation(

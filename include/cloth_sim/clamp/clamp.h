@@ -72,8 +72,8 @@ struct Wrench {
 /// Motion of held particles that are beyond a plate, while it closes.
 enum class Squeeze {
   kEach,     ///< each comes to lie in the plane of the plate
-  kTogether  ///< those of a patch, which may be folded, all move towards the middle by one factor,
-             ///< so that layers that touch each other keep their order
+  kTogether  ///< all held particles move towards the middle by one factor, so that layers that
+             ///< touch each other keep their order
 };
 
 enum class ClampState { kOpen, kClosing, kClosed };
