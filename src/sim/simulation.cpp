@@ -49,6 +49,7 @@ void Simulation::step() {
   if (isAsleep()) return sleepThrough();
   const ThreadPool::ParallelRegion region(pool_);
   const int brokenBefore = broken().total;
+  parts_.sleep.beginStep(state());
   parts_.holders.remember();
   parts_.holders.advance(model(), state(), parts_.dt(), parts_.layers.get());
   parts_.obstacles.steer(time(), parts_.dt());
@@ -99,8 +100,8 @@ void Simulation::tear(double dt) {
 /// Falls asleep if the cloth has been at rest for long enough.
 /// \param brokenBefore  number of springs that had failed before the step.
 void Simulation::watchRest(int brokenBefore) {
-  const bool rests =
-      parts_.sleep.isSlow(state()) && parts_.isStill() && broken().total == brokenBefore;
+  const bool rests = parts_.sleep.isSlow(state(), parts_.dt()) && parts_.isStill() &&
+                     broken().total == brokenBefore;
   if (!parts_.sleep.endStep(rests, parts_.dt())) return;
   for (Vec3& v : parts_.state.v) v.setZero();
   parts_.measurements.fellAsleep();

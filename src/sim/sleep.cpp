@@ -10,11 +10,16 @@ constexpr double kTimeTolerance = 1e-9;
 
 }  // namespace
 
-bool Sleep::isSlow(const State& state) const {
-  if (!settings_) return false;
-  const double limit = settings_->speed * settings_->speed;
-  return std::all_of(state.v.begin(), state.v.end(),
-                     [limit](const Vec3& v) { return v.squaredNorm() < limit; });
+void Sleep::beginStep(const State& state) {
+  if (settings_) before_ = state.x.values();
+}
+
+bool Sleep::isSlow(const State& state, double dt) const {
+  if (!settings_ || before_.size() != state.x.values().size()) return false;
+  const double way = settings_->speed * dt;
+  return std::equal(
+      before_.begin(), before_.end(), state.x.values().begin(),
+      [way](const Vec3& from, const Vec3& to) { return (to - from).squaredNorm() < way * way; });
 }
 
 bool Sleep::endStep(bool rests, double dt) {

@@ -406,6 +406,28 @@ TEST(Layers, AKnotThatIsPulledTightComesToRest) {
   verify_support::record("largest_strain", largest);
 }
 
+/// Edges that lie over lower ones go up and down from substep to substep with the rhythm of
+/// bending, here at 5 mm/s; from step to step nothing moves.
+TEST(Layers, CrossedClothsFallAsleep) {
+  std::vector<std::string> small;
+  for (int k = 0; k < 4; ++k) {
+    const std::string cloth = "cloth." + std::to_string(k);
+    small.push_back(cloth + ".size=[0.1, 0.1]");
+    small.push_back(cloth + ".particles=[17, 17]");
+  }
+  Simulation simulation(loadScene(CLOTH_SIM_SOURCE_DIR "/config/scenes/stack.yaml", small));
+  double fastest = 0.0;
+  while (simulation.time() < 3.0 && !simulation.isAsleep()) {
+    fastest = fastestOf(simulation);
+    simulation.step();
+    ASSERT_FALSE(simulation.failed()) << simulation.failure();
+  }
+  EXPECT_TRUE(simulation.isAsleep());
+  EXPECT_GT(fastest, 0.001) << "velocities at the end of a substep alone would do";
+  EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
+  verify_support::record("at_rest_after", simulation.time());
+}
+
 /// A strip of the towel of fold_towel.yaml with its particles at 128 x 96: trials of longer
 /// substeps made the fold jolt again and again.
 TEST(Layers, AFoldComesToRest) {

@@ -2,6 +2,7 @@
 /// \file Sleep: a cloth that has come to rest need not be computed.
 
 #include <optional>
+#include <vector>
 
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/scene/scene.h"
@@ -20,8 +21,12 @@ class Sleep {
   /// Simulated time slept through since the start or the last reset [s].
   double timeAsleep() const { return timeAsleep_; }
 
-  /// Tells whether every particle is slower than the settings' speed; false if it never sleeps.
-  bool isSlow(const State& state) const;
+  /// Remembers where particles are before a step.
+  void beginStep(const State& state);
+  /// Tells whether every particle has moved less in the step of `dt` [s] than at the settings'
+  /// speed; false if it never sleeps, or if the step has changed the number of particles. What goes
+  /// to and fro within a step, as from one substep with bending to the next, does not count.
+  bool isSlow(const State& state, double dt) const;
 
   /// Counts a step of `dt` [s] towards the rest.
   /// \param rests  whether nothing moved and nothing changed during the step.
@@ -39,6 +44,7 @@ class Sleep {
 
  private:
   std::optional<SleepSettings> settings_;
+  std::vector<Vec3> before_;  ///< positions before the step, by vertex [m]
   bool asleep_ = false;
   double atRest_ = 0.0;      ///< how long it has been at rest [s]
   double timeAsleep_ = 0.0;  ///< [s]
