@@ -16,10 +16,10 @@ void Sleep::beginStep(const State& state) {
 
 bool Sleep::isSlow(const State& state, double dt) const {
   if (!settings_ || before_.size() != state.x.values().size()) return false;
-  const double way = settings_->speed * dt;
+  const double most = settings_->speed * dt;
   return std::equal(
       before_.begin(), before_.end(), state.x.values().begin(),
-      [way](const Vec3& from, const Vec3& to) { return (to - from).squaredNorm() < way * way; });
+      [most](const Vec3& from, const Vec3& to) { return (to - from).squaredNorm() < most * most; });
 }
 
 bool Sleep::endStep(bool rests, double dt) {

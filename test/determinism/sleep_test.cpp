@@ -123,10 +123,7 @@ TEST(Sleep, ComesAfterRestOfTheWholeTime) {
     const std::vector<Vec3> before = simulation.state().x.values();
     simulation.step();
     if (simulation.isAsleep()) break;
-    double farthest = 0.0;
-    for (std::size_t v = 0; v < before.size(); ++v) {
-      farthest = std::max(farthest, (simulation.state().x.values()[v] - before[v]).norm());
-    }
+    const double farthest = testing_support::farthestMove(before, simulation.state());
     slow = farthest < 1e-3 * kDt ? slow + 1 : 0;
     ASSERT_LT(slow, 50) << "at t = " << simulation.time();
   }

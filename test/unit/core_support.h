@@ -72,6 +72,16 @@ inline State shakenState(const Model& model, double shake, double speed, std::ui
   return state;
 }
 
+/// Returns the largest distance of the particles from where they were [m]. \param from  positions,
+/// by vertex [m]; those that are new since do not count.
+inline double farthestMove(const std::vector<Vec3>& from, const State& to) {
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    farthest = std::max(farthest, (to.x.values()[k] - from[k]).norm());
+  }
+  return farthest;
+}
+
 /// Makes a method with a number of substeps and otherwise default parameters.
 inline std::unique_ptr<Solver> makeSolver(const SolverInfo& info, const Model& model,
                                           int substeps = 1) {

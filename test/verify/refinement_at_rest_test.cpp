@@ -71,14 +71,6 @@ struct Disturbance {
   double strainAfter = 0.0;      ///< largest [-]
 };
 
-double farthestMove(const std::vector<Vec3>& from, const State& to) {
-  double farthest = 0.0;
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    farthest = std::max(farthest, (to.x.values()[k] - from[k]).norm());
-  }
-  return farthest;
-}
-
 /// Refines a cloth that hangs at rest, and waits.
 /// \param settling  how long it hangs before [s].
 Disturbance disturb(const HangingRun& run, bool fromEdge, double settling) {

@@ -75,7 +75,7 @@ struct AutoChoice {
 
 /// The conditions under which a cloth counts as at rest and its steps are skipped.
 struct SleepSettings {
-  double speed = 1e-3;  ///< bound on the way of every particle in a step, over dt [m/s], > 0
+  double speed = 1e-3;  ///< bound on the displacement of a particle in a step, over dt [m/s], > 0
   double after = 0.5;   ///< time for which the bound has to hold [s], > 0
 };
 
