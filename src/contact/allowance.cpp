@@ -176,6 +176,13 @@ void Allowance::follow(const ParticleView& particles) {
   edges_.allow(balls_);
 }
 
+bool Allowance::isFollowing(const ParticleView& particles) const {
+  for (std::size_t v = 0; v < slots_.size(); ++v) {
+    if (particles.slot(static_cast<VertexId>(v)) != slots_[v]) return false;
+  }
+  return hasSlots_;
+}
+
 /// Sizes the arrays of slots. Whatever is in slots without a vertex may go anywhere.
 void Allowance::listSlots() {
   const std::int32_t last = slots_.empty() ? -1 : *std::max_element(slots_.begin(), slots_.end());

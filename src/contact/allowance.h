@@ -34,6 +34,8 @@ class Allowance {
   void renew(const std::vector<Vec3>& start, const std::vector<Vec3>& end, const Reach& reach);
   /// Says where `isKept` finds the vertices. \param particles  at any time.
   void follow(const ParticleView& particles);
+  /// Tells whether `isKept` finds the vertices in `particles`.
+  bool isFollowing(const ParticleView& particles) const;
   /// Tells whether vertices and gradients are where they may be at the end of a substep.
   bool isKept(const ParticleView& particles);
   /// After `isKept` has said no: renews it for vertices and faces that are not, if they are few and

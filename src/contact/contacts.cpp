@@ -1,5 +1,7 @@
 #include "cloth_sim/contact/contacts.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "cloth_sim/contact/collider.h"
@@ -54,27 +56,39 @@ void Contacts::splitByCloth(std::size_t cloths,
   unsplit_.clear();
 }
 
-/// Obstacles come first, so that layers meet what carries them; and again if layers touch, because
-/// they push others into obstacles.
+/// Obstacles come first, so that layers meet what carries them; and again for the vertices that
+/// layers have pushed into them.
 void Contacts::project(const ParticleView& particles, double time, double h) {
   if (layers != nullptr) layers->load(particles);
-  projectObstacles(particles, time, h);
+  for (ContactCandidates& entry : candidates) {
+    projectObstacle(entry, entry.vertices, particles, time, h);
+  }
   if (layers == nullptr) return;
   layers->project(particles, h);
   if (layers->carriesLoad()) {
-    projectObstacles(particles, time, h);
+    for (ContactCandidates& entry : candidates) {
+      projectObstacle(entry, pushedOf(entry), particles, time, h);
+    }
     layers->settle(particles, h);
   }
   layers->certify(particles);
 }
 
-void Contacts::projectObstacles(const ParticleView& particles, double time, double h) {
-  for (ContactCandidates& entry : candidates) {
-    const Collider& collider = *entry.collider;
-    collider.projectFeatures(entry.pairs, particles, time, h, entry.impulse, entry.cloth);
-    collider.project(entry.vertices, particles, time, h, entry.impulse, entry.cloth);
-    collider.certifyFeatures(entry.pairs, particles, time, h, entry.impulse);
-  }
+/// Returns the vertices of an entry that layers have pushed.
+const std::vector<VertexId>& Contacts::pushedOf(const ContactCandidates& entry) {
+  pushed_.clear();
+  std::set_intersection(entry.vertices.begin(), entry.vertices.end(), layers->pushed().begin(),
+                        layers->pushed().end(), std::back_inserter(pushed_));
+  return pushed_;
+}
+
+/// \param vertices  of the entry, or some of them, ascending.
+void Contacts::projectObstacle(ContactCandidates& entry, const std::vector<VertexId>& vertices,
+                               const ParticleView& particles, double time, double h) {
+  const Collider& collider = *entry.collider;
+  collider.projectFeatures(entry.pairs, particles, time, h, entry.impulse, entry.cloth);
+  collider.project(vertices, particles, time, h, entry.impulse, entry.cloth);
+  collider.certifyFeatures(entry.pairs, particles, time, h, entry.impulse);
 }
 
 }  // namespace cloth_sim

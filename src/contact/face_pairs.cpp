@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "threads/parallel_for.h"
 
@@ -88,8 +89,7 @@ void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now)
 void FacePairs::assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces,
                        double least) {
   least_ = least;
-  pairs_.clear();
-  placeOf_.clear();
+  clear();
   watch_.begin(faces);
   append(near, 0);
 }
@@ -98,6 +98,7 @@ void FacePairs::clear() {
   watch_.clear();
   pairs_.clear();
   placeOf_.clear();
+  indexed_ = 0;
 }
 
 void FacePairs::append(const std::vector<FaceIds>& near, std::size_t first) {
@@ -161,8 +162,7 @@ double FacePairs::slackOf(Pair& pair, const SubstepMotion& motion) {
   double apart = pair.direction.isZero() ? 0.0 : separationWithin(pair, motion);
   if (apart > kApart) return slackIn(apart);
   if (pair.shared < 2) {
-    pair.direction = pair.shared == 0 ? bestAxis(pair, motion.end) : fromVertex(pair, motion.end);
-    apart = separationWithin(pair, motion);
+    apart = pair.shared == 0 ? tryDirections(pair, motion) : tryFromVertex(pair, motion);
     if (apart > kApart) return slackIn(apart);
   }
   const SeparatingDirection before = bestDirection(pair, motion.start);
@@ -212,11 +212,11 @@ bool FacePairs::staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, Sub
   return true;
 }
 
-/// The most that the separation loses, over the travel of both faces: a vertex of each approaches
-/// the other face, or its own common corner, and the ends of a common edge tilt it.
+/// The most that the separation loses, over what PairWatch counts: the travel of two faces without
+/// a common corner, or the changes of edges of others. A common edge tilts by no more than the
+/// lesser of these, and the corners beyond it approach it by the larger one.
 double FacePairs::rateOf(const Pair& pair) {
-  if (pair.shared == 0) return 1.0;
-  return pair.shared == 1 ? 2.0 : 2.0 * (1.0 + kMostTilt);
+  return pair.shared < 2 ? 1.0 : 0.5 * (1.0 + kMostTilt);
 }
 
 /// A direction for the end of the substep, near `before`, if the pair overlaps there: the one with
@@ -259,12 +259,34 @@ Vec3 FacePairs::bestAxis(const Pair& pair, const std::vector<Vec3>& x) {
   return gapAbove >= gapBelow ? Vec3::Unit(above) : Vec3(-Vec3::Unit(below));
 }
 
-/// From the middle of one face to that of another, both seen from their common corner.
-Vec3 FacePairs::fromVertex(const Pair& pair, const std::vector<Vec3>& x) {
+/// Tries the axes, from the middle of one face to that of the other, and the normals of both, which
+/// cost less than closest points. \return as `separationWithin`.
+double FacePairs::tryDirections(Pair& pair, const SubstepMotion& motion) {
+  const std::vector<Vec3>& x = motion.end;
+  const auto middle = [&](const Face& f) -> Vec3 { return x[f[0]] + x[f[1]] + x[f[2]]; };
+  const Vec3 between = middle(pair.a) - middle(pair.b);
+  const auto normal = [&](const Face& f) -> Vec3 {
+    const Vec3 n = (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
+    return n.dot(between) < 0.0 ? Vec3(-n) : n;
+  };
+  pair.direction = bestAxis(pair, x);
+  double apart = separationWithin(pair, motion);
+  for (int k = 0; k < 3 && !(apart > kApart); ++k) {
+    pair.direction = (k == 0 ? between : normal(k == 1 ? pair.a : pair.b)).normalized();
+    apart = separationWithin(pair, motion);
+  }
+  return apart;
+}
+
+/// Tries the direction from the middle of one face to that of another, both seen from their common
+/// corner. \return as `separationWithin`.
+double FacePairs::tryFromVertex(Pair& pair, const SubstepMotion& motion) {
+  const std::vector<Vec3>& x = motion.end;
   const Vec3& at = x[pair.a[2]];
   const Vec3 a = x[pair.a[0]] + x[pair.a[1]] - 2.0 * at;
   const Vec3 b = x[pair.b[0]] + x[pair.b[1]] - 2.0 * at;
-  return (a.normalized() - b.normalized()).normalized();
+  pair.direction = (a.normalized() - b.normalized()).normalized();
+  return separationWithin(pair, motion);
 }
 
 /// The distance of a pair along its direction at the end of the substep [m]; 0 if it is not apart
@@ -380,40 +402,47 @@ void FacePairs::shortenApart(const Pair& pair, const Truncation& now) const {
   for (const VertexId v : pair.b) keepBeyond(v, -n, keep - plane, now);
 }
 
-/// Marks the faces with corners whose motion the last pass has changed.
-void FacePairs::markMovedFaces(const Truncation& last) {
-  constexpr std::int32_t kGrain = 4096;
-  isMoved_.resize(watch_.faces().size());
-  const auto isMoved = [&](VertexId v) { return last.truncated[v] == last.pass; };
-  parallelFor(static_cast<std::int32_t>(watch_.paired().size()), kGrain,
-              [&](std::int32_t first, std::int32_t end) {
-                for (std::int32_t k = first; k < end; ++k) {
-                  const FaceId f = watch_.paired()[k];
-                  const Face& face = watch_.faces()[f];
-                  isMoved_[f] = isMoved(face[0]) || isMoved(face[1]) || isMoved(face[2]) ? 1 : 0;
-                }
-              });
+/// Lists the pairs of each face.
+void FacePairs::indexPairs() {
+  indexed_ = watch_.count();
+  pairsStart_.assign(watch_.faces().size() + 1, 0);
+  const auto facesOf = [this](std::size_t k) {
+    return std::array<FaceId, 2>{watch_.ids(k).first, watch_.ids(k).second};
+  };
+  for (std::size_t k = 0; k < indexed_; ++k) {
+    for (const FaceId f : facesOf(k)) ++pairsStart_[f];
+  }
+  std::partial_sum(pairsStart_.begin(), pairsStart_.end(), pairsStart_.begin());
+  pairsOf_.resize(2 * indexed_);
+  for (std::size_t k = indexed_; k-- > 0;) {
+    for (const FaceId f : facesOf(k)) pairsOf_[--pairsStart_[f]] = static_cast<std::uint32_t>(k);
+  }
 }
 
 /// Lists the pairs that have to be looked at again after a pass that changed motion: those that
 /// failed, or that have a vertex that was moved; unless their own motion was scaled.
 void FacePairs::listAgain(const Truncation& last) {
-  constexpr std::int32_t kGrain = 4096;
-  markMovedFaces(last);
-  isListed_.resize(watch_.count());
-  parallelFor(static_cast<std::int32_t>(watch_.count()), kGrain,
-              [&](std::int32_t first, std::int32_t end) {
-                for (std::int32_t k = first; k < end; ++k) {
-                  const FaceIds& ids = watch_.ids(static_cast<std::size_t>(k));
-                  isListed_[k] = isMoved_[ids.first] | isMoved_[ids.second];
-                }
-              });
-  for (const std::uint32_t k : failing_) isListed_[k] = 1;
+  if (indexed_ != watch_.count()) indexPairs();
+  isListed_.resize(watch_.count(), 0);
   listed_.clear();
-  for (std::size_t k = 0; k < isListed_.size(); ++k) {
-    if (isListed_[k] == 0 || (placeOf_[k] != kNone && pairs_[placeOf_[k]].isFixed)) continue;
-    listed_.push_back(static_cast<std::uint32_t>(k));
+  const auto list = [this](std::uint32_t k) {
+    if (isListed_[k] != 0) return;
+    isListed_[k] = 1;
+    listed_.push_back(k);
+  };
+  const auto isMoved = [&](VertexId v) { return last.truncated[v] == last.pass; };
+  for (const FaceId f : watch_.paired()) {
+    const Face& face = watch_.faces()[f];
+    if (!isMoved(face[0]) && !isMoved(face[1]) && !isMoved(face[2])) continue;
+    for (auto at = pairsStart_[f]; at < pairsStart_[f + 1]; ++at) list(pairsOf_[at]);
   }
+  for (const std::uint32_t k : failing_) list(k);
+  for (const std::uint32_t k : listed_) isListed_[k] = 0;
+  const auto isFixed = [this](std::uint32_t k) {
+    return placeOf_[k] != kNone && pairs_[placeOf_[k]].isFixed;
+  };
+  listed_.erase(std::remove_if(listed_.begin(), listed_.end(), isFixed), listed_.end());
+  std::sort(listed_.begin(), listed_.end());
 }
 
 /// Looks at the pairs that are listed, and lists those that do not stay apart in the substep.

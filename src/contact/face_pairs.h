@@ -58,11 +58,12 @@ class FacePairs {
   Pair& pairAt(std::size_t k);
   static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
   static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
-  static Vec3 fromVertex(const Pair& pair, const std::vector<Vec3>& x);
+  static double tryDirections(Pair& pair, const SubstepMotion& motion);
+  static double tryFromVertex(Pair& pair, const SubstepMotion& motion);
   static double separationWithin(const Pair& pair, const SubstepMotion& motion);
   static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
   void listAgain(const Truncation& last);
-  void markMovedFaces(const Truncation& last);
+  void indexPairs();
   void findFailing(const SubstepMotion& motion);
   static double slackOf(Pair& pair, const SubstepMotion& motion);
   static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
@@ -78,8 +79,10 @@ class FacePairs {
   std::vector<std::int32_t> placeOf_;   ///< in `pairs_`, by pair; kNone for most
   std::vector<Pair> pairs_;             ///< that were looked at
   std::vector<std::uint32_t> listed_;   ///< scratch: pairs to look at, ascending
-  std::vector<std::uint8_t> isListed_;  ///< scratch: by pair
-  std::vector<std::uint8_t> isMoved_;   ///< scratch: by face
+  std::vector<std::uint8_t> isListed_;  ///< scratch: by pair, 0 between uses
+  /// Numbers of pairs by their faces, ascending; of the first `indexed_` pairs.
+  std::vector<std::uint32_t> pairsStart_, pairsOf_;
+  std::size_t indexed_ = 0;
   std::vector<double> slack_;           ///< scratch: see `slackOf`, in the order of `listed_` [m]
   std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven, ascending
   double least_ = 0.0;                  ///< see `assign` [m]

@@ -20,8 +20,8 @@ constexpr double kFastest = 500.0;
 constexpr Reach kFar{16.0, 1.5e-3, 8e-3, 0.35};
 /// Reach of searches where it is not: boxes that meet cost more than another search.
 constexpr Reach kNear{4.0, 4e-4, 5e-3, 0.2};
-/// Reach of the first search after a failure in the middle of a step: the next one is often near.
-constexpr Reach kBrief{1.5, 1e-4, 5e-3, 0.1};
+/// Reach of the first search after an edit in the middle of a step: the next one is often near.
+constexpr Reach kBrief{2.5, 2e-4, 5e-3, 0.15};
 /// Reach of searches for what touches where it is.
 constexpr Reach kNowhere{0.0, 0.0, 0.0, 0.0};
 /// Share of the number of faces that there are pairs of where cloth is near itself.
@@ -53,15 +53,19 @@ class LayerContact::Impl {
   LayerReport wholeReport() const;
   std::vector<LayerContactPoint> contactPoints() const;
 
-  LayerReport report;  ///< but for leastDistance
+  LayerReport report;            ///< but for leastDistance
+  std::vector<VertexId> pushed;  ///< by the last `project` that found contacts, ascending
 
  private:
   /// \param isAsked  by face: 1 if pairs with it matter.
   LayerOverlap overlapOf(const std::vector<Vec3>& x, const std::vector<std::uint8_t>& isAsked);
+  bool goesOn(const ParticleView& particles) const;
+  void forgetPairs();
   void loadSupported(const ParticleView& particles);
   void loadAll(const ParticleView& particles);
   void loadPairs(const ParticleView& particles);
   void store(const ParticleView& particles) const;
+  void storePushed(const ParticleView& particles);
   double farthestMotion();
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
@@ -87,6 +91,7 @@ class LayerContact::Impl {
   LayerContacts contacts_;
   double most_ = 0.0;               ///< most motion in a substep [m]
   bool isFresh_ = false;            ///< pairs are those of this step
+  bool mayGoOn_ = false;            ///< pairs are those of an earlier part of this step
   bool isBrief_ = false;            ///< the next search is that of the rest of a step
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
@@ -157,6 +162,12 @@ LayerOverlap LayerContact::Impl::overlapOf(const std::vector<Vec3>& x,
 void LayerContact::Impl::beginStep(bool isRest) {
   report = LayerReport();
   isBrief_ = isRest;
+  mayGoOn_ = isRest && isFresh_;
+  if (!mayGoOn_) forgetPairs();
+}
+
+/// Forgets what the last search allowed.
+void LayerContact::Impl::forgetPairs() {
   isFresh_ = false;
   vertices_ = all_;
   pairs_.clear();
@@ -164,6 +175,7 @@ void LayerContact::Impl::beginStep(bool isRest) {
 }
 
 void LayerContact::Impl::load(const ParticleView& particles) {
+  if (std::exchange(mayGoOn_, false) && !goesOn(particles)) forgetPairs();
   for (const VertexId v : vertices_) {
     const std::int32_t k = particles.slot(v);
     start_[v] = particles.startAt(k);
@@ -171,6 +183,13 @@ void LayerContact::Impl::load(const ParticleView& particles) {
     mass_[v] = particles.mass[k];
     supported_[v] = mass_[v] == 0.0 ? 1 : 0;
   }
+}
+
+/// Tells whether a substep begins where the last one ended.
+bool LayerContact::Impl::goesOn(const ParticleView& particles) const {
+  return allowance_.isFollowing(particles) &&
+         std::all_of(vertices_.begin(), vertices_.end(),
+                     [&](VertexId v) { return particles.startAt(particles.slot(v)) == end_[v]; });
 }
 
 /// Loads the ends of a substep, and marks vertices that were moved since they were stored.
@@ -201,6 +220,19 @@ void LayerContact::Impl::loadPairs(const ParticleView& particles) {
 void LayerContact::Impl::store(const ParticleView& particles) const {
   for (const VertexId v : vertices_) {
     const std::int32_t k = particles.slot(v);
+    particles.x[k] = end_[v].x();
+    particles.y[k] = end_[v].y();
+    particles.z[k] = end_[v].z();
+  }
+}
+
+/// Stores the vertices that contacts have pushed, and lists them.
+void LayerContact::Impl::storePushed(const ParticleView& particles) {
+  pushed.clear();
+  for (const VertexId v : vertices_) {
+    const std::int32_t k = particles.slot(v);
+    if (particles.at(k) == end_[v]) continue;
+    pushed.push_back(v);
     particles.x[k] = end_[v].x();
     particles.y[k] = end_[v].y();
     particles.z[k] = end_[v].z();
@@ -348,7 +380,7 @@ void LayerContact::Impl::project(const ParticleView& particles, double h) {
   if (pairs_.count() == 0) return;
   contacts_.project(motion(), h);
   report.contacts = contacts_.active();
-  if (report.contacts > 0) store(particles);
+  storePushed(particles);
 }
 
 void LayerContact::Impl::settle(const ParticleView& particles, double h) {
@@ -453,6 +485,8 @@ bool LayerContact::isBlocked(VertexId v) const {
 }
 
 bool LayerContact::carriesLoad() const { return impl_->report.contacts > 0; }
+
+const std::vector<VertexId>& LayerContact::pushed() const { return impl_->pushed; }
 
 std::vector<LayerContactPoint> LayerContact::contactPoints() const {
   return impl_->contactPoints();

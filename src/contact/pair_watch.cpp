@@ -25,6 +25,11 @@ AxisGap widest(const QuickBox::Corner& gap) {
   return {axis, gap[axis]};
 }
 
+bool haveCommonCorner(const Face& a, const Face& b) {
+  return std::any_of(a.begin(), a.end(),
+                     [&](VertexId v) { return v == b[0] || v == b[1] || v == b[2]; });
+}
+
 }  // namespace
 
 Vec3 meanMotion(const SubstepMotion& motion) {
@@ -36,21 +41,22 @@ Vec3 meanMotion(const SubstepMotion& motion) {
 void PairWatch::begin(const std::vector<Face>& faces) {
   clear();
   faces_ = faces;
-  travel_.assign(faces_.size(), 0.0);
+  motions_.assign(faces_.size(), {});
   isPaired_.assign(faces_.size(), 0);
 }
 
 void PairWatch::clear() {
   for (const FaceId f : paired_) {
     isPaired_[f] = 0;
-    travel_[f] = 0.0;
+    motions_[f] = {};
   }
   paired_.clear();
   ids_.clear();
+  areJoined_.clear();
   due_.clear();
   blockDue_.clear();
   known_ = 0;
-  most_ = 0.0;
+  most_ = {};
 }
 
 void PairWatch::append(const std::vector<FaceIds>& near, std::size_t first) {
@@ -61,26 +67,49 @@ void PairWatch::append(const std::vector<FaceIds>& near, std::size_t first) {
       if (isPaired_[f] == 0) paired_.push_back(f);
       isPaired_[f] = 1;
     }
+    areJoined_.push_back(haveCommonCorner(faces_[near[k].first], faces_[near[k].second]) ? 1 : 0);
   }
   due_.resize(ids_.size(), 0.0);
   isDue_.resize(ids_.size());
   blockDue_.resize(first / kBlock);
-  blockDue_.resize((ids_.size() + kBlock - 1) / kBlock, 0.0);
+  blockDue_.resize((ids_.size() + kBlock - 1) / kBlock);
+}
+
+/// Calls `visit(face)` for the faces of pairs, where these are many in the order of memory.
+template <typename Visit>
+void PairWatch::forPaired(const Visit& visit) const {
+  if (paired_.size() < faces_.size() / 8) {
+    for (const FaceId f : paired_) visit(f);
+    return;
+  }
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    if (isPaired_[f] != 0) visit(static_cast<FaceId>(f));
+  }
+}
+
+/// The farthest motion of a corner of a face in the substep, and the largest change of an edge.
+PairWatch::FaceMotion PairWatch::motionIn(const Face& face) const {
+  const std::array<Vec3, 3> by{step_[face[0]], step_[face[1]], step_[face[2]]};
+  const double travel = std::max({by[0].squaredNorm(), by[1].squaredNorm(), by[2].squaredNorm()});
+  const double change = std::max({(by[1] - by[0]).squaredNorm(), (by[2] - by[1]).squaredNorm(),
+                                  (by[0] - by[2]).squaredNorm()});
+  return {std::sqrt(travel), std::sqrt(change)};
 }
 
 void PairWatch::follow(const SubstepMotion& motion) {
   const Vec3 common = meanMotion(motion);
   step_.resize(motion.end.size());
-  double farthest = 0.0;
-  for (const VertexId v : motion.vertices) {
-    step_[v] = (motion.end[v] - motion.start[v] - common).norm();
-    farthest = std::max(farthest, step_[v]);
-  }
-  most_ += 2.0 * farthest;
-  for (const FaceId f : paired_) {
-    const Face& face = faces_[f];
-    travel_[f] += std::max({step_[face[0]], step_[face[1]], step_[face[2]]});
-  }
+  for (const VertexId v : motion.vertices) step_[v] = motion.end[v] - motion.start[v] - common;
+  FaceMotion most;
+  forPaired([&](FaceId f) {
+    const FaceMotion inSubstep = motionIn(faces_[f]);
+    motions_[f].travel += inSubstep.travel;
+    motions_[f].edgeChange += inSubstep.edgeChange;
+    most.travel = std::max(most.travel, inSubstep.travel);
+    most.edgeChange = std::max(most.edgeChange, inSubstep.edgeChange);
+  });
+  most_.travel += 2.0 * most.travel;
+  most_.edgeChange += 2.0 * most.edgeChange;
   const double many = kManyNew * static_cast<double>(faces_.size());
   if (static_cast<double>(ids_.size() - known_) > many) proveByBoxes(motion);
   known_ = ids_.size();
@@ -115,6 +144,7 @@ void PairWatch::proveByBoxes(const SubstepMotion& motion) {
   constexpr std::int32_t kGrain = 4096;
   boxFaces(motion);
   const auto prove = [&](std::size_t k) {
+    if (areJoined(k)) return;
     const QuickBox& a = boxes_[1][ids_[k].first];
     const QuickBox& b = boxes_[1][ids_[k].second];
     const AxisGap above = widest(a.low - b.high);
@@ -125,7 +155,7 @@ void PairWatch::proveByBoxes(const SubstepMotion& motion) {
     const float before = isAbove ? fromA.low[above.axis] - fromB.high[above.axis]
                                  : fromB.low[below.axis] - fromA.high[below.axis];
     const double slack = kSure * std::max(above.gap, below.gap) - kApart;
-    if (before > 0.0F && slack > 0.0) due_[k] = travelOf(k) + slack;
+    if (before > 0.0F && slack > 0.0) due_[k] = motionOf(k) + slack;
   };
   parallelFor(static_cast<std::int32_t>(ids_.size() - known_), kGrain,
               [&](std::int32_t first, std::int32_t last) {
@@ -139,24 +169,27 @@ void PairWatch::listDue(std::vector<std::uint32_t>& pairs) {
   constexpr std::int32_t kGrain = 16;
   blocks_.clear();
   for (std::size_t block = 0; block < blockDue_.size(); ++block) {
-    if (most_ >= blockDue_[block]) blocks_.push_back(static_cast<std::uint32_t>(block));
+    if (mayBeDue(block)) blocks_.push_back(static_cast<std::uint32_t>(block));
   }
   const auto lastOf = [this](std::size_t block) {
     return std::min(ids_.size(), (block + 1) * kBlock);
   };
-  parallelFor(static_cast<std::int32_t>(blocks_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t n = first; n < last; ++n) {
-                  const std::size_t block = blocks_[n];
-                  double least = std::numeric_limits<double>::infinity();  // of those not due
-                  for (std::size_t k = block * kBlock; k < lastOf(block); ++k) {
-                    const double left = due_[k] - travelOf(k);
-                    isDue_[k] = left <= 0.0 ? 1 : 0;
-                    if (left > 0.0) least = std::min(least, left);
-                  }
-                  blockDue_[block] = most_ + least;
-                }
-              });
+  parallelFor(
+      static_cast<std::int32_t>(blocks_.size()), kGrain,
+      [&](std::int32_t first, std::int32_t last) {
+        for (std::int32_t n = first; n < last; ++n) {
+          const std::size_t block = blocks_[n];
+          constexpr double kNever = std::numeric_limits<double>::infinity();
+          FaceMotion least{kNever, kNever};  // left of those that are not due
+          for (std::size_t k = block * kBlock; k < lastOf(block); ++k) {
+            const double left = due_[k] - motionOf(k);
+            isDue_[k] = left <= 0.0 ? 1 : 0;
+            double& of = least.of(areJoined(k));
+            if (left > 0.0) of = std::min(of, left);
+          }
+          blockDue_[block] = {most_.travel + least.travel, most_.edgeChange + least.edgeChange};
+        }
+      });
   pairs.clear();
   for (const std::size_t block : blocks_) {
     for (std::size_t k = block * kBlock; k < lastOf(block); ++k) {
@@ -165,14 +198,21 @@ void PairWatch::listDue(std::vector<std::uint32_t>& pairs) {
   }
 }
 
+/// Tells whether pairs of a block may be due.
+bool PairWatch::mayBeDue(std::size_t block) const {
+  const FaceMotion& due = blockDue_[block];
+  return most_.travel >= due.travel || most_.edgeChange >= due.edgeChange;
+}
+
 void PairWatch::setAllDue() {
   std::fill(due_.begin(), due_.end(), 0.0);
-  std::fill(blockDue_.begin(), blockDue_.end(), 0.0);
+  std::fill(blockDue_.begin(), blockDue_.end(), FaceMotion());
 }
 
 void PairWatch::setDue(std::size_t k, double slack) {
-  due_[k] = travelOf(k) + slack;
-  blockDue_[k / kBlock] = std::min(blockDue_[k / kBlock], most_ + slack);
+  due_[k] = motionOf(k) + slack;
+  double& due = blockDue_[k / kBlock].of(areJoined(k));
+  due = std::min(due, most_.of(areJoined(k)) + slack);
 }
 
 }  // namespace cloth_sim

@@ -122,6 +122,30 @@ TEST_P(Certificate, FacesThatArePressedTogetherCanBeToldApartForEver) {
   }
 }
 
+/// Corners wander by little in each substep, so that a pair is looked at now and then only.
+TEST_P(Certificate, FacesThatWanderForManySubstepsDoNotMeet) {
+  RandomPoints random(9);
+  const std::vector<VertexId> all{0, 1, 2, 3, 4, 5};
+  const std::vector<double> mass(6, 1.0);
+  std::vector<std::uint8_t> truncated(6, 0);
+  int changed = 0;
+  for (int k = 0; k < 300; ++k) {
+    MovingPair pair = movingPair(GetParam(), random);
+    FacePairs pairs;
+    pairs.assign({{0, 1}}, {pair.a, pair.b}, 0.01);
+    for (int substep = 0; substep < 100; ++substep) {
+      for (const VertexId v : all) pair.end[v] = pair.start[v] + 0.1 * random.point();
+      const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
+      ASSERT_EQ(outcome.unproven, 0) << k << " in " << substep;
+      changed += outcome.changed ? 1 : 0;
+      ASSERT_FALSE(meet(pair.a, pair.b, pair.end)) << k << " in " << substep;
+      pair.start = pair.end;
+    }
+  }
+  EXPECT_GT(changed, 100);
+  EXPECT_LT(changed, 15000);
+}
+
 INSTANTIATE_TEST_SUITE_P(SharedCorners, Certificate, testing::Values(0, 1, 2));
 
 TEST(FacePairSet, KnowsWhatWasInserted) {

@@ -124,5 +124,33 @@ TEST(PairWatch, APairThatMayTouchIsListedAgain) {
   EXPECT_TRUE(due.empty());
 }
 
+/// Two faces with a common corner move far together, away from a third one.
+TEST(PairWatch, FacesWithACommonCornerAreDueByTheChangesOfTheirEdges) {
+  const std::vector<Face> faces{{0, 1, 2}, {0, 3, 4}, {5, 6, 7}};
+  const std::vector<VertexId> all{0, 1, 2, 3, 4, 5, 6, 7};
+  const std::vector<double> mass(8, 1.0);
+  std::vector<Vec3> start(8, Vec3::Zero());
+  std::vector<Vec3> end = start;
+  PairWatch watch;
+  watch.begin(faces);
+  watch.append({{0, 1}, {0, 2}}, 0);
+  std::vector<std::uint32_t> due;
+  const auto listAfter = [&](const Vec3& together, double change) {
+    start = end;
+    for (VertexId v = 0; v < 5; ++v) end[v] += together;
+    end[1].z() += change;
+    watch.follow({start, end, mass, all});
+    watch.listDue(due);
+    return due;
+  };
+  EXPECT_EQ(listAfter(Vec3::Zero(), 0.0), (std::vector<std::uint32_t>{0, 1}));
+  watch.setDue(0, 0.1);
+  watch.setDue(1, 0.1);
+  EXPECT_EQ(listAfter(Vec3::UnitX(), 0.0), std::vector<std::uint32_t>{1});
+  watch.setDue(1, 100.0);
+  EXPECT_EQ(listAfter(Vec3::UnitX(), 0.06), std::vector<std::uint32_t>{});
+  EXPECT_EQ(listAfter(Vec3::UnitX(), 0.06), std::vector<std::uint32_t>{0});
+}
+
 }  // namespace
 }  // namespace cloth_sim

@@ -99,7 +99,9 @@ class Contacts {
   void project(const ParticleView& particles, double time, double h);
 
  private:
-  void projectObstacles(const ParticleView& particles, double time, double h);
+  void projectObstacle(ContactCandidates& entry, const std::vector<VertexId>& vertices,
+                       const ParticleView& particles, double time, double h);
+  const std::vector<VertexId>& pushedOf(const ContactCandidates& entry);
   /// The arrays of an entry, without their contents.
   struct Buffers {
     std::vector<VertexId> vertices;
@@ -109,6 +111,7 @@ class Contacts {
   void keepBuffers(ContactCandidates& entry);
 
   std::vector<Buffers> spare_;              ///< for entries to come
+  std::vector<VertexId> pushed_;            ///< scratch of pushedOf
   std::vector<ContactCandidates> unsplit_;  ///< scratch of splitByCloth; empty otherwise
 };
 

@@ -81,7 +81,8 @@ class LayerContact {
   LayerOverlap findOverlap(const std::vector<Vec3>& x);
   /// The same, but only pairs with one of `faces`: those that have changed since no faces touched.
   LayerOverlap findOverlap(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
-  /// Prepares for a step. \param isRest  whether it is the rest of one, after a failure.
+  /// Prepares for a step. \param isRest  whether it is the rest of one, after a failure: pairs are
+  ///     searched again only if the mesh was edited or the cloth is not where it was.
   void beginStep(bool isRest);
   /// Reads where a substep leads before obstacles stop it.
   void load(const ParticleView& particles);
@@ -100,6 +101,8 @@ class LayerContact {
   bool isBlocked(VertexId v) const;
   /// Tells whether contacts carried load in the last substep.
   bool carriesLoad() const;
+  /// Vertices that contacts have pushed in the last `project`, ascending, if they carried load.
+  const std::vector<VertexId>& pushed() const;
   /// Returns the contacts that carried load in the last substep, at its end; of more than
   /// kMostContactPoints, as many that are evenly spread over the list of all. Computed at each
   /// call.
