@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "auto_method.h"
+#include "names.h"
 #include "readers.h"
 #include "section.h"
 #include "support/hash.h"
@@ -233,6 +234,45 @@ std::string textOf(const Scene& scene, YamlValue tree) {
   return emitYaml(tree);
 }
 
+/// Says which clamps and obstacles overrides have added, because a misspelt name adds one; "" for
+/// none.
+std::string describeAdded(const YamlValue& tree) {
+  std::string text;
+  for (const std::string section : {"clamps", "obstacles"}) {
+    const YamlValue* const map = tree.find(section);
+    if (map == nullptr || map->kind != YamlValue::Kind::kMap) continue;
+    const auto isAdded = [](const YamlValue& item) { return item.overridden && item.keyLine == 0; };
+    std::vector<std::string> others;
+    for (const YamlValue& item : map->items) {
+      if (!isAdded(item)) others.push_back(item.key);
+    }
+    if (others.empty()) continue;
+    for (const YamlValue& item : map->items) {
+      if (!isAdded(item)) continue;
+      text += "; an override has added " + section + "." + shownText(item.key) + " beside " +
+              joinNames(others);
+    }
+  }
+  return text;
+}
+
+/// \param tree  with all overrides.
+Scene readTree(YamlValue& tree, const std::string& name) {
+  dropOtherParameters(tree);
+  const SceneNode root(tree, "", name);
+  Scene scene = readScene(root);
+  scene.name = sceneName(name);
+  scene.contentKey = contentKey(tree, scene.solver.dt);
+  chooseBending(root, scene);
+  resolve(root, scene);
+  checkFeatures(root, scene);
+  checkBendFriction(root, scene);
+  checkLayers(root, scene);
+  chooseTearing(root, scene);
+  scene.text = textOf(scene, tree);
+  return scene;
+}
+
 }  // namespace
 
 std::vector<KeyTable> sceneKeys() {
@@ -254,19 +294,13 @@ Scene parseScene(const std::string& yaml, const std::string& name,
                  const std::vector<std::string>& overrides) {
   YamlValue tree = parseYaml(yaml, name);
   for (const std::string& text : overrides) applyOverride(text, name, tree);
-  dropOtherParameters(tree);
-  const SceneNode root(tree, "", name);
-  Scene scene = readScene(root);
-  scene.name = sceneName(name);
-  scene.contentKey = contentKey(tree, scene.solver.dt);
-  chooseBending(root, scene);
-  resolve(root, scene);
-  checkFeatures(root, scene);
-  checkBendFriction(root, scene);
-  checkLayers(root, scene);
-  chooseTearing(root, scene);
-  scene.text = textOf(scene, tree);
-  return scene;
+  const std::string added = describeAdded(tree);
+  try {
+    return readTree(tree, name);
+  } catch (const SceneError& error) {
+    if (added.empty()) throw;
+    throw SceneError(error.what() + added);
+  }
 }
 
 }  // namespace cloth_sim

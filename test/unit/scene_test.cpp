@@ -432,6 +432,19 @@ TEST(Overrides, ChangeOneAliasOnly) {
   EXPECT_EQ(std::get<SphereShape>(scene.obstacles[1].shape).radius, 1.0);
 }
 
+TEST(Overrides, ErrorsTellOfClampsAndObstaclesThatOverridesHaveAdded) {
+  const char* const yaml =
+      "cloth: {}\n"
+      "obstacles: {table: {type: plane}, ball: {type: sphere, radius: 1}}";
+  EXPECT_THAT(complaint(yaml, {"obstacles.tabel.position=[0, 0, 1]"}),
+              testing::EndsWith("; an override has added obstacles.tabel beside table, ball"));
+  EXPECT_THAT(complaint(yaml, {"obstacles.ball.radius=-1"}),
+              testing::Not(testing::HasSubstr("has added")));
+  EXPECT_EQ(
+      parse(yaml, {"obstacles.other.type=sphere", "obstacles.other.radius=2"}).obstacles.size(), 3U)
+      << "which is allowed";
+}
+
 TEST(Overrides, AreValidatedLikeTheFile) {
   const std::string yaml = "cloth: {}";
   EXPECT_EQ(complaint(yaml, {"drag=-1"}),
