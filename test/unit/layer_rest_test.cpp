@@ -32,7 +32,7 @@ class RestOfAStep : public testing::Test {
   }
   static VectorArray placesOf(const State& state) {
     VectorArray places;
-    places.resize(state.x.size());
+    places.resize(static_cast<std::size_t>(state.x.size()));
     for (std::size_t k = 0; k < state.x.size(); ++k) {
       places.set(k, state.x[static_cast<VertexId>(k)]);
     }
@@ -44,7 +44,7 @@ class RestOfAStep : public testing::Test {
   LayerContact layers_{model_, {{1e-3, 0.3}}};
   VectorArray x_ = placesOf(rolled(model_, 0.05, 2e-3));  // a roll of three turns
   VectorArray start_;
-  std::vector<double> mass_ = std::vector<double>(x_.size(), 1e-4);
+  std::vector<double> mass_ = std::vector<double>(x_.x.size(), 1e-4);
 };
 
 TEST_F(RestOfAStep, SearchesNoMoreWhereTheFirstPartEnded) {
