@@ -179,8 +179,8 @@ void PairWatch::listDue(std::vector<std::uint32_t>& pairs) {
       [&](std::int32_t first, std::int32_t last) {
         for (std::int32_t n = first; n < last; ++n) {
           const std::size_t block = blocks_[n];
-          constexpr double kNever = std::numeric_limits<double>::infinity();
-          FaceMotion least{kNever, kNever};  // left of those that are not due
+          constexpr double kEndless = std::numeric_limits<double>::infinity();
+          FaceMotion least{kEndless, kEndless};  // left of those that are not due
           for (std::size_t k = block * kBlock; k < lastOf(block); ++k) {
             const double left = due_[k] - motionOf(k);
             isDue_[k] = left <= 0.0 ? 1 : 0;
