@@ -51,6 +51,12 @@ double mostOf(const Face& face, const Vec3& n, const std::vector<Vec3>& x) {
   return std::max({n.dot(x[face[0]]), n.dot(x[face[1]]), n.dot(x[face[2]])});
 }
 
+/// The unit normal of a face on the side of `direction`.
+Vec3 normalTowards(const Vec3& direction, const Face& face, const std::vector<Vec3>& x) {
+  const Vec3 n = (x[face[1]] - x[face[0]]).cross(x[face[2]] - x[face[0]]).normalized();
+  return n.dot(direction) < 0.0 ? Vec3(-n) : n;
+}
+
 /// Shortens the motion of a vertex to the fraction `t` of what it is.
 void moveBack(VertexId v, double t, const Truncation& now) {
   if (!(t < 1.0)) return;
@@ -227,12 +233,8 @@ Vec3 FacePairs::endDirection(Pair pair, const Vec3& before, const std::vector<Ve
     return best.direction.dot(before) < 0.0 ? Vec3(-best.direction) : best.direction;
   }
   if (best.distance > 0.0 && best.direction.dot(before) > 0.0) return best.direction;
-  const auto normalOf = [&](const Face& face) {
-    const Vec3 n = (end[face[1]] - end[face[0]]).cross(end[face[2]] - end[face[0]]).normalized();
-    return n.dot(before) < 0.0 ? Vec3(-n) : n;
-  };
-  const Vec3 a = normalOf(pair.a);
-  const Vec3 b = normalOf(pair.b);
+  const Vec3 a = normalTowards(before, pair.a, end);
+  const Vec3 b = normalTowards(before, pair.b, end);
   Vec3 chosen = before;
   pair.direction = before;
   double most = separationOf(pair, end);
@@ -263,17 +265,16 @@ Vec3 FacePairs::bestAxis(const Pair& pair, const std::vector<Vec3>& x) {
 /// cost less than closest points. \return as `separationWithin`.
 double FacePairs::tryDirections(Pair& pair, const SubstepMotion& motion) {
   const std::vector<Vec3>& x = motion.end;
-  const auto middle = [&](const Face& f) -> Vec3 { return x[f[0]] + x[f[1]] + x[f[2]]; };
-  const Vec3 between = middle(pair.a) - middle(pair.b);
-  const auto normal = [&](const Face& f) -> Vec3 {
-    const Vec3 n = (x[f[1]] - x[f[0]]).cross(x[f[2]] - x[f[0]]);
-    return n.dot(between) < 0.0 ? Vec3(-n) : n;
-  };
   pair.direction = bestAxis(pair, x);
   double apart = separationWithin(pair, motion);
-  for (int k = 0; k < 3 && !(apart > kApart); ++k) {
-    pair.direction = (k == 0 ? between : normal(k == 1 ? pair.a : pair.b)).normalized();
+  if (apart > kApart) return apart;
+  const auto middle = [&](const Face& f) -> Vec3 { return x[f[0]] + x[f[1]] + x[f[2]]; };
+  const Vec3 between = middle(pair.a) - middle(pair.b);
+  for (const Vec3& candidate : {Vec3(between.normalized()), normalTowards(between, pair.a, x),
+                                normalTowards(between, pair.b, x)}) {
+    pair.direction = candidate;
     apart = separationWithin(pair, motion);
+    if (apart > kApart) break;
   }
   return apart;
 }

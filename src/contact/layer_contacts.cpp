@@ -24,10 +24,6 @@ constexpr double kFarthestPush = 4.0;
 /// one and a half times as fast as the one below.
 constexpr int kRoundsAbove = 2;
 
-bool areAdjacent(const Face& a, const Face& b) {
-  return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
-}
-
 bool areParallel(const std::array<VertexId, 4>& v, const std::vector<Vec3>& x) {
   const Vec3 a = x[v[1]] - x[v[0]];
   const Vec3 b = x[v[3]] - x[v[2]];
@@ -110,7 +106,7 @@ bool LayerContacts::isClosestFace(std::size_t first, std::size_t last, std::size
     if (k == at) continue;
     const bool isCloser =
         other.apart < self.apart || (other.apart == self.apart && other.face < self.face);
-    if (isCloser && areAdjacent(faces_[other.face], faces_[self.face])) return false;
+    if (isCloser && haveCommonCorner(faces_[other.face], faces_[self.face])) return false;
   }
   return true;
 }

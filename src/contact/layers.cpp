@@ -66,6 +66,7 @@ class LayerContact::Impl {
   void loadPairs(const ParticleView& particles);
   void store(const ParticleView& particles) const;
   void storePushed(const ParticleView& particles);
+  void storeOne(VertexId v, const ParticleView& particles) const;
   double farthestMotion();
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
@@ -218,25 +219,24 @@ void LayerContact::Impl::loadPairs(const ParticleView& particles) {
 }
 
 void LayerContact::Impl::store(const ParticleView& particles) const {
-  for (const VertexId v : vertices_) {
-    const std::int32_t k = particles.slot(v);
-    particles.x[k] = end_[v].x();
-    particles.y[k] = end_[v].y();
-    particles.z[k] = end_[v].z();
-  }
+  for (const VertexId v : vertices_) storeOne(v, particles);
 }
 
 /// Stores the vertices that contacts have pushed, and lists them.
 void LayerContact::Impl::storePushed(const ParticleView& particles) {
   pushed.clear();
   for (const VertexId v : vertices_) {
-    const std::int32_t k = particles.slot(v);
-    if (particles.at(k) == end_[v]) continue;
+    if (particles.at(particles.slot(v)) == end_[v]) continue;
     pushed.push_back(v);
-    particles.x[k] = end_[v].x();
-    particles.y[k] = end_[v].y();
-    particles.z[k] = end_[v].z();
+    storeOne(v, particles);
   }
+}
+
+void LayerContact::Impl::storeOne(VertexId v, const ParticleView& particles) const {
+  const std::int32_t k = particles.slot(v);
+  particles.x[k] = end_[v].x();
+  particles.y[k] = end_[v].y();
+  particles.z[k] = end_[v].z();
 }
 
 /// The largest motion of a loaded vertex in the substep, against the mean of them [m]; NaN if one

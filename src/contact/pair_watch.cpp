@@ -12,6 +12,8 @@ namespace {
 constexpr double kSure = 1.0 - 1e-6;
 /// Boxes around all faces pay from this share of new pairs in the number of faces on.
 constexpr double kManyNew = 0.125;
+/// Faces of pairs are visited in the order of memory from this share of all faces on.
+constexpr double kManyPaired = 0.125;
 
 /// A direction along an axis and the distance of two boxes along it [m].
 struct AxisGap {
@@ -23,11 +25,6 @@ AxisGap widest(const QuickBox::Corner& gap) {
   int axis = gap[1] > gap[0] ? 1 : 0;
   if (gap[2] > gap[axis]) axis = 2;
   return {axis, gap[axis]};
-}
-
-bool haveCommonCorner(const Face& a, const Face& b) {
-  return std::any_of(a.begin(), a.end(),
-                     [&](VertexId v) { return v == b[0] || v == b[1] || v == b[2]; });
 }
 
 }  // namespace
@@ -75,10 +72,11 @@ void PairWatch::append(const std::vector<FaceIds>& near, std::size_t first) {
   blockDue_.resize((ids_.size() + kBlock - 1) / kBlock);
 }
 
-/// Calls `visit(face)` for the faces of pairs, where these are many in the order of memory.
+/// Calls `visit(face)` for the faces of pairs.
 template <typename Visit>
 void PairWatch::forPaired(const Visit& visit) const {
-  if (paired_.size() < faces_.size() / 8) {
+  const double many = kManyPaired * static_cast<double>(faces_.size());
+  if (static_cast<double>(paired_.size()) < many) {
     for (const FaceId f : paired_) visit(f);
     return;
   }

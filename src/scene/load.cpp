@@ -294,12 +294,10 @@ Scene parseScene(const std::string& yaml, const std::string& name,
                  const std::vector<std::string>& overrides) {
   YamlValue tree = parseYaml(yaml, name);
   for (const std::string& text : overrides) applyOverride(text, name, tree);
-  const std::string added = describeAdded(tree);
   try {
     return readTree(tree, name);
   } catch (const SceneError& error) {
-    if (added.empty()) throw;
-    throw SceneError(error.what() + added);
+    throw SceneError(error.what() + describeAdded(tree));
   }
 }
 

@@ -18,6 +18,10 @@ using Face = std::array<VertexId, 3>;
 inline bool contains(const Face& face, VertexId v) {
   return face[0] == v || face[1] == v || face[2] == v;
 }
+/// Tells whether two faces have a common corner.
+inline bool haveCommonCorner(const Face& a, const Face& b) {
+  return contains(a, b[0]) || contains(a, b[1]) || contains(a, b[2]);
+}
 
 /// An oriented 2-manifold with boundary: triangles, and the faces around each vertex.
 ///
