@@ -78,11 +78,7 @@ void Allowance::build(const Model& model) {
   faces_ = mesh.faces();
   inverseRest_.resize(faces_.size());
   for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const Face& face = faces_[f];
-    Eigen::Matrix2d rest;
-    rest.col(0) = mesh.material(face[1]) - mesh.material(face[0]);
-    rest.col(1) = mesh.material(face[2]) - mesh.material(face[0]);
-    inverseRest_[f] = rest.inverse();
+    inverseRest_[f] = inverseRestOf(mesh, faces_[f]);
   }
   aroundStart_.assign(1, 0);
   facesAround_.clear();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "allowance.h"
+#include "clearance.h"
 #include "face_pair_set.h"
 #include "layer_contacts.h"
 #include "threads/parallel_for.h"
@@ -33,6 +34,12 @@ constexpr double kFewOfMany = 0.15;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
 
+/// The reach seen from a motion that took some substeps: that motion at least, and a half more.
+Reach reachOf(Reach reach, int substeps) {
+  if (substeps > 1) reach.substeps = std::max(1.5, reach.substeps / substeps);
+  return reach;
+}
+
 }  // namespace
 
 class LayerContact::Impl {
@@ -49,6 +56,8 @@ class LayerContact::Impl {
   void project(const ParticleView& particles, double h);
   void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
+  bool isWaiting() const { return waiting_ > 0; }
+  void certifyWaiting(const ParticleView& particles);
   bool isBlocked(std::size_t v) const;
   LayerReport wholeReport() const;
   std::vector<LayerContactPoint> contactPoints() const;
@@ -67,15 +76,16 @@ class LayerContact::Impl {
   void store(const ParticleView& particles) const;
   void storePushed(const ParticleView& particles);
   void storeOne(VertexId v, const ParticleView& particles) const;
+  void certifyMotion(const ParticleView& particles, int substeps);
   double farthestMotion();
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
   SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
-  void search();
+  void search(int substeps);
   bool findPairs(const Reach& reach, std::size_t most);
   bool searchAroundLeft(const ParticleView& particles);
-  void searchAll(const ParticleView& particles);
+  void searchAll(const ParticleView& particles, int substeps = 1);
   void searchAround();
   void collect(std::size_t most);
   void collectNew();
@@ -88,12 +98,17 @@ class LayerContact::Impl {
   std::vector<MaterialTree> trees_;  ///< by cloth
   double margin_ = 0.0;              ///< half of the largest thickness [m]
   Allowance allowance_;
+  Clearance clearance_;
   FacePairs pairs_;
   LayerContacts contacts_;
   double most_ = 0.0;               ///< most motion in a substep [m]
   bool isFresh_ = false;            ///< pairs are those of this step
   bool mayGoOn_ = false;            ///< pairs are those of an earlier part of this step
   bool isBrief_ = false;            ///< the next search is that of the rest of a step
+  bool isBegun_ = false;            ///< there was a substep since the step, or its rest, began
+  bool isClear_ = false;            ///< the cloth is nowhere near itself: there is nothing to do
+  int waiting_ = 0;                 ///< substeps since that was checked
+  VectorArray lastClear_;           ///< positions when that was checked, by slot [m]
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
@@ -127,6 +142,7 @@ void LayerContact::Impl::build(const Model& model) {
   corners_.resize(vertices);
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
+  clearance_.build(model, trees_, margin_);
   beginStep(false);
 }
 
@@ -164,6 +180,9 @@ void LayerContact::Impl::beginStep(bool isRest) {
   report = LayerReport();
   isBrief_ = isRest;
   mayGoOn_ = isRest && isFresh_;
+  isBegun_ = mayGoOn_;
+  isClear_ = false;
+  waiting_ = 0;
   if (!mayGoOn_) forgetPairs();
 }
 
@@ -176,6 +195,8 @@ void LayerContact::Impl::forgetPairs() {
 }
 
 void LayerContact::Impl::load(const ParticleView& particles) {
+  if (!std::exchange(isBegun_, true)) isClear_ = clearance_.begin(particles);
+  if (isClear_) return;
   if (std::exchange(mayGoOn_, false) && !goesOn(particles)) forgetPairs();
   for (const VertexId v : vertices_) {
     const std::int32_t k = particles.slot(v);
@@ -270,13 +291,13 @@ void LayerContact::Impl::boxFace(FaceId f) {
 
 /// Finds the pairs of faces that may touch before the next search. Far reach spares searches where
 /// there are few of them.
-void LayerContact::Impl::search() {
+void LayerContact::Impl::search(int substeps) {
   const auto many = static_cast<std::size_t>(kNearShare * static_cast<double>(faces_.size()));
   const bool wereMany = isFresh_ && near_.size() > many;
   if (std::exchange(isBrief_, false)) {
-    findPairs(kBrief, NearPairs::kAll);
-  } else if (wereMany || !findPairs(kFar, many)) {
-    findPairs(kNear, NearPairs::kAll);
+    findPairs(reachOf(kBrief, substeps), NearPairs::kAll);
+  } else if (wereMany || !findPairs(reachOf(kFar, substeps), many)) {
+    findPairs(reachOf(kNear, substeps), NearPairs::kAll);
   }
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
   contacts_.assign(near_, corners_);
@@ -327,9 +348,9 @@ bool LayerContact::Impl::searchAroundLeft(const ParticleView& particles) {
   return true;
 }
 
-/// Searches from the start of the substep on. All vertices are loaded.
-void LayerContact::Impl::searchAll(const ParticleView& particles) {
-  search();
+/// Searches from the start of the motion on, which took some substeps. All vertices are loaded.
+void LayerContact::Impl::searchAll(const ParticleView& particles, int substeps) {
+  search(substeps);
   allowance_.follow(particles);
 }
 
@@ -373,6 +394,7 @@ void LayerContact::Impl::listVertices() {
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   most_ = kFastest * h;
   report.contacts = 0;
+  if (isClear_) return;
   if (isFresh_ && pairs_.count() == 0) return;
   loadSupported(particles);
   if (!(farthestMotion() <= most_)) return;
@@ -396,10 +418,36 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
   store(particles);
 }
 
-/// Shortening a motion may take faces out of what the search allowed: then there is another search,
-/// from the start of the substep.
 void LayerContact::Impl::certify(const ParticleView& particles) {
   report.moves += static_cast<std::int64_t>(end_.size());
+  if (!isClear_) {
+    certifyMotion(particles, 1);
+  } else if (++waiting_ == Clearance::kInterval) {
+    certifyWaiting(particles);
+  }
+}
+
+/// Where the cloth is not clear of itself any more, the motion since it was is certified as one.
+void LayerContact::Impl::certifyWaiting(const ParticleView& particles) {
+  const int substeps = std::exchange(waiting_, 0);
+  isClear_ = clearance_.follow(particles, substeps);
+  if (isClear_) return;
+  ParticleView since = particles;
+  for (const VertexId v : all_) {
+    const auto slot = static_cast<std::size_t>(particles.slot(v));
+    if (slot >= lastClear_.x.size()) lastClear_.resize(slot + 1);
+    lastClear_.set(slot, clearance_.lastClear(v));
+  }
+  since.startX = lastClear_.x.data();
+  since.startY = lastClear_.y.data();
+  since.startZ = lastClear_.z.data();
+  certifyMotion(since, substeps);
+}
+
+/// Shortening a motion may take faces out of what the search allowed: then there is another search,
+/// from the start of the motion.
+/// \param substeps  that the motion took.
+void LayerContact::Impl::certifyMotion(const ParticleView& particles, int substeps) {
   report.blocked = 0;
   std::fill(truncated_.begin(), truncated_.end(), 0);
   bool isAllowed = isFresh_ && (allowance_.isKept(particles) || searchAroundLeft(particles));
@@ -409,11 +457,13 @@ void LayerContact::Impl::certify(const ParticleView& particles) {
   } else {
     loadAll(particles);
     // A comparison that is false for NaN. The motion would meet everything.
-    if (!(farthestMotion() <= most_)) return giveUp(particles);
+    if (!(farthestMotion() <= substeps * most_)) return giveUp(particles);
   }
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
-    if (!isAllowed && (searches == 0 || !searchAroundLeft(particles))) searchAll(particles);
+    if (!isAllowed && (searches == 0 || !searchAroundLeft(particles))) {
+      searchAll(particles, substeps);
+    }
     const PairOutcome outcome = pairs_.keepApart({motion(), truncated_});
     report.unproven += outcome.unproven;
     if (outcome.changed) store(particles);
@@ -477,6 +527,12 @@ void LayerContact::project(const ParticleView& particles, double h) {
 void LayerContact::settle(const ParticleView& particles, double h) { impl_->settle(particles, h); }
 
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
+
+bool LayerContact::isWaiting() const { return impl_->isWaiting(); }
+
+void LayerContact::certifyWaiting(const ParticleView& particles) {
+  impl_->certifyWaiting(particles);
+}
 
 LayerReport LayerContact::report() const { return impl_->wholeReport(); }
 

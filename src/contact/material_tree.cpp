@@ -39,15 +39,6 @@ Vec2 centre(const TriangleMesh& mesh, FaceId f) {
   return (mesh.material(face[0]) + mesh.material(face[1]) + mesh.material(face[2])) / 3.0;
 }
 
-/// Tells whether both singular values of a gradient are above `least`, >= 0: if the Gram matrix of
-/// its columns is positive definite after that much is taken from its eigenvalues.
-bool isStretchAbove(const Gradient& g, double least) {
-  const double uu = g.u.squaredNorm() - least * least;
-  const double vv = g.v.squaredNorm() - least * least;
-  const double uv = g.u.dot(g.v);
-  return uu > 0.0 && vv > 0.0 && uu * vv > uv * uv;
-}
-
 /// Turns a list of (bucket, face) into faces by bucket, in the order of the list.
 void sortByBucket(const std::vector<std::pair<std::int32_t, FaceId>>& entries, std::size_t buckets,
                   std::vector<std::int32_t>& start, std::vector<FaceId>& faces) {
@@ -59,46 +50,7 @@ void sortByBucket(const std::vector<std::pair<std::int32_t, FaceId>>& entries, s
   for (const auto& [bucket, face] : entries) faces[next[bucket]++] = face;
 }
 
-/// Tells whether nodes that are `i` columns and `j` rows apart are neighbours or the same.
-bool areNeighbours(int i, int j) { return std::abs(i) <= 1 && std::abs(j) <= 1; }
-
 }  // namespace
-
-GradientBall GradientBall::unknown() {
-  GradientBall ball;
-  ball.radius = std::numeric_limits<double>::infinity();
-  return ball;
-}
-
-void GradientBall::add(const GradientBall& other) {
-  if (other.isEmpty()) return;
-  if (isEmpty()) {
-    *this = other;
-    return;
-  }
-  if (!std::isfinite(radius)) return;
-  if (!std::isfinite(other.radius)) {
-    *this = other;
-    return;
-  }
-  const Gradient to = other.centre - centre;
-  const double apart = to.norm();
-  if (apart + other.radius <= radius) return;
-  if (apart + radius <= other.radius) {
-    *this = other;
-    return;
-  }
-  const double grown = 0.5 * (apart + radius + other.radius);
-  const double fraction = (grown - radius) / apart;
-  centre.u += fraction * to.u;
-  centre.v += fraction * to.v;
-  radius = grown;
-}
-
-bool GradientBall::provesInjective() const {
-  constexpr double kMargin = 1e-3;  // far above round-off
-  return !isEmpty() && std::isfinite(radius) && isStretchAbove(centre, radius + kMargin);
-}
 
 void MaterialTree::build(const Model& model, std::size_t cloth) {
   faces_.clear();
@@ -120,27 +72,24 @@ void MaterialTree::build(const Model& model, std::size_t cloth) {
   const Vec2 extent = all.high - all.low;
   constexpr double kMostBuckets = 2048.0;  // along a side
   size_ = size_.cwiseMax(extent / kMostBuckets);
-  Level buckets;
-  buckets.columns = std::max(1, static_cast<int>(std::ceil(extent.x() / size_.x() - kRounding)));
-  buckets.rows = std::max(1, static_cast<int>(std::ceil(extent.y() / size_.y() - kRounding)));
-  levels_.push_back(buckets);
-  while (levels_.back().columns > 1 || levels_.back().rows > 1) {
-    Level next;
-    next.columns = (levels_.back().columns + 1) / 2;
-    next.rows = (levels_.back().rows + 1) / 2;
-    levels_.push_back(next);
-  }
-  for (Level& level : levels_) {
-    const std::size_t nodes = static_cast<std::size_t>(level.columns) * level.rows;
-    level.boxes.resize(nodes);
-    level.balls.resize(nodes);
-    level.before.resize(nodes);
-    level.isChanged.resize(nodes);
-    level.squares.resize(nodes);
+  int columns = std::max(1, static_cast<int>(std::ceil(extent.x() / size_.x() - kRounding)));
+  int rows = std::max(1, static_cast<int>(std::ceil(extent.y() / size_.y() - kRounding)));
+  addLevel(columns, rows);
+  while (columns > 1 || rows > 1) {
+    columns = (columns + 1) / 2;
+    rows = (rows + 1) / 2;
+    addLevel(columns, rows);
   }
   placeFaces(model);
   findContributions(model);
   blockOpenBorders(model);
+}
+
+void MaterialTree::addLevel(int columns, int rows) {
+  Level& level = levels_.emplace_back();
+  level.resize(columns, rows);
+  level.before.resize(level.boxes.size());
+  level.isChanged.resize(level.boxes.size());
 }
 
 /// The first and last column and the first and last row of the buckets that a box reaches.
@@ -228,14 +177,13 @@ void MaterialTree::refit(const std::vector<QuickBox>& boxes,
   unmark();
   areAllChanged_ = true;
   for (std::size_t k = 0; k < levels_.size(); ++k) {
-    std::fill(levels_[k].squares.begin(), levels_[k].squares.end(), Proof::kUnknown);
-    const auto nodes = static_cast<std::int32_t>(levels_[k].boxes.size());
-    parallelFor(nodes, kNodeGrain, [&](std::int32_t first, std::int32_t last) {
+    levels_[k].forgetProofs();
+    parallelFor(levels_[k].count(), kNodeGrain, [&](std::int32_t first, std::int32_t last) {
       for (std::int32_t node = first; node < last; ++node) {
         if (k == 0) {
           refitBucket(node, boxes, gradients);
         } else {
-          refitNode(static_cast<int>(k), node);
+          levels_[k].join(levels_[k - 1], node);
         }
       }
     });
@@ -259,7 +207,7 @@ void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<Qui
     for (const std::int32_t node : below.changed) {
       mark(level, level.node(node % below.columns / 2, node / below.columns / 2));
     }
-    for (const std::int32_t node : level.changed) refitNode(static_cast<int>(above), node);
+    for (const std::int32_t node : level.changed) level.join(below, node);
   }
 }
 
@@ -276,13 +224,7 @@ void MaterialTree::mark(Level& level, std::int32_t node) {
   level.isChanged[node] = 1;
   level.before[node] = level.balls[node];
   level.changed.push_back(node);
-  const int i = node % level.columns;
-  const int j = node / level.columns;
-  for (int row = std::max(0, j - 1); row <= j; ++row) {
-    for (int column = std::max(0, i - 1); column <= i; ++column) {
-      level.squares[level.node(column, row)] = Proof::kUnknown;
-    }
-  }
+  level.forgetProofs(node);
 }
 
 void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<QuickBox>& boxes,
@@ -296,35 +238,6 @@ void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<QuickBox>&
     ball.add(gradients[gradients_[at]]);
   }
   buckets.balls[bucket] = isBlocked_[bucket] ? GradientBall::unknown() : ball;
-}
-
-/// Joins the boxes and the balls of the children of a node.
-void MaterialTree::refitNode(int level, std::int32_t node) {
-  Level& self = levels_[level];
-  const Level& below = levels_[level - 1];
-  std::array<Place, 4> parts;
-  const int count = children({level, node % self.columns, node / self.columns}, parts);
-  QuickBox box;
-  GradientBall ball;
-  for (int k = 0; k < count; ++k) {
-    const int part = below.node(parts[k].i, parts[k].j);
-    box.add(below.boxes[part]);
-    // A part of the plane without cloth is not known to be crossed by gradients.
-    ball.add(below.balls[part].isEmpty() ? GradientBall::unknown() : below.balls[part]);
-  }
-  self.boxes[node] = box;
-  self.balls[node] = ball;
-}
-
-int MaterialTree::children(const Place& of, std::array<Place, 4>& out) const {
-  const Level& below = levels_[of.level - 1];
-  int count = 0;
-  for (int j = 2 * of.j; j < std::min(2 * of.j + 2, below.rows); ++j) {
-    for (int i = 2 * of.i; i < std::min(2 * of.i + 2, below.columns); ++i) {
-      out[count++] = {of.level - 1, i, j};
-    }
-  }
-  return count;
 }
 
 const QuickBox& MaterialTree::boxAt(const Place& at) const {
@@ -343,64 +256,14 @@ bool MaterialTree::isChanged(const Place& a, const Place& b) const {
   const Level& level = levels_[a.level];
   const auto hasMark = [&](int i, int j) { return level.isChanged[level.node(i, j)] != 0; };
   if (hasMark(a.i, a.j) || hasMark(b.i, b.j)) return true;
-  return areNeighbours(a.i - b.i, a.j - b.j) && (hasMark(a.i, b.j) || hasMark(b.i, a.j));
+  return MaterialLevel::areNeighbours(a, b) && (hasMark(a.i, b.j) || hasMark(b.i, a.j));
 }
 
-/// Tells whether two nodes of a level are neighbours, or the same, in a rectangle that is proven
-/// not to touch itself. \param ballAt  ball of gradients of a node (i, j) of that level.
-template <typename Ball>
-bool MaterialTree::isProven(const Place& a, const Place& b, const Ball& ballAt) {
-  if (!areNeighbours(a.i - b.i, a.j - b.j)) return false;
-  GradientBall ball;
-  for (int j = std::min(a.j, b.j); j <= std::max(a.j, b.j); ++j) {
-    for (int i = std::min(a.i, b.i); i <= std::max(a.i, b.i); ++i) {
-      const GradientBall& part = ballAt(i, j);
-      if (part.isEmpty()) return false;
-      ball.add(part);
-    }
-  }
-  return ball.provesInjective();
-}
-
-/// Pairs of neighbours lie in one or two squares of 2 x 2 nodes, a node in four. Squares are asked
-/// first, because each answers for many pairs.
-bool MaterialTree::isSmooth(const Place& a, const Place& b) const {
-  if (!areNeighbours(a.i - b.i, a.j - b.j)) return false;
-  const Level& level = levels_[a.level];
-  const int lastI = std::min(a.i, b.i);
-  const int lastJ = std::min(a.j, b.j);
-  for (int j = std::max(a.j, b.j) - 1; j <= lastJ; ++j) {
-    for (int i = std::max(a.i, b.i) - 1; i <= lastI; ++i) {
-      if (i >= 0 && j >= 0 && isSquareProven(level, i, j)) return true;
-    }
-  }
-  if (a.i != b.i && a.j != b.j) return false;  // their rectangle is a square
-  return isProven(
-      a, b, [&](int i, int j) -> const GradientBall& { return level.balls[level.node(i, j)]; });
-}
-
-/// Tells whether the square of 2 x 2 nodes from (i, j) on, as far as there are nodes, is proven.
-bool MaterialTree::isSquareProven(const Level& level, int i, int j) const {
-  // Threads may find the same answer at once.
-  Proof& known = level.squares[level.node(i, j)];
-  Proof proof = Proof::kUnknown;
-  __atomic_load(&known, &proof, __ATOMIC_RELAXED);
-  if (proof == Proof::kUnknown) {
-    const Place from{0, i, j};
-    const Place to{0, std::min(i + 1, level.columns - 1), std::min(j + 1, level.rows - 1)};
-    const bool holds = isProven(from, to, [&](int column, int row) -> const GradientBall& {
-      return level.balls[level.node(column, row)];
-    });
-    proof = holds ? Proof::kYes : Proof::kNo;
-    __atomic_store(&known, &proof, __ATOMIC_RELAXED);
-  }
-  return proof == Proof::kYes;
-}
-
-/// The same before the last refit.
+/// Tells whether two nodes of a level were neighbours in a rectangle that was proven, before the
+/// last refit.
 bool MaterialTree::wasSmooth(const Place& a, const Place& b) const {
   const Level& level = levels_[a.level];
-  return isProven(a, b, [&](int i, int j) -> const GradientBall& {
+  return MaterialLevel::isProven(a, b, [&](int i, int j) -> const GradientBall& {
     const int node = level.node(i, j);
     return level.isChanged[node] != 0 ? level.before[node] : level.balls[node];
   });
@@ -450,7 +313,8 @@ void MaterialTree::forOpenChildren(const NodePair& pair, const Visit& visit) con
 
 /// Tells whether a pair of nodes may hold pairs of faces that touch and have not been looked at.
 bool MaterialTree::isOpen(const NodePair& pair) const {
-  return (pair.isNew || isChanged(pair.a, pair.b)) && !isSmooth(pair.a, pair.b);
+  return (pair.isNew || isChanged(pair.a, pair.b)) &&
+         !levels_[pair.a.level].isSmooth(pair.a, pair.b);
 }
 
 /// Adds the pairs of faces under a pair of nodes with boxes that meet.

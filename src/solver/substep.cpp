@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cloth_sim/contact/collider.h"
+#include "cloth_sim/contact/layers.h"
 #include "linalg/vector_operations.h"
 
 namespace cloth_sim {
@@ -95,6 +96,15 @@ void Substep::enforceContacts() {
     p.v.set(k, p.v.at(k) + (p.x.at(k) - unprojected.at(k)) / h);
     unprojected.set(k, p.x.at(k));
   });
+}
+
+void Substep::certifyWaiting() {
+  if (contacts.layers == nullptr || !contacts.layers->isWaiting()) return;
+  Particles& p = particles;
+  copy(p.x, scratch);
+  contacts.layers->certifyWaiting(p.view());
+  forFreeCandidates(
+      [&](std::size_t k) { p.v.set(k, p.v.at(k) + (p.x.at(k) - scratch.at(k)) / h); });
 }
 
 void Substep::enforceContactVelocities() {

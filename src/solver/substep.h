@@ -50,6 +50,9 @@ struct Substep {
   bool isFlightBlocked();
   /// Pushes particles out of obstacles. Velocities change by the displacement over h.
   void enforceContacts();
+  /// Certifies the motion of the last substeps, where contacts have left it for later: that of a
+  /// cloth that is nowhere near itself.
+  void certifyWaiting();
   /// Takes from velocities what would carry particles into obstacles in the next h, and the slip
   /// that friction then stops. Positions stay.
   void enforceContactVelocities();

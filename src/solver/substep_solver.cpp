@@ -70,6 +70,7 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
     report_.status = StepStatus::kStopped;
     return report_;
   }
+  now.certifyWaiting();
   method_->finish(now);
   report_.iterations = now.iterations;
   report_.residual = now.residual;

@@ -93,7 +93,12 @@ class LayerContact {
   void settle(const ParticleView& particles, double h);
   /// Shortens motions that would make faces intersect. Nothing may move particles afterwards in the
   /// same substep.
+  /// Where the cloth is nowhere near itself the motion of some substeps is certified at once.
   void certify(const ParticleView& particles);
+  /// Tells whether there are substeps whose motion `certify` has left for later.
+  bool isWaiting() const;
+  /// Certifies their motion: at the end of a step, or of a part of it.
+  void certifyWaiting(const ParticleView& particles);
 
   /// Figures of the step so far. Takes a pass over the contacts.
   LayerReport report() const;

@@ -1,0 +1,305 @@
+#include "clearance.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "threads/parallel_for.h"
+
+namespace cloth_sim {
+namespace {
+
+/// Level of the tiles: 4 x 4 buckets.
+constexpr int kTileLevel = 2;
+constexpr std::int32_t kTileGrain = 32;
+constexpr std::int32_t kCopyGrain = 4096;
+
+Place rootOf(const std::vector<MaterialLevel>& levels) {
+  return {static_cast<int>(levels.size()) - 1, 0, 0};
+}
+
+Box moved(const Box& box, const Vec3& by) { return {box.low + by, box.high + by}; }
+
+/// Appends `of` until `values` is a multiple of the lanes long.
+template <typename Value>
+void fillUp(const Value& of, std::vector<Value>& values) {
+  while (values.size() % kLanes != 0) values.push_back(of);
+}
+
+std::vector<std::int32_t> sortedOnce(std::vector<std::int32_t> values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  return values;
+}
+
+}  // namespace
+
+Tile Clearance::Sheet::tile(std::int32_t k) const {
+  return {vertices.data() + firstVertex[k], firstVertex[k + 1] - firstVertex[k],
+          faces.data() + firstFace[k], firstFace[k + 1] - firstFace[k]};
+}
+
+void Clearance::build(const Model& model, const std::vector<MaterialTree>& trees, double margin) {
+  faces_ = model.mesh.faces();
+  margin_ = margin;
+  sheets_.clear();
+  isWhole_ = true;
+  for (const MaterialTree& tree : trees) isWhole_ = isWhole_ && !tree.isEmpty() && tree.isWhole();
+  if (!isWhole_) return;
+  inverseRest_.clear();
+  for (const Face& face : faces_) inverseRest_.push_back(inverseRestOf(model.mesh, face));
+  const auto vertices = static_cast<std::size_t>(model.particleCount());
+  for (VectorArray* array : {&from_, &now_, &step_}) array->resize(vertices);
+  for (const MaterialTree& tree : trees) {
+    Sheet& sheet = sheets_.emplace_back();
+    sheet.tree = &tree;
+    sheet.tileLevel = std::min(kTileLevel, tree.levelCount() - 1);
+    sheet.levels.resize(tree.levelCount());
+    for (int k = 0; k < tree.levelCount(); ++k) {
+      sheet.levels[k].resize(tree.level(k).columns, tree.level(k).rows);
+    }
+    const std::int32_t tiles = sheet.levels[sheet.tileLevel].count();
+    sheet.firstVertex.assign(1, 0);
+    sheet.firstFace.assign(1, 0);
+    for (std::int32_t tile = 0; tile < tiles; ++tile) addTile(tile, sheet);
+    sheet.bounds.resize(tiles);
+    sheet.lastBounds.resize(tiles);
+    sheet.isDivided.resize(tiles);
+  }
+}
+
+/// Lists the vertices and faces of a tile.
+void Clearance::addTile(std::int32_t tile, Sheet& sheet) const {
+  const MaterialLevel& buckets = sheet.levels.front();
+  const Place at = sheet.levels[sheet.tileLevel].placeOf(0, tile);
+  const int side = 1 << sheet.tileLevel;
+  std::vector<std::int32_t> vertices;
+  std::vector<std::int32_t> faces;
+  for (int j = side * at.j; j < std::min(side * (at.j + 1), buckets.rows); ++j) {
+    for (int i = side * at.i; i < std::min(side * (at.i + 1), buckets.columns); ++i) {
+      const int bucket = buckets.node(i, j);
+      for (const FaceId f : sheet.tree->owned(bucket)) {
+        vertices.insert(vertices.end(), faces_[f].begin(), faces_[f].end());
+      }
+      for (const FaceId f : sheet.tree->overlapping(bucket)) faces.push_back(f);
+    }
+  }
+  vertices = sortedOnce(std::move(vertices));
+  faces = sortedOnce(std::move(faces));
+  fillUp(vertices.back(), vertices);
+  fillUp(faces.back(), faces);
+  sheet.vertices.insert(sheet.vertices.end(), vertices.begin(), vertices.end());
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const std::size_t lane = k % kLanes;
+    if (lane == 0) sheet.faces.emplace_back();
+    FaceLanes& lanes = sheet.faces.back();
+    const Face& face = faces_[faces[k]];
+    const Eigen::Matrix2d& inverse = inverseRest_[faces[k]];
+    for (int corner = 0; corner < 3; ++corner) lanes.corners[corner][lane] = face[corner];
+    for (int n = 0; n < 4; ++n) {
+      lanes.inverseRest[n][lane] = static_cast<float>(inverse(n / 2, n % 2));
+    }
+  }
+  sheet.firstVertex.push_back(static_cast<std::int32_t>(sheet.vertices.size()));
+  sheet.firstFace.push_back(static_cast<std::int32_t>(sheet.faces.size()));
+}
+
+/// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do.
+/// \param motionOf  displacement of a vertex [m].
+template <typename MotionOf>
+Vec3 Clearance::meanMotion(const MotionOf& motionOf) const {
+  constexpr std::size_t kSample = 256;
+  const auto vertices = static_cast<VertexId>(now_.x.size());
+  const auto stride = static_cast<VertexId>(std::max<std::size_t>(1, vertices / kSample));
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (VertexId v = 0; v < vertices; v += stride, ++count) sum += motionOf(v);
+  return sum / static_cast<double>(std::max(1, count));
+}
+
+/// Calls `body(v)` for all vertices.
+template <typename Body>
+void Clearance::forVertices(const Body& body) const {
+  parallelFor(static_cast<std::int32_t>(now_.x.size()), kCopyGrain,
+              [&](std::int32_t first, std::int32_t last) {
+                for (VertexId v = first; v < last; ++v) body(v);
+              });
+}
+
+bool Clearance::begin(const ParticleView& particles) {
+  if (!isWhole_) return false;
+  hasMoved_ = false;
+  const auto motionOf = [&](VertexId v) -> Vec3 {
+    const std::int32_t slot = particles.slot(v);
+    return particles.at(slot) - particles.startAt(slot);
+  };
+  const Vec3 common = meanMotion(motionOf);
+  common_ = Vec3::Zero();
+  forVertices([&](VertexId v) {
+    now_.set(v, particles.startAt(particles.slot(v)));
+    step_.set(v, kInterval * (motionOf(v) - common));
+  });
+  return check();
+}
+
+bool Clearance::follow(const ParticleView& particles, int substeps) {
+  hasMoved_ = true;
+  const auto motionOf = [&](VertexId v) -> Vec3 {
+    return particles.at(particles.slot(v)) - lastClear(v);
+  };
+  common_ = meanMotion(motionOf);
+  const double ahead = static_cast<double>(kInterval) / substeps;
+  forVertices([&](VertexId v) {
+    now_.set(v, particles.at(particles.slot(v)));
+    step_.set(v, ahead * (motionOf(v) - common_));
+  });
+  return check();
+}
+
+/// Finds the bounds of all tiles, and looks for parts that might touch.
+bool Clearance::check() {
+  for (Sheet& sheet : sheets_) bound(sheet);
+  for (std::size_t a = 0; a < sheets_.size(); ++a) {
+    const Place root = rootOf(sheets_[a].levels);
+    if (!isClear(root, root, sheets_[a])) return false;
+    for (std::size_t b = a + 1; b < sheets_.size(); ++b) {
+      if (!areClear(root, sheets_[a], rootOf(sheets_[b].levels), sheets_[b])) return false;
+    }
+  }
+  std::swap(from_, now_);
+  for (Sheet& sheet : sheets_) std::swap(sheet.lastBounds, sheet.bounds);
+  return true;
+}
+
+/// Brings the tiles, and the nodes above them, up to date.
+void Clearance::bound(Sheet& sheet) {
+  MaterialLevel& tiles = sheet.levels[sheet.tileLevel];
+  const ConstAxes x = axesAt(std::as_const(now_), 0);
+  const ConstAxes step = axesAt(std::as_const(step_), 0);
+  const Vec3 margin = Vec3::Constant(margin_);
+  parallelFor(tiles.count(), kTileGrain, [&](std::int32_t first, std::int32_t last) {
+    for (std::int32_t k = first; k < last; ++k) {
+      boundTile(sheet.tile(k), x, step, sheet.bounds[k]);
+      Box box = moved(sheet.bounds[k].ahead, -common_);
+      GradientBall ball = sheet.bounds[k].ball;
+      if (hasMoved_) {
+        box.add(sheet.lastBounds[k].now);
+        ball.add(sheet.lastBounds[k].ball);
+      }
+      tiles.boxes[k] = QuickBox({box.low - margin, box.high + margin});
+      tiles.balls[k] = ball;
+    }
+  });
+  tiles.forgetProofs();
+  std::fill(sheet.isDivided.begin(), sheet.isDivided.end(), 0);
+  for (std::size_t k = sheet.tileLevel + 1; k < sheet.levels.size(); ++k) {
+    for (std::int32_t node = 0; node < sheet.levels[k].count(); ++node) {
+      sheet.levels[k].join(sheet.levels[k - 1], node);
+    }
+    sheet.levels[k].forgetProofs();
+  }
+}
+
+/// Tells whether two nodes of a cloth do not touch, or a node itself. Where a position is not
+/// finite boxes say nothing, but no ball of the node proves anything either.
+bool Clearance::isClear(const Place& a, const Place& b, Sheet& sheet) {
+  const MaterialLevel& level = sheet.levels[a.level];
+  const int nodeA = level.node(a.i, a.j);
+  const int nodeB = level.node(b.i, b.j);
+  if (nodeA != nodeB && !level.boxes[nodeA].meets(level.boxes[nodeB])) return true;
+  if (level.isSmooth(a, b)) return true;
+  if (a.level == 0) return false;
+  std::array<Place, 4> partsA, partsB;
+  const int countA = partsOf(a, sheet, partsA);
+  const int countB = partsOf(b, sheet, partsB);
+  for (int k = 0; k < countA; ++k) {
+    for (int m = nodeA == nodeB ? k : 0; m < countB; ++m) {
+      if (!isClear(partsA[k], partsB[m], sheet)) return false;
+    }
+  }
+  return true;
+}
+
+/// Tells whether nodes of two cloths do not touch.
+bool Clearance::areClear(const Place& a, Sheet& sheetA, const Place& b, Sheet& sheetB) {
+  const auto boxOf = [](const Place& at, const Sheet& sheet) -> const QuickBox& {
+    const MaterialLevel& level = sheet.levels[at.level];
+    return level.boxes[level.node(at.i, at.j)];
+  };
+  if (!boxOf(a, sheetA).meets(boxOf(b, sheetB))) return true;
+  if (a.level == 0 && b.level == 0) return false;
+  std::array<Place, 4> parts;
+  const bool dividesA = a.level >= b.level;
+  const int count = dividesA ? partsOf(a, sheetA, parts) : partsOf(b, sheetB, parts);
+  for (int k = 0; k < count; ++k) {
+    if (!(dividesA ? areClear(parts[k], sheetA, b, sheetB)
+                   : areClear(a, sheetA, parts[k], sheetB))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// Lists the parts of a node, up to date.
+int Clearance::partsOf(const Place& place, Sheet& sheet, std::array<Place, 4>& out) {
+  if (place.level == sheet.tileLevel) divideAround(place, sheet);
+  return sheet.levels[place.level - 1].partsOf(place, out);
+}
+
+/// Brings what lies below a tile and its neighbours up to date: parts of neighbours are proven
+/// together.
+void Clearance::divideAround(const Place& tile, Sheet& sheet) {
+  const MaterialLevel& tiles = sheet.levels[sheet.tileLevel];
+  for (int j = std::max(0, tile.j - 1); j < std::min(tile.j + 2, tiles.rows); ++j) {
+    for (int i = std::max(0, tile.i - 1); i < std::min(tile.i + 2, tiles.columns); ++i) {
+      std::uint8_t& isDivided = sheet.isDivided[tiles.node(i, j)];
+      if (isDivided == 0) divide({sheet.tileLevel, i, j}, sheet);
+      isDivided = 1;
+    }
+  }
+}
+
+/// Brings the nodes below a tile up to date, the smallest first.
+void Clearance::divide(const Place& tile, Sheet& sheet) {
+  for (int k = 0; k < sheet.tileLevel; ++k) {
+    MaterialLevel& level = sheet.levels[k];
+    const int side = 1 << (sheet.tileLevel - k);
+    for (int j = side * tile.j; j < std::min(side * (tile.j + 1), level.rows); ++j) {
+      for (int i = side * tile.i; i < std::min(side * (tile.i + 1), level.columns); ++i) {
+        const int node = level.node(i, j);
+        if (k == 0) {
+          boundBucket(node, sheet);
+        } else {
+          level.join(sheet.levels[k - 1], node);
+        }
+        level.forgetProofs(node);
+      }
+    }
+  }
+}
+
+void Clearance::boundBucket(std::int32_t bucket, Sheet& sheet) const {
+  Box box;
+  const auto add = [&box](const Vec3& x) { box.add({x, x}); };
+  for (const FaceId f : sheet.tree->owned(bucket)) {
+    for (const VertexId v : faces_[f]) {
+      const Vec3 now = now_.at(v) - common_;
+      add(now);
+      add(now + step_.at(v));
+      if (hasMoved_) add(from_.at(v));
+    }
+  }
+  GradientBall ball;
+  for (const FaceId f : sheet.tree->overlapping(bucket)) {
+    for (const VectorArray* x : {&now_, &std::as_const(from_)}) {
+      if (x == &from_ && !hasMoved_) continue;
+      const Vec3 at = x->at(faces_[f][0]);
+      ball.add(
+          {Gradient::of(x->at(faces_[f][1]) - at, x->at(faces_[f][2]) - at, inverseRest_[f]), 0.0});
+    }
+  }
+  const Vec3 margin = Vec3::Constant(margin_);
+  sheet.levels.front().boxes[bucket] = QuickBox({box.low - margin, box.high + margin});
+  sheet.levels.front().balls[bucket] = ball;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,79 @@
+#pragma once
+/// \file A quick check that cloth is nowhere near itself, nor other cloth.
+
+#include <vector>
+
+#include "cloth_sim/contact/contacts.h"
+#include "material_tree.h"
+#include "tile_bounds.h"
+
+namespace cloth_sim {
+
+/// Checks in each step, from its start on and every few substeps, that no parts of the cloth come
+/// nearer than a margin. It divides the cloth into tiles of some cells, and looks at smaller parts
+/// only where two tiles might touch. Nothing is kept per face. Where all is clear, faces need not
+/// be searched for pairs, and nothing pushes layers apart.
+///
+/// The proof is that of material_tree.h: boxes and balls contain positions and gradients at both
+/// ends of the motion from one check to the next, and so those between, if each vertex moves on a
+/// straight line. What all vertices have in common does not count.
+class Clearance {
+ public:
+  /// Substeps from one check to the next.
+  static constexpr int kInterval = 10;
+
+  /// Follows the mesh.
+  /// \param trees   by cloth, built for that mesh; they have to outlive this object.
+  /// \param margin  half of the distance to keep [m].
+  void build(const Model& model, const std::vector<MaterialTree>& trees, double margin);
+  /// Tells whether all is clear at the start of a step, and seems to stay so until the next check.
+  /// \param particles  at the end of the first substep, before contact.
+  bool begin(const ParticleView& particles);
+  /// Tells whether all was clear since the last check, and seems to stay so until the next one.
+  /// False for positions that are not finite.
+  /// \param substeps  since the last check.
+  bool follow(const ParticleView& particles, int substeps);
+  /// Position of a vertex at the last check that found all clear [m].
+  Vec3 lastClear(VertexId v) const { return from_.at(static_cast<std::size_t>(v)); }
+
+ private:
+  /// A cloth.
+  struct Sheet {
+    const MaterialTree* tree = nullptr;
+    int tileLevel = 0;
+    std::vector<MaterialLevel> levels;   ///< as those of the tree; below the tiles only as needed
+    std::vector<std::int32_t> vertices;  ///< of the tiles, one tile after the other
+    std::vector<FaceLanes> faces;        ///< the same
+    std::vector<std::int32_t> firstVertex, firstFace;  ///< by tile
+    std::vector<TileBounds> bounds, lastBounds;        ///< by tile, now and at the last check
+    std::vector<std::uint8_t> isDivided;  ///< by tile: 1 if levels below are up to date
+    Tile tile(std::int32_t k) const;
+  };
+
+  void addTile(std::int32_t tile, Sheet& sheet) const;
+  template <typename Body>
+  void forVertices(const Body& body) const;
+  template <typename MotionOf>
+  Vec3 meanMotion(const MotionOf& motionOf) const;
+  bool check();
+  void bound(Sheet& sheet);
+  void divideAround(const Place& tile, Sheet& sheet);
+  void divide(const Place& tile, Sheet& sheet);
+  void boundBucket(std::int32_t bucket, Sheet& sheet) const;
+  bool isClear(const Place& a, const Place& b, Sheet& sheet);
+  bool areClear(const Place& a, Sheet& sheetA, const Place& b, Sheet& sheetB);
+  int partsOf(const Place& place, Sheet& sheet, std::array<Place, 4>& out);
+
+  std::vector<Face> faces_;
+  std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
+  std::vector<Sheet> sheets_;                 ///< by cloth
+  double margin_ = 0.0;                       ///< [m]
+  bool isWhole_ = false;                      ///< the surfaces of all cloths are continuous
+  bool hasMoved_ = false;                     ///< there was a check before in this step
+  Vec3 common_ = Vec3::Zero();  ///< motion since then that all vertices have in common [m]
+  VectorArray from_;            ///< positions at the last check, by vertex [m]
+  VectorArray now_;             ///< positions, by vertex [m]
+  VectorArray step_;            ///< how far vertices go until the next check, by vertex [m]
+};
+
+}  // namespace cloth_sim

@@ -1,0 +1,36 @@
+#pragma once
+/// \file Bounds of tiles of a cloth, some cells each: boxes around their vertices, and balls around
+/// the gradients of their faces. Kernels take four vertices or faces at a time.
+
+#include "linalg/vector_array.h"
+#include "material_level.h"
+#include "support/simd.h"
+
+namespace cloth_sim {
+
+/// Four faces.
+struct FaceLanes {
+  std::int32_t corners[3][kLanes];  ///< vertices
+  float inverseRest[4][kLanes];     ///< of their edges in the material plane, row by row [1/m]
+};
+
+/// The vertices and faces of a tile.
+struct Tile {
+  const std::int32_t* vertices;  ///< the last one may be there up to four times
+  std::int32_t vertexCount;      ///< a multiple of the lanes
+  const FaceLanes* faces;        ///< the last one may be there up to four times
+  std::int32_t groupCount;       ///< of four faces
+};
+
+struct TileBounds {
+  Box now;            ///< around the vertices [m]
+  Box ahead;          ///< the same, and around where they go [m]
+  GradientBall ball;  ///< around the gradients of the faces; not finite if a position is not
+};
+
+/// Finds the bounds of a tile.
+/// \param x     positions, by vertex [m].
+/// \param step  from there to where the vertices go, by vertex [m].
+void boundTile(const Tile& tile, const ConstAxes& x, const ConstAxes& step, TileBounds& bounds);
+
+}  // namespace cloth_sim

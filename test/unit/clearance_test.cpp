@@ -1,0 +1,244 @@
+/// \file The check that cloth is nowhere near itself.
+
+#include "contact/clearance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "cloth_sim/surgery/operation.h"
+#include "layer_support.h"
+
+namespace cloth_sim {
+namespace {
+
+constexpr double kMargin = 5e-4;
+
+/// Particles on their way, in slots that run backwards, so that a slot is not its vertex.
+struct Way {
+  Way(const std::vector<Vec3>& from, const std::vector<Vec3>& to) : mass(from.size(), 1e-4) {
+    start.resize(from.size());
+    end.resize(from.size());
+    for (std::size_t v = 0; v < from.size(); ++v) {
+      const std::size_t k = from.size() - 1 - v;
+      slotOf.push_back(static_cast<std::int32_t>(k));
+      start.set(k, from[v]);
+      end.set(k, to[v]);
+    }
+  }
+  ParticleView view() {
+    return {end.x.data(),   end.y.data(),   end.z.data(), start.x.data(),
+            start.y.data(), start.z.data(), mass.data(),  slotOf.data()};
+  }
+
+  VectorArray start, end;
+  std::vector<double> mass;
+  std::vector<std::int32_t> slotOf;
+};
+
+std::vector<Vec3> between(const std::vector<Vec3>& a, const std::vector<Vec3>& b, double t) {
+  std::vector<Vec3> x;
+  for (std::size_t k = 0; k < a.size(); ++k) x.push_back((1.0 - t) * a[k] + t * b[k]);
+  return x;
+}
+
+ClothSpec sheet(int particles) {
+  ClothSpec cloth;
+  cloth.columns = cloth.rows = particles;
+  cloth.fabric = fabricPreset("cotton");
+  return cloth;
+}
+
+/// A band that `rolled` rolls up along its length of a metre, in cells of 8 mm.
+ClothSpec band() {
+  ClothSpec cloth = sheet(129);
+  cloth.height = 0.032;
+  cloth.rows = 5;
+  return cloth;
+}
+
+/// A check of a model.
+class Checker {
+ public:
+  explicit Checker(const Model& model) : trees_(model.cloths.size()) {
+    for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
+    clearance_.build(model, trees_, kMargin);
+  }
+  bool begin(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    Way way(from, to);
+    return clearance_.begin(way.view());
+  }
+  bool follow(const std::vector<Vec3>& to, int substeps = Clearance::kInterval) {
+    Way way(to, to);  // it remembers where the way began
+    return clearance_.follow(way.view(), substeps);
+  }
+  const Clearance& clearance() const { return clearance_; }
+
+ private:
+  std::vector<MaterialTree> trees_;
+  Clearance clearance_;
+};
+
+TEST(Clearance, IsThatOfAClothThatIsFarFromItself) {
+  const Model model = buildModel(sheet(33));
+  Checker check(model);
+  std::vector<Vec3> from = rolled(model, 0.3, 0.0).x.values();  // half a turn
+  ASSERT_TRUE(check.begin(from, from));
+  for (int k = 0; k < 5; ++k) {
+    for (Vec3& x : from) x += Vec3(0.0, 0.2, -1.0);  // falls fast
+    for (std::size_t v = 0; v < from.size(); ++v) from[v].x() *= 0.98;
+    ASSERT_TRUE(check.follow(from));
+    EXPECT_EQ(check.clearance().lastClear(7), from[7]);
+  }
+}
+
+TEST(Clearance, NoFacesMeetWhereItIs) {
+  const Model model = buildModel(band());
+  Checker check(model);
+  RandomPoints random(21);
+  int clear = 0;
+  int meeting = 0;
+  for (int round = 0; round < 80; ++round) {
+    const auto roll = [&] {
+      return rolled(model, 0.08 + 0.1 * std::abs(random.number()), 12e-3 * random.number());
+    };
+    const std::vector<Vec3> from = roll().x.values();
+    const std::vector<Vec3> to = between(from, roll().x.values(), round % 2 == 0 ? 0.1 : 1.0);
+    const bool isClear = check.begin(from, from) && check.follow(to);
+    clear += isClear ? 1 : 0;
+    bool meet = false;
+    for (int k = 0; k <= 4 && !meet; ++k) {
+      State state;
+      state.x = VertexData<Vec3>(between(from, to, k / 4.0));
+      meet = countIntersections(model, state) > 0;
+    }
+    meeting += meet ? 1 : 0;
+    EXPECT_FALSE(isClear && meet) << "round " << round;
+  }
+  EXPECT_GT(clear, 15);
+  EXPECT_GT(meeting, 15);
+}
+
+TEST(Clearance, LooksAtTheWay) {
+  const Model model = buildModel(band());
+  Checker check(model);
+  const std::vector<Vec3> from = rolled(model, 0.12, 6e-3).x.values();
+  const std::vector<Vec3> to = rolled(model, 0.12, -6e-3).x.values();
+  ASSERT_TRUE(check.begin(to, to)) << "nothing is near itself there";
+  ASSERT_TRUE(check.begin(from, from));
+  EXPECT_FALSE(check.follow(to)) << "an end of the roll has passed through it";
+}
+
+/// Two cloths, one above the other.
+class TwoSheets : public testing::Test {
+ protected:
+  std::vector<Vec3> at(double height) const {
+    std::vector<Vec3> x;
+    for (VertexId v = 0; v < model_.particleCount(); ++v) {
+      const bool isUpper = model_.clothOf(v) == 1;
+      const Vec2 at = model_.mesh.material(v) - model_.mesh.material(isUpper ? 17 * 17 : 0);
+      x.emplace_back(at.x(), at.y(), isUpper ? height : 0.0);
+    }
+    return x;
+  }
+
+  Model model_ = buildModel(std::vector<ClothSpec>{sheet(17), sheet(13)});
+  Checker check_{model_};
+};
+
+TEST_F(TwoSheets, KeepTheMargins) {
+  EXPECT_TRUE(check_.begin(at(2.2 * kMargin), at(2.2 * kMargin)));
+  EXPECT_TRUE(check_.follow(at(2.15 * kMargin)));
+  EXPECT_FALSE(check_.follow(at(1.9 * kMargin)));
+}
+
+TEST_F(TwoSheets, MayNotBeOnTheWayToEachOther) {
+  const double fast = 2e-3;  // in a substep
+  EXPECT_FALSE(check_.begin(at(0.5 * Clearance::kInterval * fast),
+                            at((0.5 * Clearance::kInterval - 1.0) * fast)));
+  EXPECT_TRUE(check_.begin(at(4.0 * Clearance::kInterval * fast),
+                           at((4.0 * Clearance::kInterval - 1.0) * fast)));
+  EXPECT_TRUE(check_.follow(at(3.0 * Clearance::kInterval * fast)));
+  EXPECT_FALSE(check_.follow(at(1.0 * Clearance::kInterval * fast)));
+}
+
+TEST(Clearance, IsNotThatOfPlacesThatAreNotFinite) {
+  const Model model = buildModel(sheet(9));
+  Checker check(model);
+  std::vector<Vec3> x = rolled(model, 2.0, 0.0).x.values();
+  ASSERT_TRUE(check.begin(x, x));
+  x[40].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(check.follow(x));
+}
+
+TEST(Clearance, IsNotAskedOfACutCloth) {
+  Model model = buildModel(sheet(17));
+  const std::vector<Vec3> flat = rolled(model, 100.0, 0.0).x.values();
+  ASSERT_TRUE(Checker(model).begin(flat, flat));
+  State state;
+  state.x = VertexData<Vec3>(flat);
+  state.v = VertexData<Vec3>(flat.size(), Vec3::Zero());
+  cutOut({100, 101, 102, 103}, model, state);
+  const std::vector<Vec3>& cut = state.x.values();
+  EXPECT_FALSE(Checker(model).begin(cut, cut));
+}
+
+TEST(TileBounds, AreThoseOfItsVerticesAndFaces) {
+  RandomPoints random(5);
+  VectorArray x;
+  VectorArray step;
+  x.resize(12);
+  step.resize(12);
+  for (int round = 0; round < 50; ++round) {
+    for (std::size_t k = 0; k < 12; ++k) {
+      x.set(k, random.point());
+      step.set(k, random.point());
+    }
+    const std::int32_t vertices[8] = {2, 3, 5, 7, 11, 11, 11, 11};
+    std::vector<FaceLanes> faces(20);  // more than get one ball
+    for (FaceLanes& of : faces) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        for (auto& corners : of.corners) {
+          corners[lane] = static_cast<std::int32_t>(std::abs(random.number()) * 11.99);
+        }
+        for (auto& entry : of.inverseRest) entry[lane] = static_cast<float>(random.number());
+      }
+    }
+    TileBounds bounds;
+    boundTile({vertices, 8, faces.data(), 20}, axesAt(std::as_const(x), 0),
+              axesAt(std::as_const(step), 0), bounds);
+    Box now;
+    Box ahead;
+    for (const std::int32_t v : vertices) {
+      const Vec3 at = x.at(static_cast<std::size_t>(v));
+      const Vec3 to = at + step.at(static_cast<std::size_t>(v));
+      now.add({at, at});
+      ahead.add({at, at});
+      ahead.add({to, to});
+    }
+    EXPECT_EQ(bounds.now.low, now.low);
+    EXPECT_EQ(bounds.now.high, now.high);
+    EXPECT_EQ(bounds.ahead.low, ahead.low);
+    EXPECT_EQ(bounds.ahead.high, ahead.high);
+    double farthest = 0.0;
+    for (const FaceLanes& of : faces) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const auto at = [&](int corner) {
+          return x.at(static_cast<std::size_t>(of.corners[corner][lane]));
+        };
+        Eigen::Matrix2d inverse;
+        inverse << of.inverseRest[0][lane], of.inverseRest[1][lane], of.inverseRest[2][lane],
+            of.inverseRest[3][lane];
+        const Gradient gradient = Gradient::of(at(1) - at(0), at(2) - at(0), inverse);
+        farthest = std::max(farthest, (gradient - bounds.ball.centre).norm());
+      }
+    }
+    EXPECT_LE(farthest, bounds.ball.radius * (1.0 + 1e-12));
+    EXPECT_LE(bounds.ball.radius, 3.0 * farthest);
+  }
+}
+
+}  // namespace
+}  // namespace cloth_sim
