@@ -10,14 +10,15 @@ namespace {
 
 /// Level of the tiles: 4 x 4 buckets.
 constexpr int kTileLevel = 2;
+/// Substeps for which a step has to look clear at its start. If it is not in the end, it is done
+/// again; if it does not look so but would be, faces are searched in vain.
+constexpr double kOutlook = 3.0;
 constexpr std::int32_t kTileGrain = 32;
 constexpr std::int32_t kCopyGrain = 4096;
 
 Place rootOf(const std::vector<MaterialLevel>& levels) {
   return {static_cast<int>(levels.size()) - 1, 0, 0};
 }
-
-Box moved(const Box& box, const Vec3& by) { return {box.low + by, box.high + by}; }
 
 /// Appends `of` until `values` is a multiple of the lanes long.
 template <typename Value>
@@ -48,7 +49,7 @@ void Clearance::build(const Model& model, const std::vector<MaterialTree>& trees
   inverseRest_.clear();
   for (const Face& face : faces_) inverseRest_.push_back(inverseRestOf(model.mesh, face));
   const auto vertices = static_cast<std::size_t>(model.particleCount());
-  for (VectorArray* array : {&from_, &now_, &step_}) array->resize(vertices);
+  for (VectorArray* array : {&last_, &now_}) array->resize(vertices);
   for (const MaterialTree& tree : trees) {
     Sheet& sheet = sheets_.emplace_back();
     sheet.tree = &tree;
@@ -127,37 +128,34 @@ void Clearance::forVertices(const Body& body) const {
 
 bool Clearance::begin(const ParticleView& particles) {
   if (!isWhole_) return false;
-  hasMoved_ = false;
   const auto motionOf = [&](VertexId v) -> Vec3 {
     const std::int32_t slot = particles.slot(v);
     return particles.at(slot) - particles.startAt(slot);
   };
-  const Vec3 common = meanMotion(motionOf);
-  common_ = Vec3::Zero();
+  common_ = kOutlook * meanMotion(motionOf);
   forVertices([&](VertexId v) {
-    now_.set(v, particles.startAt(particles.slot(v)));
-    step_.set(v, kInterval * (motionOf(v) - common));
+    const Vec3 start = particles.startAt(particles.slot(v));
+    last_.set(v, start);
+    now_.set(v, start + kOutlook * motionOf(v));
   });
-  return check();
+  bound(last_, &Sheet::lastBounds);
+  return areAllClear();
 }
 
-bool Clearance::follow(const ParticleView& particles, int substeps) {
-  hasMoved_ = true;
-  const auto motionOf = [&](VertexId v) -> Vec3 {
-    return particles.at(particles.slot(v)) - lastClear(v);
-  };
-  common_ = meanMotion(motionOf);
-  const double ahead = static_cast<double>(kInterval) / substeps;
-  forVertices([&](VertexId v) {
-    now_.set(v, particles.at(particles.slot(v)));
-    step_.set(v, ahead * (motionOf(v) - common_));
-  });
-  return check();
+bool Clearance::follow(const ParticleView& particles) {
+  common_ =
+      meanMotion([&](VertexId v) -> Vec3 { return particles.at(particles.slot(v)) - last_.at(v); });
+  forVertices([&](VertexId v) { now_.set(v, particles.at(particles.slot(v))); });
+  if (!areAllClear()) return false;
+  std::swap(last_, now_);
+  for (Sheet& sheet : sheets_) std::swap(sheet.lastBounds, sheet.bounds);
+  return true;
 }
 
-/// Finds the bounds of all tiles, and looks for parts that might touch.
-bool Clearance::check() {
-  for (Sheet& sheet : sheets_) bound(sheet);
+/// Looks for parts that might touch on the way from the last check until now.
+bool Clearance::areAllClear() {
+  bound(now_, &Sheet::bounds);
+  for (Sheet& sheet : sheets_) join(sheet);
   for (std::size_t a = 0; a < sheets_.size(); ++a) {
     const Place root = rootOf(sheets_[a].levels);
     if (!isClear(root, root, sheets_[a])) return false;
@@ -165,30 +163,32 @@ bool Clearance::check() {
       if (!areClear(root, sheets_[a], rootOf(sheets_[b].levels), sheets_[b])) return false;
     }
   }
-  std::swap(from_, now_);
-  for (Sheet& sheet : sheets_) std::swap(sheet.lastBounds, sheet.bounds);
   return true;
 }
 
-/// Brings the tiles, and the nodes above them, up to date.
-void Clearance::bound(Sheet& sheet) {
+/// Finds the bounds of all tiles at one end of the way. \param x  positions, by vertex [m].
+void Clearance::bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds) {
+  for (Sheet& sheet : sheets_) {
+    parallelFor(sheet.levels[sheet.tileLevel].count(), kTileGrain,
+                [&](std::int32_t first, std::int32_t last) {
+                  for (std::int32_t k = first; k < last; ++k) {
+                    (sheet.*bounds)[k] = boundTile(sheet.tile(k), axesAt(x, 0));
+                  }
+                });
+  }
+}
+
+/// Joins the bounds at both ends, and brings the nodes above the tiles up to date.
+void Clearance::join(Sheet& sheet) {
   MaterialLevel& tiles = sheet.levels[sheet.tileLevel];
-  const ConstAxes x = axesAt(std::as_const(now_), 0);
-  const ConstAxes step = axesAt(std::as_const(step_), 0);
-  const Vec3 margin = Vec3::Constant(margin_);
-  parallelFor(tiles.count(), kTileGrain, [&](std::int32_t first, std::int32_t last) {
-    for (std::int32_t k = first; k < last; ++k) {
-      boundTile(sheet.tile(k), x, step, sheet.bounds[k]);
-      Box box = moved(sheet.bounds[k].ahead, -common_);
-      GradientBall ball = sheet.bounds[k].ball;
-      if (hasMoved_) {
-        box.add(sheet.lastBounds[k].now);
-        ball.add(sheet.lastBounds[k].ball);
-      }
-      tiles.boxes[k] = QuickBox({box.low - margin, box.high + margin});
-      tiles.balls[k] = ball;
-    }
-  });
+  for (std::int32_t k = 0; k < tiles.count(); ++k) {
+    const TileBounds& now = sheet.bounds[k];
+    const TileBounds& last = sheet.lastBounds[k];
+    tiles.boxes[k] = widened({last.box.low.cwiseMin(now.box.low - common_),
+                              last.box.high.cwiseMax(now.box.high - common_)});
+    tiles.balls[k] = last.ball;
+    tiles.balls[k].add(now.ball);
+  }
   tiles.forgetProofs();
   std::fill(sheet.isDivided.begin(), sheet.isDivided.end(), 0);
   for (std::size_t k = sheet.tileLevel + 1; k < sheet.levels.size(); ++k) {
@@ -197,6 +197,11 @@ void Clearance::bound(Sheet& sheet) {
     }
     sheet.levels[k].forgetProofs();
   }
+}
+
+QuickBox Clearance::widened(const Box& box) const {
+  const Vec3 margin = Vec3::Constant(margin_);
+  return QuickBox({box.low - margin, box.high + margin});
 }
 
 /// Tells whether two nodes of a cloth do not touch, or a node itself. Where a position is not
@@ -279,26 +284,20 @@ void Clearance::divide(const Place& tile, Sheet& sheet) {
 
 void Clearance::boundBucket(std::int32_t bucket, Sheet& sheet) const {
   Box box;
-  const auto add = [&box](const Vec3& x) { box.add({x, x}); };
   for (const FaceId f : sheet.tree->owned(bucket)) {
     for (const VertexId v : faces_[f]) {
-      const Vec3 now = now_.at(v) - common_;
-      add(now);
-      add(now + step_.at(v));
-      if (hasMoved_) add(from_.at(v));
+      for (const Vec3& x : {last_.at(v), Vec3(now_.at(v) - common_)}) box.add({x, x});
     }
   }
   GradientBall ball;
   for (const FaceId f : sheet.tree->overlapping(bucket)) {
-    for (const VectorArray* x : {&now_, &std::as_const(from_)}) {
-      if (x == &from_ && !hasMoved_) continue;
+    for (const VectorArray* x : {&last_, &now_}) {
       const Vec3 at = x->at(faces_[f][0]);
       ball.add(
           {Gradient::of(x->at(faces_[f][1]) - at, x->at(faces_[f][2]) - at, inverseRest_[f]), 0.0});
     }
   }
-  const Vec3 margin = Vec3::Constant(margin_);
-  sheet.levels.front().boxes[bucket] = QuickBox({box.low - margin, box.high + margin});
+  sheet.levels.front().boxes[bucket] = widened(box);
   sheet.levels.front().balls[bucket] = ball;
 }
 

@@ -11,12 +11,12 @@ namespace cloth_sim {
 
 /// Checks in each step, from its start on and every few substeps, that no parts of the cloth come
 /// nearer than a margin. It divides the cloth into tiles of some cells, and looks at smaller parts
-/// only where two tiles might touch. Nothing is kept per face. Where all is clear, faces need not
-/// be searched for pairs, and nothing pushes layers apart.
+/// only where two tiles might touch; nothing is kept per face. Where all is clear, faces need not
+/// be searched for pairs, and no contact would push anything.
 ///
-/// The proof is that of material_tree.h: boxes and balls contain positions and gradients at both
-/// ends of the motion from one check to the next, and so those between, if each vertex moves on a
-/// straight line. What all vertices have in common does not count.
+/// The proof is that of material_tree.h: boxes and balls contain positions and gradients at two
+/// times, and so those between, if each vertex moves on a straight line. What all vertices have in
+/// common does not count.
 class Clearance {
  public:
   /// Substeps from one check to the next.
@@ -26,15 +26,12 @@ class Clearance {
   /// \param trees   by cloth, built for that mesh; they have to outlive this object.
   /// \param margin  half of the distance to keep [m].
   void build(const Model& model, const std::vector<MaterialTree>& trees, double margin);
-  /// Tells whether all is clear at the start of a step, and seems to stay so until the next check.
+  /// Tells whether all is clear at the start of a step, and in some substeps like the first one.
   /// \param particles  at the end of the first substep, before contact.
   bool begin(const ParticleView& particles);
-  /// Tells whether all was clear since the last check, and seems to stay so until the next one.
-  /// False for positions that are not finite.
-  /// \param substeps  since the last check.
-  bool follow(const ParticleView& particles, int substeps);
-  /// Position of a vertex at the last check that found all clear [m].
-  Vec3 lastClear(VertexId v) const { return from_.at(static_cast<std::size_t>(v)); }
+  /// Tells whether all is clear on straight ways from where vertices were at the last check that
+  /// found all clear. False for positions that are not finite.
+  bool follow(const ParticleView& particles);
 
  private:
   /// A cloth.
@@ -45,7 +42,8 @@ class Clearance {
     std::vector<std::int32_t> vertices;  ///< of the tiles, one tile after the other
     std::vector<FaceLanes> faces;        ///< the same
     std::vector<std::int32_t> firstVertex, firstFace;  ///< by tile
-    std::vector<TileBounds> bounds, lastBounds;        ///< by tile, now and at the last check
+    std::vector<TileBounds> bounds;                    ///< by tile, at one end
+    std::vector<TileBounds> lastBounds;                ///< the same at the last check
     std::vector<std::uint8_t> isDivided;  ///< by tile: 1 if levels below are up to date
     Tile tile(std::int32_t k) const;
   };
@@ -55,8 +53,10 @@ class Clearance {
   void forVertices(const Body& body) const;
   template <typename MotionOf>
   Vec3 meanMotion(const MotionOf& motionOf) const;
-  bool check();
-  void bound(Sheet& sheet);
+  bool areAllClear();
+  void bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds);
+  void join(Sheet& sheet);
+  QuickBox widened(const Box& box) const;
   void divideAround(const Place& tile, Sheet& sheet);
   void divide(const Place& tile, Sheet& sheet);
   void boundBucket(std::int32_t bucket, Sheet& sheet) const;
@@ -69,11 +69,9 @@ class Clearance {
   std::vector<Sheet> sheets_;                 ///< by cloth
   double margin_ = 0.0;                       ///< [m]
   bool isWhole_ = false;                      ///< the surfaces of all cloths are continuous
-  bool hasMoved_ = false;                     ///< there was a check before in this step
-  Vec3 common_ = Vec3::Zero();  ///< motion since then that all vertices have in common [m]
-  VectorArray from_;            ///< positions at the last check, by vertex [m]
+  Vec3 common_ = Vec3::Zero();  ///< motion since the last check that all have in common [m]
+  VectorArray last_;            ///< positions at the last check, by vertex [m]
   VectorArray now_;             ///< positions, by vertex [m]
-  VectorArray step_;            ///< how far vertices go until the next check, by vertex [m]
 };
 
 }  // namespace cloth_sim

@@ -34,12 +34,6 @@ constexpr double kFewOfMany = 0.15;
 /// Share of the thickness below which layers do not get nearer where contact gives way.
 constexpr double kLeastShare = 0.1;
 
-/// The reach seen from a motion that took some substeps: that motion at least, and a half more.
-Reach reachOf(Reach reach, int substeps) {
-  if (substeps > 1) reach.substeps = std::max(1.5, reach.substeps / substeps);
-  return reach;
-}
-
 }  // namespace
 
 class LayerContact::Impl {
@@ -51,13 +45,13 @@ class LayerContact::Impl {
   void build(const Model& model);
   LayerOverlap findOverlap(const std::vector<Vec3>& x);
   LayerOverlap findOverlap(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
-  void beginStep(bool isRest);
+  void beginStep(StepPart part);
   void load(const ParticleView& particles);
   void project(const ParticleView& particles, double h);
   void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
-  bool isWaiting() const { return waiting_ > 0; }
-  void certifyWaiting(const ParticleView& particles);
+  bool endStep(const ParticleView& particles);
+  bool hasComeNear() const { return hasComeNear_; }
   bool isBlocked(std::size_t v) const;
   LayerReport wholeReport() const;
   std::vector<LayerContactPoint> contactPoints() const;
@@ -68,6 +62,8 @@ class LayerContact::Impl {
  private:
   /// \param isAsked  by face: 1 if pairs with it matter.
   LayerOverlap overlapOf(const std::vector<Vec3>& x, const std::vector<std::uint8_t>& isAsked);
+  void checkClearance(const ParticleView& particles);
+  void certifyPairs(const ParticleView& particles);
   bool goesOn(const ParticleView& particles) const;
   void forgetPairs();
   void loadSupported(const ParticleView& particles);
@@ -76,16 +72,15 @@ class LayerContact::Impl {
   void store(const ParticleView& particles) const;
   void storePushed(const ParticleView& particles);
   void storeOne(VertexId v, const ParticleView& particles) const;
-  void certifyMotion(const ParticleView& particles, int substeps);
   double farthestMotion();
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
   SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
-  void search(int substeps);
+  void search();
   bool findPairs(const Reach& reach, std::size_t most);
   bool searchAroundLeft(const ParticleView& particles);
-  void searchAll(const ParticleView& particles, int substeps = 1);
+  void searchAll(const ParticleView& particles);
   void searchAround();
   void collect(std::size_t most);
   void collectNew();
@@ -105,10 +100,10 @@ class LayerContact::Impl {
   bool isFresh_ = false;            ///< pairs are those of this step
   bool mayGoOn_ = false;            ///< pairs are those of an earlier part of this step
   bool isBrief_ = false;            ///< the next search is that of the rest of a step
-  bool isBegun_ = false;            ///< there was a substep since the step, or its rest, began
-  bool isClear_ = false;            ///< the cloth is nowhere near itself: there is nothing to do
-  int waiting_ = 0;                 ///< substeps since that was checked
-  VectorArray lastClear_;           ///< positions when that was checked, by slot [m]
+  bool mayBeClear_ = false;         ///< the next substep asks whether the cloth is clear
+  bool isClear_ = false;            ///< it is nowhere near itself: there is nothing to do
+  bool hasComeNear_ = false;        ///< it was, and is not any more
+  int unchecked_ = 0;               ///< substeps since that was checked
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
@@ -143,7 +138,7 @@ void LayerContact::Impl::build(const Model& model) {
   boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
   clearance_.build(model, trees_, margin_);
-  beginStep(false);
+  beginStep(StepPart::kWhole);
 }
 
 LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x) {
@@ -172,17 +167,18 @@ LayerOverlap LayerContact::Impl::overlapOf(const std::vector<Vec3>& x,
       for (const VertexId v : faces_[f]) overlap.place += x[v] / 6.0;
     }
   }
-  beginStep(false);
+  beginStep(StepPart::kWhole);
   return overlap;
 }
 
-void LayerContact::Impl::beginStep(bool isRest) {
+void LayerContact::Impl::beginStep(StepPart part) {
   report = LayerReport();
-  isBrief_ = isRest;
-  mayGoOn_ = isRest && isFresh_;
-  isBegun_ = mayGoOn_;
+  isBrief_ = part == StepPart::kRest;
+  mayGoOn_ = isBrief_ && isFresh_;
+  mayBeClear_ = part != StepPart::kAgain && !mayGoOn_;
   isClear_ = false;
-  waiting_ = 0;
+  hasComeNear_ = false;
+  unchecked_ = 0;
   if (!mayGoOn_) forgetPairs();
 }
 
@@ -195,8 +191,8 @@ void LayerContact::Impl::forgetPairs() {
 }
 
 void LayerContact::Impl::load(const ParticleView& particles) {
-  if (!std::exchange(isBegun_, true)) isClear_ = clearance_.begin(particles);
-  if (isClear_) return;
+  if (std::exchange(mayBeClear_, false)) isClear_ = clearance_.begin(particles);
+  if (isClear_ || hasComeNear_) return;
   if (std::exchange(mayGoOn_, false) && !goesOn(particles)) forgetPairs();
   for (const VertexId v : vertices_) {
     const std::int32_t k = particles.slot(v);
@@ -291,13 +287,13 @@ void LayerContact::Impl::boxFace(FaceId f) {
 
 /// Finds the pairs of faces that may touch before the next search. Far reach spares searches where
 /// there are few of them.
-void LayerContact::Impl::search(int substeps) {
+void LayerContact::Impl::search() {
   const auto many = static_cast<std::size_t>(kNearShare * static_cast<double>(faces_.size()));
   const bool wereMany = isFresh_ && near_.size() > many;
   if (std::exchange(isBrief_, false)) {
-    findPairs(reachOf(kBrief, substeps), NearPairs::kAll);
-  } else if (wereMany || !findPairs(reachOf(kFar, substeps), many)) {
-    findPairs(reachOf(kNear, substeps), NearPairs::kAll);
+    findPairs(kBrief, NearPairs::kAll);
+  } else if (wereMany || !findPairs(kFar, many)) {
+    findPairs(kNear, NearPairs::kAll);
   }
   pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
   contacts_.assign(near_, corners_);
@@ -348,9 +344,9 @@ bool LayerContact::Impl::searchAroundLeft(const ParticleView& particles) {
   return true;
 }
 
-/// Searches from the start of the motion on, which took some substeps. All vertices are loaded.
-void LayerContact::Impl::searchAll(const ParticleView& particles, int substeps) {
-  search(substeps);
+/// Searches from the start of the substep on. All vertices are loaded.
+void LayerContact::Impl::searchAll(const ParticleView& particles) {
+  search();
   allowance_.follow(particles);
 }
 
@@ -394,7 +390,7 @@ void LayerContact::Impl::listVertices() {
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   most_ = kFastest * h;
   report.contacts = 0;
-  if (isClear_) return;
+  if (isClear_ || hasComeNear_) return;
   if (isFresh_ && pairs_.count() == 0) return;
   loadSupported(particles);
   if (!(farthestMotion() <= most_)) return;
@@ -420,35 +416,26 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
 
 void LayerContact::Impl::certify(const ParticleView& particles) {
   report.moves += static_cast<std::int64_t>(end_.size());
-  if (!isClear_) {
-    certifyMotion(particles, 1);
-  } else if (++waiting_ == Clearance::kInterval) {
-    certifyWaiting(particles);
-  }
+  report.blocked = 0;
+  if (hasComeNear_) return;
+  if (!isClear_) return certifyPairs(particles);
+  if (++unchecked_ == Clearance::kInterval) checkClearance(particles);
 }
 
-/// Where the cloth is not clear of itself any more, the motion since it was is certified as one.
-void LayerContact::Impl::certifyWaiting(const ParticleView& particles) {
-  const int substeps = std::exchange(waiting_, 0);
-  isClear_ = clearance_.follow(particles, substeps);
-  if (isClear_) return;
-  ParticleView since = particles;
-  for (const VertexId v : all_) {
-    const auto slot = static_cast<std::size_t>(particles.slot(v));
-    if (slot >= lastClear_.x.size()) lastClear_.resize(slot + 1);
-    lastClear_.set(slot, clearance_.lastClear(v));
-  }
-  since.startX = lastClear_.x.data();
-  since.startY = lastClear_.y.data();
-  since.startZ = lastClear_.z.data();
-  certifyMotion(since, substeps);
+void LayerContact::Impl::checkClearance(const ParticleView& particles) {
+  unchecked_ = 0;
+  isClear_ = clearance_.follow(particles);
+  hasComeNear_ = !isClear_;
+}
+
+bool LayerContact::Impl::endStep(const ParticleView& particles) {
+  if (unchecked_ > 0) checkClearance(particles);
+  return !hasComeNear_;
 }
 
 /// Shortening a motion may take faces out of what the search allowed: then there is another search,
-/// from the start of the motion.
-/// \param substeps  that the motion took.
-void LayerContact::Impl::certifyMotion(const ParticleView& particles, int substeps) {
-  report.blocked = 0;
+/// from the start of the substep.
+void LayerContact::Impl::certifyPairs(const ParticleView& particles) {
   std::fill(truncated_.begin(), truncated_.end(), 0);
   bool isAllowed = isFresh_ && (allowance_.isKept(particles) || searchAroundLeft(particles));
   if (isAllowed) {
@@ -457,13 +444,11 @@ void LayerContact::Impl::certifyMotion(const ParticleView& particles, int subste
   } else {
     loadAll(particles);
     // A comparison that is false for NaN. The motion would meet everything.
-    if (!(farthestMotion() <= substeps * most_)) return giveUp(particles);
+    if (!(farthestMotion() <= most_)) return giveUp(particles);
   }
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
-    if (!isAllowed && (searches == 0 || !searchAroundLeft(particles))) {
-      searchAll(particles, substeps);
-    }
+    if (!isAllowed && (searches == 0 || !searchAroundLeft(particles))) searchAll(particles);
     const PairOutcome outcome = pairs_.keepApart({motion(), truncated_});
     report.unproven += outcome.unproven;
     if (outcome.changed) store(particles);
@@ -516,7 +501,7 @@ LayerOverlap LayerContact::findOverlap(const std::vector<Vec3>& x,
   return impl_->findOverlap(x, faces);
 }
 
-void LayerContact::beginStep(bool isRest) { impl_->beginStep(isRest); }
+void LayerContact::beginStep(StepPart part) { impl_->beginStep(part); }
 
 void LayerContact::load(const ParticleView& particles) { impl_->load(particles); }
 
@@ -528,11 +513,9 @@ void LayerContact::settle(const ParticleView& particles, double h) { impl_->sett
 
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
 
-bool LayerContact::isWaiting() const { return impl_->isWaiting(); }
+bool LayerContact::endStep(const ParticleView& particles) { return impl_->endStep(particles); }
 
-void LayerContact::certifyWaiting(const ParticleView& particles) {
-  impl_->certifyWaiting(particles);
-}
+bool LayerContact::hasComeNear() const { return impl_->hasComeNear(); }
 
 LayerReport LayerContact::report() const { return impl_->wholeReport(); }
 

@@ -79,40 +79,27 @@ void boundGradients(const Tile& tile, const ConstAxes& x, GradientBall& ball) {
 }
 
 CLOTH_SIM_VECTOR_CLONES
-void boundAxis(const Tile& tile, const double* x, const double* step, double* bounds) {
+void boundAxis(const Tile& tile, const double* x, double& least, double& most) {
   Lanes low = gather(x, tile.vertices);
   Lanes high = low;
-  Lanes lowAhead = low;
-  Lanes highAhead = low;
-  for (std::int32_t k = 0; k < tile.vertexCount; k += kLanes) {
+  for (std::int32_t k = kLanes; k < tile.vertexCount; k += kLanes) {
     const Lanes at = gather(x, tile.vertices + k);
-    const Lanes to = at + gather(step, tile.vertices + k);
     low = lower(at, low);
     high = upper(at, high);
-    lowAhead = lower(to, lowAhead);
-    highAhead = upper(to, highAhead);
   }
-  bounds[0] = std::min({low[0], low[1], low[2], low[3]});
-  bounds[1] = std::max({high[0], high[1], high[2], high[3]});
-  bounds[2] = std::min({lowAhead[0], lowAhead[1], lowAhead[2], lowAhead[3], bounds[0]});
-  bounds[3] = std::max({highAhead[0], highAhead[1], highAhead[2], highAhead[3], bounds[1]});
+  least = std::min({low[0], low[1], low[2], low[3]});
+  most = std::max({high[0], high[1], high[2], high[3]});
 }
 
 }  // namespace
 
-void boundTile(const Tile& tile, const ConstAxes& x, const ConstAxes& step, TileBounds& bounds) {
-  const double* const places[3] = {x.x, x.y, x.z};
-  const double* const steps[3] = {step.x, step.y, step.z};
-  for (int axis = 0; axis < 3; ++axis) {
-    double along[4];  // low, high, low ahead, high ahead
-    boundAxis(tile, places[axis], steps[axis], along);
-    bounds.now.low[axis] = along[0];
-    bounds.now.high[axis] = along[1];
-    bounds.ahead.low[axis] = along[2];
-    bounds.ahead.high[axis] = along[3];
-  }
-  bounds.ball = GradientBall();
+TileBounds boundTile(const Tile& tile, const ConstAxes& x) {
+  TileBounds bounds;
+  boundAxis(tile, x.x, bounds.box.low.x(), bounds.box.high.x());
+  boundAxis(tile, x.y, bounds.box.low.y(), bounds.box.high.y());
+  boundAxis(tile, x.z, bounds.box.low.z(), bounds.box.high.z());
   boundGradients(tile, x, bounds.ball);
+  return bounds;
 }
 
 }  // namespace cloth_sim

@@ -23,14 +23,11 @@ struct Tile {
 };
 
 struct TileBounds {
-  Box now;            ///< around the vertices [m]
-  Box ahead;          ///< the same, and around where they go [m]
+  Box box;            ///< around the vertices [m]
   GradientBall ball;  ///< around the gradients of the faces; not finite if a position is not
 };
 
-/// Finds the bounds of a tile.
-/// \param x     positions, by vertex [m].
-/// \param step  from there to where the vertices go, by vertex [m].
-void boundTile(const Tile& tile, const ConstAxes& x, const ConstAxes& step, TileBounds& bounds);
+/// Finds the bounds of a tile. \param x  positions, by vertex [m].
+TileBounds boundTile(const Tile& tile, const ConstAxes& x);
 
 }  // namespace cloth_sim

@@ -47,15 +47,21 @@ StepStatus GuardedSolver::advance(const StepLength& length, const SteppedCloth& 
 }
 
 /// Solves once, and again for as long as clamps begin to slip: at least one more each time, so it
-/// ends. A jump of the energy counts as divergence.
+/// ends. So does a cloth that comes near itself unexpectedly, once. A jump of the energy counts as
+/// divergence.
 StepStatus GuardedSolver::attempt(const StepLength& length, const SteppedCloth& cloth) {
+  StepPart part = length.done > 0.0 ? StepPart::kRest : StepPart::kWhole;
   while (true) {
     cloth.obstacles.detect(cloth.model, cloth.state, length.left(), meetsSharpFeatures_);
     cloth.obstacles.contacts().layers = cloth.layers;
-    if (cloth.layers != nullptr) cloth.layers->beginStep(length.done > 0.0);
+    if (cloth.layers != nullptr) cloth.layers->beginStep(part);
     report_ =
         solver_->step(cloth.model, cloth.state, cloth.controls, cloth.obstacles.contacts(), length);
     if (report_.status == StepStatus::kStopped) return report_.status;
+    if (report_.status == StepStatus::kCameNear) {
+      part = StepPart::kAgain;
+      continue;
+    }
     if (!watch_.endedWell(cloth.model, cloth.state, report_.status)) return StepStatus::kDiverged;
     if (!cloth.holders.yield(cloth.controls, report_)) return StepStatus::kOk;
     takeBack(cloth);

@@ -11,6 +11,10 @@
 
 namespace cloth_sim {
 
+bool Substep::isOver() const {
+  return isStopped() || (contacts.layers != nullptr && contacts.layers->hasComeNear());
+}
+
 void Substep::markStart() { copy(particles.x, particles.start); }
 
 void Substep::addLoads() {
@@ -96,15 +100,6 @@ void Substep::enforceContacts() {
     p.v.set(k, p.v.at(k) + (p.x.at(k) - unprojected.at(k)) / h);
     unprojected.set(k, p.x.at(k));
   });
-}
-
-void Substep::certifyWaiting() {
-  if (contacts.layers == nullptr || !contacts.layers->isWaiting()) return;
-  Particles& p = particles;
-  copy(p.x, scratch);
-  contacts.layers->certifyWaiting(p.view());
-  forFreeCandidates(
-      [&](std::size_t k) { p.v.set(k, p.v.at(k) + (p.x.at(k) - scratch.at(k)) / h); });
 }
 
 void Substep::enforceContactVelocities() {

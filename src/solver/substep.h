@@ -33,6 +33,9 @@ struct Substep {
   /// on.
   bool isStopped() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 
+  /// Tells whether the step is to end now, because it is stopped or has to be done again.
+  bool isOver() const;
+
   /// Copies positions to `particles.start`.
   void markStart();
   /// Moves the kinematic particles to where they are at the end of the substep.
@@ -50,9 +53,6 @@ struct Substep {
   bool isFlightBlocked();
   /// Pushes particles out of obstacles. Velocities change by the displacement over h.
   void enforceContacts();
-  /// Certifies the motion of the last substeps, where contacts have left it for later: that of a
-  /// cloth that is nowhere near itself.
-  void certifyWaiting();
   /// Takes from velocities what would carry particles into obstacles in the next h, and the slip
   /// that friction then stops. Positions stay.
   void enforceContactVelocities();

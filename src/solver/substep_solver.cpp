@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "cloth_sim/contact/layers.h"
 #include "sim/archive.h"
 #include "step_count.h"
 
@@ -70,7 +71,10 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
     report_.status = StepStatus::kStopped;
     return report_;
   }
-  now.certifyWaiting();
+  if (contacts.layers != nullptr && !contacts.layers->endStep(particles_.view())) {
+    report_.status = StepStatus::kCameNear;
+    return report_;
+  }
   method_->finish(now);
   report_.iterations = now.iterations;
   report_.residual = now.residual;
@@ -113,7 +117,7 @@ void SubstepSolver::begin(Substep& now, double end, double dt) {
 /// \return substeps done: all, or those up to the first in which a length limit is passed.
 int SubstepSolver::advance(Substep& now, const Division& division, double startTime) {
   int done = 0;
-  while (done < division.substeps && !report_.passedLimit && !now.isStopped()) {
+  while (done < division.substeps && !report_.passedLimit && !now.isOver()) {
     now.before = static_cast<double>(done) / division.substeps;
     now.fraction = static_cast<double>(++done) / division.substeps;
     now.time = startTime + now.fraction * division.dt;

@@ -48,38 +48,38 @@ class RestOfAStep : public testing::Test {
 };
 
 TEST_F(RestOfAStep, SearchesNoMoreWhereTheFirstPartEnded) {
-  layers_.beginStep(false);
+  layers_.beginStep(StepPart::kWhole);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
   ASSERT_GT(layers_.report().pairs, 0);
-  layers_.beginStep(true);
+  layers_.beginStep(StepPart::kRest);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 0);
   EXPECT_GT(layers_.report().pairs, 0);
 }
 
 TEST_F(RestOfAStep, SearchesAgainElsewhere) {
-  layers_.beginStep(false);
+  layers_.beginStep(StepPart::kWhole);
   substep(slowly_);
-  layers_.beginStep(true);
+  layers_.beginStep(StepPart::kRest);
   for (std::size_t k = 0; k < mass_.size(); ++k) x_.set(k, x_.at(k) + slowly_);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1) << "the cloth was moved between";
 }
 
 TEST_F(RestOfAStep, SearchesAgainAfterAnEdit) {
-  layers_.beginStep(false);
+  layers_.beginStep(StepPart::kWhole);
   substep(slowly_);
   layers_.onModelChanged(model_);
-  layers_.beginStep(true);
+  layers_.beginStep(StepPart::kRest);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
 }
 
 TEST_F(RestOfAStep, ANewStepForgets) {
-  layers_.beginStep(false);
+  layers_.beginStep(StepPart::kWhole);
   substep(slowly_);
-  layers_.beginStep(false);
+  layers_.beginStep(StepPart::kWhole);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
 }

@@ -55,10 +55,19 @@ struct LayerOverlap {
   Vec3 place = Vec3::Zero();  ///< of the first of them [m]
 };
 
+/// The part of a step that is to be done.
+enum class StepPart {
+  kWhole,
+  kRest,   ///< what is left after a failure
+  kAgain,  ///< a whole step or a rest, once more, because the cloth has come near itself in it
+};
+
 /// Keeps layers of cloth a thickness apart, with friction, and certifies that no two faces
 /// intersect at the end of any substep or on the way there.
 ///
-/// Faces are searched for pairs near each other at the start of a step (material_tree.h), and
+/// Where the cloth is nowhere near itself, that is checked every few substeps (clearance.h), and
+/// nothing else is done. If it comes near itself all the same, the step is to be done again. Else
+/// faces are searched for pairs near each other at the start of a step (material_tree.h), and
 /// around vertices and faces that leave the boxes and balls of gradients that it allowed
 /// (allowance.h). In each substep pairs nearer than the thickness are projected apart, then once
 /// more from what supports them upwards (layer_contacts.h); at its end the motion of vertices is
@@ -81,9 +90,9 @@ class LayerContact {
   LayerOverlap findOverlap(const std::vector<Vec3>& x);
   /// The same, but only pairs with one of `faces`: those that have changed since no faces touched.
   LayerOverlap findOverlap(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
-  /// Prepares for a step. \param isRest  whether it is the rest of one, after a failure: pairs are
-  ///     searched again only if the mesh was edited or the cloth is not where it was.
-  void beginStep(bool isRest);
+  /// Prepares for a step. In a rest, pairs are searched again only if the mesh was edited or the
+  /// cloth is not where it was.
+  void beginStep(StepPart part);
   /// Reads where a substep leads before obstacles stop it.
   void load(const ParticleView& particles);
   /// Moves layers apart, as displacements at the end of a substep of `h` [s].
@@ -93,12 +102,12 @@ class LayerContact {
   void settle(const ParticleView& particles, double h);
   /// Shortens motions that would make faces intersect. Nothing may move particles afterwards in the
   /// same substep.
-  /// Where the cloth is nowhere near itself the motion of some substeps is certified at once.
   void certify(const ParticleView& particles);
-  /// Tells whether there are substeps whose motion `certify` has left for later.
-  bool isWaiting() const;
-  /// Certifies their motion: at the end of a step, or of a part of it.
-  void certifyWaiting(const ParticleView& particles);
+  /// Ends a step after any number of substeps.
+  /// \return whether it holds; if not, it is to be done again from its start.
+  bool endStep(const ParticleView& particles);
+  /// Tells whether the step is to be done again: the cloth has come near itself unexpectedly.
+  bool hasComeNear() const;
 
   /// Figures of the step so far. Takes a pass over the contacts.
   LayerReport report() const;
