@@ -44,7 +44,7 @@ void Clearance::build(const Model& model, const std::vector<MaterialTree>& trees
   margin_ = margin;
   sheets_.clear();
   isWhole_ = true;
-  for (const MaterialTree& tree : trees) isWhole_ = isWhole_ && !tree.isEmpty() && tree.isWhole();
+  for (const MaterialTree& tree : trees) isWhole_ = isWhole_ && tree.isWhole();
   if (!isWhole_) return;
   inverseRest_.clear();
   for (const Face& face : faces_) inverseRest_.push_back(inverseRestOf(model.mesh, face));

@@ -2,7 +2,6 @@
 /// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it
 /// that nothing rules out from touching.
 
-#include <algorithm>
 #include <atomic>
 #include <limits>
 
@@ -63,10 +62,8 @@ class MaterialTree {
     return {gradients_.data() + gradientStart_[bucket],
             gradients_.data() + gradientStart_[bucket + 1]};
   }
-  /// Tells whether the surface is continuous in all buckets.
-  bool isWhole() const {
-    return std::find(isBlocked_.begin(), isBlocked_.end(), true) == isBlocked_.end();
-  }
+  /// Tells whether there are faces in all buckets, and the surface is continuous in them.
+  bool isWhole() const;
 
   /// Brings all nodes up to date; all count as changed.
   /// \param boxes      by face of the model.

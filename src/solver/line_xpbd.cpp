@@ -23,11 +23,13 @@ namespace {
 /// `AddedInertia` bounds it.
 class LineXpbd final : public SubstepMethod {
  public:
-  explicit LineXpbd(const ErrorGoal& goal) : control_(goal) {}
+  explicit LineXpbd(const ErrorGoal& goal) : control_(goal), before_{{}, control_, 0} {}
 
   void begin(Substep& now) override;
   void advance(Substep& now) override;
   void finish(Substep& now) override;
+  void remember() override;
+  void takeBack() override;
   int substepsOfStep(double dt, int substeps) const override {
     return control_.substepsFor(dt, substeps);
   }
@@ -39,6 +41,13 @@ class LineXpbd final : public SubstepMethod {
   /// Substeps from one measurement of the added inertia to the next, from the first one of a step;
   /// while motion is quasi-static it is measured in every substep.
   static constexpr int kMeasureEvery = 4;
+
+  /// What outlives a substep.
+  struct Memory {
+    AddedInertia inertia;
+    ErrorControl control;
+    std::int32_t sinceBending = 0;
+  };
 
   void layOut(Substep& now);
   void keepFall(Substep& now) const;
@@ -58,6 +67,7 @@ class LineXpbd final : public SubstepMethod {
   int substep_ = 0;                ///< of the step
   std::int32_t sinceBending_ = 0;  ///< substeps since bending has acted
   bool bends_ = false;             ///< whether it acts in this one
+  Memory before_;                  ///< at the start of a part of a step that may be thrown away
   VectorArray pull_;
   ScalarArray cancelled_;
 };
@@ -96,6 +106,18 @@ void LineXpbd::finish(Substep& now) {
   findVelocities(now);
   now.addedMass = inertia_.addedFraction(now.particles);
   control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
+}
+
+void LineXpbd::remember() {
+  before_.inertia = inertia_;
+  before_.control = control_;
+  before_.sinceBending = sinceBending_;
+}
+
+void LineXpbd::takeBack() {
+  inertia_ = before_.inertia;
+  control_ = before_.control;
+  sinceBending_ = before_.sinceBending;
 }
 
 void LineXpbd::layOut(Substep& now) {

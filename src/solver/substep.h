@@ -75,6 +75,11 @@ class SubstepMethod {
   virtual void begin(Substep& /*now*/) {}
   /// Called after the last substep of a step: for methods whose substeps leave no velocities.
   virtual void finish(Substep& /*now*/) {}
+  /// Remembers what outlives a substep, beyond `particles`, after `begin`: the part of a step that
+  /// follows may be thrown away.
+  virtual void remember() {}
+  /// Takes back what has changed since.
+  virtual void takeBack() {}
   /// Substeps of a step, given the number that the scene asks for. Asked after every edit.
   virtual int substepsFor(const Model& /*model*/, int configured) { return configured; }
 

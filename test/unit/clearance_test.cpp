@@ -130,7 +130,7 @@ TEST(Clearance, LooksAtTheWay) {
 }
 
 /// Two cloths, one above the other.
-class TwoSheets : public testing::Test {
+class ClearanceOfTwoSheets : public testing::Test {
  protected:
   std::vector<Vec3> at(double height) const {
     std::vector<Vec3> x;
@@ -146,14 +146,14 @@ class TwoSheets : public testing::Test {
   Checker check_{model_};
 };
 
-TEST_F(TwoSheets, KeepTheMargins) {
+TEST_F(ClearanceOfTwoSheets, KeepTheMargins) {
   EXPECT_TRUE(check_.begin(at(2.1 * kMargin), at(2.1 * kMargin)));
   EXPECT_TRUE(check_.follow(at(2.05 * kMargin)));
   EXPECT_FALSE(check_.follow(at(1.9 * kMargin)));
   EXPECT_TRUE(check_.follow(at(2.05 * kMargin))) << "from the last place that was clear";
 }
 
-TEST_F(TwoSheets, MayNotBeOnTheWayToEachOther) {
+TEST_F(ClearanceOfTwoSheets, MayNotBeOnTheWayToEachOther) {
   EXPECT_FALSE(check_.begin(at(5.0 * kMargin), at(3.0 * kMargin)));
   EXPECT_TRUE(check_.begin(at(20.0 * kMargin), at(18.0 * kMargin)));
 }
