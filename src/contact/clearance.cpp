@@ -20,10 +20,10 @@ Place rootOf(const std::vector<MaterialLevel>& levels) {
   return {static_cast<int>(levels.size()) - 1, 0, 0};
 }
 
-/// Appends `of` until `values` is a multiple of the lanes long.
-template <typename Value>
-void fillUp(const Value& of, std::vector<Value>& values) {
-  while (values.size() % kLanes != 0) values.push_back(of);
+/// Repeats the last value until there are a multiple of the lanes.
+void fillUp(std::vector<std::int32_t>& values) {
+  const std::int32_t last = values.back();
+  while (values.size() % kLanes != 0) values.push_back(last);
 }
 
 std::vector<std::int32_t> sortedOnce(std::vector<std::int32_t> values) {
@@ -86,8 +86,8 @@ void Clearance::addTile(std::int32_t tile, Sheet& sheet) const {
   }
   vertices = sortedOnce(std::move(vertices));
   faces = sortedOnce(std::move(faces));
-  fillUp(vertices.back(), vertices);
-  fillUp(faces.back(), faces);
+  fillUp(vertices);
+  fillUp(faces);
   sheet.vertices.insert(sheet.vertices.end(), vertices.begin(), vertices.end());
   for (std::size_t k = 0; k < faces.size(); ++k) {
     const std::size_t lane = k % kLanes;
