@@ -1,4 +1,5 @@
-/// \file The rest of a step, after a failure, goes on with the pairs of its first part.
+/// \file Parts of a step: the rest of one, after a failure, goes on with the pairs of its first
+/// part; one in which cloth comes near itself unexpectedly is done again.
 
 #include <gtest/gtest.h>
 
@@ -11,17 +12,25 @@
 namespace cloth_sim {
 namespace {
 
-class RestOfAStep : public testing::Test {
+class PartOfAStep : public testing::Test {
  protected:
   /// Does the contact of a substep in which all particles move by `motion` [m].
   void substep(const Vec3& motion) {
+    VectorArray to = x_;
+    for (std::size_t k = 0; k < mass_.size(); ++k) to.set(k, x_.at(k) + motion);
+    substep(to);
+  }
+  /// The same, with places at the end [m].
+  void substep(const VectorArray& to) {
     start_ = x_;
-    for (std::size_t k = 0; k < mass_.size(); ++k) x_.set(k, x_.at(k) + motion);
-    const ParticleView view{x_.x.data(),     x_.y.data(),     x_.z.data(),  start_.x.data(),
-                            start_.y.data(), start_.z.data(), mass_.data(), nullptr};
-    layers_.load(view);
-    layers_.project(view, 1e-3);
-    layers_.certify(view);
+    x_ = to;
+    layers_.load(view());
+    layers_.project(view(), 1e-3);
+    layers_.certify(view());
+  }
+  ParticleView view() {
+    return {x_.x.data(),     x_.y.data(),     x_.z.data(),  start_.x.data(),
+            start_.y.data(), start_.z.data(), mass_.data(), nullptr};
   }
 
   static Model modelOf() {
@@ -46,6 +55,9 @@ class RestOfAStep : public testing::Test {
   VectorArray start_;
   std::vector<double> mass_ = std::vector<double>(x_.x.size(), 1e-4);
 };
+
+using RestOfAStep = PartOfAStep;
+using StepOfClearCloth = PartOfAStep;
 
 TEST_F(RestOfAStep, SearchesNoMoreWhereTheFirstPartEnded) {
   layers_.beginStep(StepPart::kWhole);
@@ -82,6 +94,44 @@ TEST_F(RestOfAStep, ANewStepForgets) {
   layers_.beginStep(StepPart::kWhole);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
+}
+
+TEST_F(StepOfClearCloth, SearchesNoFaces) {
+  x_ = placesOf(rolled(model_, 0.3, 0.0));  // half a turn
+  layers_.beginStep(StepPart::kWhole);
+  for (int k = 0; k < 25; ++k) substep(slowly_);
+  EXPECT_TRUE(layers_.endStep(view()));
+  EXPECT_EQ(layers_.report().detections, 0);
+  EXPECT_EQ(layers_.report().pairs, 0);
+}
+
+TEST_F(StepOfClearCloth, IsDoneAgainIfItComesNearItself) {
+  const VectorArray far = placesOf(rolled(model_, 0.3, 0.0));
+  const VectorArray near = x_;
+  x_ = far;
+  layers_.beginStep(StepPart::kWhole);
+  substep(slowly_);
+  EXPECT_FALSE(layers_.hasComeNear()) << "nobody has looked yet";
+  substep(near);
+  EXPECT_FALSE(layers_.endStep(view()));
+  EXPECT_TRUE(layers_.hasComeNear());
+  x_ = far;
+  layers_.beginStep(StepPart::kAgain);
+  substep(slowly_);
+  EXPECT_FALSE(layers_.hasComeNear());
+  EXPECT_EQ(layers_.report().detections, 1) << "it looks for faces from the start on";
+  EXPECT_TRUE(layers_.endStep(view()));
+}
+
+TEST_F(StepOfClearCloth, ThatComesNearItselfIsNoticedAfterSomeSubsteps) {
+  const VectorArray near = x_;
+  x_ = placesOf(rolled(model_, 0.3, 0.0));
+  layers_.beginStep(StepPart::kWhole);
+  substep(slowly_);
+  int substeps = 1;
+  for (; substeps < 20 && !layers_.hasComeNear(); ++substeps) substep(near);
+  EXPECT_LE(substeps, 10);
+  EXPECT_FALSE(layers_.endStep(view()));
 }
 
 }  // namespace
