@@ -94,7 +94,7 @@ enum class StepStatus {
   kOk,
   kDiverged,  ///< a number is not finite, or a particle faster than 10 km/s
   kStopped,   ///< the stop flag was set
-  kCameNear,  ///< cloth has come near itself unexpectedly: the step is to be done again, looking
+  kCameNear,  ///< cloth has come near itself unexpectedly; the step is to be done again
 };
 
 /// Outcome of a step.
