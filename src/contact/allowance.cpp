@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sampled_motion.h"
 #include "support/simd.h"
 #include "support/vector_clones.h"
 #include "threads/parallel_for.h"
@@ -22,13 +23,6 @@ constexpr std::int32_t kSegmentGrain = 256;
 constexpr std::int32_t kRunGrain = 32;
 constexpr std::int32_t kFaceGrain = 2048;
 constexpr std::int32_t kVertexGrain = 4096;
-
-template <typename Body>
-void forAll(std::size_t count, std::int32_t grain, const Body& body) {
-  parallelFor(static_cast<std::int32_t>(count), grain, [&](std::int32_t first, std::int32_t last) {
-    for (std::int32_t k = first; k < last; ++k) body(k);
-  });
-}
 
 /// Motion of consecutive slots since a search.
 struct SegmentMotion {
@@ -103,20 +97,6 @@ Gradient Allowance::gradient(FaceId f, const PlaceOf& placeOf) const {
   return Gradient::of(placeOf(face[1]) - origin, placeOf(face[2]) - origin, inverseRest_[f]);
 }
 
-/// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do for what all
-/// have in common, so a sample suffices.
-/// \param motionOf  displacement of a vertex [m].
-template <typename MotionOf>
-Vec3 Allowance::meanMotion(const MotionOf& motionOf) const {
-  constexpr std::size_t kSample = 256;
-  const auto stride = static_cast<VertexId>(std::max<std::size_t>(1, origin_.size() / kSample));
-  Vec3 sum = Vec3::Zero();
-  int count = 0;
-  const auto vertices = static_cast<VertexId>(origin_.size());
-  for (VertexId v = 0; v < vertices; v += stride, ++count) sum += motionOf(v);
-  return count == 0 ? sum : Vec3(sum / static_cast<double>(count));
-}
-
 /// Sets where a vertex may go: some substeps ahead like this one, or stopped by an obstacle, in
 /// this substep at least.
 /// \param offset  from its origin to the start of the substep, seen from the mean [m].
@@ -147,14 +127,15 @@ void Allowance::renew(const std::vector<Vec3>& start, const std::vector<Vec3>& e
   reach_ = reach;
   origin_ = start;
   renewed_ = 0;
-  const Vec3 common = meanMotion([&](VertexId v) -> Vec3 { return end[v] - start[v]; });
-  forAll(origin_.size(), kVertexGrain, [&](std::int32_t v) {
+  const Vec3 common =
+      sampledMotion(origin_.size(), [&](VertexId v) -> Vec3 { return end[v] - start[v]; });
+  parallelForEach(origin_.size(), kVertexGrain, [&](std::int32_t v) {
     allowMotion(static_cast<std::size_t>(v), Vec3::Zero(), end[v] - start[v] - common, common);
   });
   const auto startOf = [&](VertexId v) -> const Vec3& { return start[v]; };
   const auto endOf = [&](VertexId v) -> const Vec3& { return end[v]; };
-  forAll(faces_.size(), kFaceGrain,
-         [&](FaceId f) { allowTurn(f, gradient(f, startOf), gradient(f, endOf)); });
+  parallelForEach(faces_.size(), kFaceGrain,
+                  [&](FaceId f) { allowTurn(f, gradient(f, startOf), gradient(f, endOf)); });
 }
 
 void Allowance::follow(const ParticleView& particles) {
@@ -203,8 +184,8 @@ void Allowance::setSlot(VertexId v) {
 }
 
 bool Allowance::isKept(const ParticleView& particles) {
-  const Vec3 common =
-      meanMotion([&](VertexId v) -> Vec3 { return particles.at(slots_[v]) - origin_[v]; });
+  const Vec3 common = sampledMotion(
+      origin_.size(), [&](VertexId v) -> Vec3 { return particles.at(slots_[v]) - origin_[v]; });
   std::atomic<bool> kept{true};
   parallelFor(static_cast<std::int32_t>(isSegmentKept_.size()), kSegmentGrain,
               [&](std::int32_t first, std::int32_t last) {
@@ -300,8 +281,10 @@ bool Allowance::renewLeft(const ParticleView& particles, double few, double most
   if (static_cast<double>(renewed_) > mostRenewed) return false;
   const auto startOf = [&](VertexId v) { return particles.startAt(slots_[v]); };
   const auto endOf = [&](VertexId v) { return particles.at(slots_[v]); };
-  const Vec3 before = meanMotion([&](VertexId v) -> Vec3 { return startOf(v) - origin_[v]; });
-  const Vec3 common = meanMotion([&](VertexId v) -> Vec3 { return endOf(v) - startOf(v); });
+  const Vec3 before =
+      sampledMotion(origin_.size(), [&](VertexId v) -> Vec3 { return startOf(v) - origin_[v]; });
+  const Vec3 common =
+      sampledMotion(origin_.size(), [&](VertexId v) -> Vec3 { return endOf(v) - startOf(v); });
   for (const VertexId v : left_.vertices) {
     const Vec3 motion = endOf(v) - startOf(v) - common;
     if (!(motion.norm() <= most)) return false;  // also for NaN

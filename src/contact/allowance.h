@@ -51,12 +51,12 @@ class Allowance {
   const std::vector<Box>& motions() const { return motions_; }
   /// Gradients that faces may have, by face.
   const std::vector<GradientBall>& gradients() const { return balls_; }
+  /// By face: the inverse of its edges in the material plane [1/m].
+  const std::vector<Eigen::Matrix2d>& inverseRest() const { return inverseRest_; }
   /// Vertices and faces that `renewLeft` has renewed.
   const Renewed& renewed() const { return left_; }
 
  private:
-  template <typename MotionOf>
-  Vec3 meanMotion(const MotionOf& motionOf) const;
   template <typename PlaceOf>
   Gradient gradient(FaceId f, const PlaceOf& placeOf) const;
   void allowMotion(std::size_t v, const Vec3& offset, const Vec3& motion, const Vec3& common);
@@ -71,9 +71,9 @@ class Allowance {
 
   Reach reach_;
   std::vector<Face> faces_;
-  std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
-  std::vector<std::int32_t> aroundStart_;     ///< by vertex
-  std::vector<FaceId> facesAround_;           ///< by the vertices that they have as corners
+  std::vector<Eigen::Matrix2d> inverseRest_;
+  std::vector<std::int32_t> aroundStart_;  ///< by vertex
+  std::vector<FaceId> facesAround_;        ///< by the vertices that they have as corners
   std::vector<Vec3> origin_;
   std::vector<Box> motions_;
   std::vector<GradientBall> balls_;

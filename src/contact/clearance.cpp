@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sampled_motion.h"
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
@@ -39,15 +40,15 @@ Tile Clearance::Sheet::tile(std::int32_t k) const {
           faces.data() + firstFace[k], firstFace[k + 1] - firstFace[k]};
 }
 
-void Clearance::build(const Model& model, const std::vector<MaterialTree>& trees, double margin) {
-  faces_ = model.mesh.faces();
+void Clearance::build(const Model& model, const FacePairSearch& search, double margin) {
+  const std::vector<MaterialTree>& trees = search.trees();
   margin_ = margin;
   sheets_.clear();
-  isWhole_ = true;
-  for (const MaterialTree& tree : trees) isWhole_ = isWhole_ && tree.isWhole();
-  if (!isWhole_) return;
-  inverseRest_.clear();
-  for (const Face& face : faces_) inverseRest_.push_back(inverseRestOf(model.mesh, face));
+  if (!std::all_of(trees.begin(), trees.end(), [](const auto& tree) { return tree.isWhole(); })) {
+    return;
+  }
+  faces_ = model.mesh.faces();
+  inverseRest_ = &search.allowance().inverseRest();
   const auto vertices = static_cast<std::size_t>(model.particleCount());
   for (VectorArray* array : {&last_, &now_}) array->resize(vertices);
   for (const MaterialTree& tree : trees) {
@@ -89,51 +90,32 @@ void Clearance::addTile(std::int32_t tile, Sheet& sheet) const {
   fillUp(vertices);
   fillUp(faces);
   sheet.vertices.insert(sheet.vertices.end(), vertices.begin(), vertices.end());
-  for (std::size_t k = 0; k < faces.size(); ++k) {
-    const std::size_t lane = k % kLanes;
-    if (lane == 0) sheet.faces.emplace_back();
-    FaceLanes& lanes = sheet.faces.back();
-    const Face& face = faces_[faces[k]];
-    const Eigen::Matrix2d& inverse = inverseRest_[faces[k]];
+  for (std::size_t k = 0; k < faces.size(); k += kLanes) sheet.faces.push_back(lanesOf(&faces[k]));
+  sheet.firstVertex.push_back(static_cast<std::int32_t>(sheet.vertices.size()));
+  sheet.firstFace.push_back(static_cast<std::int32_t>(sheet.faces.size()));
+}
+
+FaceLanes Clearance::lanesOf(const FaceId* faces) const {
+  FaceLanes lanes{};
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const Face& face = faces_[faces[lane]];
+    const Eigen::Matrix2d& inverse = (*inverseRest_)[faces[lane]];
     for (int corner = 0; corner < 3; ++corner) lanes.corners[corner][lane] = face[corner];
     for (int n = 0; n < 4; ++n) {
       lanes.inverseRest[n][lane] = static_cast<float>(inverse(n / 2, n % 2));
     }
   }
-  sheet.firstVertex.push_back(static_cast<std::int32_t>(sheet.vertices.size()));
-  sheet.firstFace.push_back(static_cast<std::int32_t>(sheet.faces.size()));
-}
-
-/// Mean displacement of some vertices, evenly spread over all [m]. Any vector would do.
-/// \param motionOf  displacement of a vertex [m].
-template <typename MotionOf>
-Vec3 Clearance::meanMotion(const MotionOf& motionOf) const {
-  constexpr std::size_t kSample = 256;
-  const auto vertices = static_cast<VertexId>(now_.x.size());
-  const auto stride = static_cast<VertexId>(std::max<std::size_t>(1, vertices / kSample));
-  Vec3 sum = Vec3::Zero();
-  int count = 0;
-  for (VertexId v = 0; v < vertices; v += stride, ++count) sum += motionOf(v);
-  return sum / static_cast<double>(std::max(1, count));
-}
-
-/// Calls `body(v)` for all vertices.
-template <typename Body>
-void Clearance::forVertices(const Body& body) const {
-  parallelFor(static_cast<std::int32_t>(now_.x.size()), kCopyGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (VertexId v = first; v < last; ++v) body(v);
-              });
+  return lanes;
 }
 
 bool Clearance::begin(const ParticleView& particles) {
-  if (!isWhole_) return false;
+  if (!isUsable()) return false;
   const auto motionOf = [&](VertexId v) -> Vec3 {
     const std::int32_t slot = particles.slot(v);
     return particles.at(slot) - particles.startAt(slot);
   };
-  common_ = kOutlook * meanMotion(motionOf);
-  forVertices([&](VertexId v) {
+  common_ = kOutlook * sampledMotion(now_.x.size(), motionOf);
+  parallelForEach(now_.x.size(), kCopyGrain, [&](VertexId v) {
     const Vec3 start = particles.startAt(particles.slot(v));
     last_.set(v, start);
     now_.set(v, start + kOutlook * motionOf(v));
@@ -143,9 +125,11 @@ bool Clearance::begin(const ParticleView& particles) {
 }
 
 bool Clearance::follow(const ParticleView& particles) {
-  common_ =
-      meanMotion([&](VertexId v) -> Vec3 { return particles.at(particles.slot(v)) - last_.at(v); });
-  forVertices([&](VertexId v) { now_.set(v, particles.at(particles.slot(v))); });
+  common_ = sampledMotion(now_.x.size(), [&](VertexId v) -> Vec3 {
+    return particles.at(particles.slot(v)) - last_.at(v);
+  });
+  parallelForEach(now_.x.size(), kCopyGrain,
+                  [&](VertexId v) { now_.set(v, particles.at(particles.slot(v))); });
   if (!areAllClear()) return false;
   std::swap(last_, now_);
   for (Sheet& sheet : sheets_) std::swap(sheet.lastBounds, sheet.bounds);
@@ -169,12 +153,9 @@ bool Clearance::areAllClear() {
 /// Finds the bounds of all tiles at one end of the way. \param x  positions, by vertex [m].
 void Clearance::bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds) {
   for (Sheet& sheet : sheets_) {
-    parallelFor(sheet.levels[sheet.tileLevel].count(), kTileGrain,
-                [&](std::int32_t first, std::int32_t last) {
-                  for (std::int32_t k = first; k < last; ++k) {
-                    (sheet.*bounds)[k] = boundTile(sheet.tile(k), axesAt(x, 0));
-                  }
-                });
+    parallelForEach(sheet.bounds.size(), kTileGrain, [&](std::int32_t k) {
+      (sheet.*bounds)[k] = boundTile(sheet.tile(k), axesAt(x, 0));
+    });
   }
 }
 
@@ -294,7 +275,8 @@ void Clearance::boundBucket(std::int32_t bucket, Sheet& sheet) const {
     for (const VectorArray* x : {&last_, &now_}) {
       const Vec3 at = x->at(faces_[f][0]);
       ball.add(
-          {Gradient::of(x->at(faces_[f][1]) - at, x->at(faces_[f][2]) - at, inverseRest_[f]), 0.0});
+          {Gradient::of(x->at(faces_[f][1]) - at, x->at(faces_[f][2]) - at, (*inverseRest_)[f]),
+           0.0});
     }
   }
   sheet.levels.front().boxes[bucket] = widened(box);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "cloth_sim/contact/contacts.h"
-#include "material_tree.h"
+#include "face_pair_search.h"
 #include "tile_bounds.h"
 
 namespace cloth_sim {
@@ -23,9 +23,11 @@ class Clearance {
   static constexpr int kInterval = 10;
 
   /// Follows the mesh.
-  /// \param trees   by cloth, built for that mesh; they have to outlive this object.
+  /// \param search  built for that mesh; it has to outlive this object.
   /// \param margin  half of the distance to keep [m].
-  void build(const Model& model, const std::vector<MaterialTree>& trees, double margin);
+  void build(const Model& model, const FacePairSearch& search, double margin);
+  /// Tells whether there is a check: only of cloths whose surfaces are continuous.
+  bool isUsable() const { return !sheets_.empty(); }
   /// Tells whether all is clear at the start of a step, and in some substeps like the first one.
   /// \param particles  at the end of the first substep, before contact.
   bool begin(const ParticleView& particles);
@@ -49,10 +51,7 @@ class Clearance {
   };
 
   void addTile(std::int32_t tile, Sheet& sheet) const;
-  template <typename Body>
-  void forVertices(const Body& body) const;
-  template <typename MotionOf>
-  Vec3 meanMotion(const MotionOf& motionOf) const;
+  FaceLanes lanesOf(const FaceId* faces) const;
   bool areAllClear();
   void bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds);
   void join(Sheet& sheet);
@@ -65,10 +64,9 @@ class Clearance {
   int partsOf(const Place& place, Sheet& sheet, std::array<Place, 4>& out);
 
   std::vector<Face> faces_;
-  std::vector<Eigen::Matrix2d> inverseRest_;  ///< by face: of its edges in the material plane
-  std::vector<Sheet> sheets_;                 ///< by cloth
-  double margin_ = 0.0;                       ///< [m]
-  bool isWhole_ = false;                      ///< the surfaces of all cloths are continuous
+  const std::vector<Eigen::Matrix2d>* inverseRest_ = nullptr;  ///< by face
+  std::vector<Sheet> sheets_;   ///< by cloth; empty if there is no check
+  double margin_ = 0.0;         ///< [m]
   Vec3 common_ = Vec3::Zero();  ///< motion since the last check that all have in common [m]
   VectorArray last_;            ///< positions at the last check, by vertex [m]
   VectorArray now_;             ///< positions, by vertex [m]

@@ -118,14 +118,10 @@ void EdgeChanges::allow(const std::vector<GradientBall>& gradients) {
     return 0.5 * gradients[f].radius * gradients[f].radius * spread_[f];
   };
   constexpr std::int32_t kGrain = 4096;
-  parallelFor(static_cast<std::int32_t>(ends_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t e = first; e < last; ++e) {
-                  limit_[e] = allowedBy(facesOf_[e][0]);
-                  if (facesOf_[e][1] == kNone) continue;
-                  limit_[e] = std::min(limit_[e], allowedBy(facesOf_[e][1]));
-                }
-              });
+  parallelForEach(ends_.size(), kGrain, [&](std::int32_t e) {
+    limit_[e] = allowedBy(facesOf_[e][0]);
+    if (facesOf_[e][1] != kNone) limit_[e] = std::min(limit_[e], allowedBy(facesOf_[e][1]));
+  });
 }
 
 void EdgeChanges::distrust(FaceId f) {

@@ -6,11 +6,9 @@
 #include <numeric>
 #include <utility>
 
-#include "allowance.h"
 #include "clearance.h"
-#include "face_pair_set.h"
+#include "face_pair_search.h"
 #include "layer_contacts.h"
-#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
@@ -51,7 +49,8 @@ class LayerContact::Impl {
   void settle(const ParticleView& particles, double h);
   void certify(const ParticleView& particles);
   bool endStep(const ParticleView& particles);
-  bool hasComeNear() const { return hasComeNear_; }
+  bool mayComeNear() const { return mode_ == Mode::kUndecided && clearance_.isUsable(); }
+  bool hasComeNear() const { return mode_ == Mode::kCameNear; }
   bool isBlocked(std::size_t v) const;
   LayerReport wholeReport() const;
   std::vector<LayerContactPoint> contactPoints() const;
@@ -60,6 +59,14 @@ class LayerContact::Impl {
   std::vector<VertexId> pushed;  ///< by the last `project` that found contacts, ascending
 
  private:
+  /// The way in which a step is done.
+  enum class Mode {
+    kUndecided,  ///< the next substep finds out
+    kClear,      ///< the cloth is nowhere near itself: there is nothing to do
+    kCameNear,   ///< it was, and is not any more: the step is thrown away
+    kSearching,  ///< faces near each other are searched for
+  };
+
   /// \param isAsked  by face: 1 if pairs with it matter.
   LayerOverlap overlapOf(const std::vector<Vec3>& x, const std::vector<std::uint8_t>& isAsked);
   void checkClearance(const ParticleView& particles);
@@ -78,40 +85,27 @@ class LayerContact::Impl {
   SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();
-  bool findPairs(const Reach& reach, std::size_t most);
   bool searchAroundLeft(const ParticleView& particles);
   void searchAll(const ParticleView& particles);
-  void searchAround();
-  void collect(std::size_t most);
-  void collectNew();
-  void boxCorner(VertexId v);
-  void boxFace(FaceId f);
   void listVertices();
 
   std::vector<LayerProperties> byCloth_;
   std::vector<Face> faces_;
-  std::vector<MaterialTree> trees_;  ///< by cloth
-  double margin_ = 0.0;              ///< half of the largest thickness [m]
-  Allowance allowance_;
+  double margin_ = 0.0;  ///< half of the largest thickness [m]
+  FacePairSearch search_;
   Clearance clearance_;
   FacePairs pairs_;
   LayerContacts contacts_;
-  double most_ = 0.0;               ///< most motion in a substep [m]
-  bool isFresh_ = false;            ///< pairs are those of this step
-  bool mayGoOn_ = false;            ///< pairs are those of an earlier part of this step
-  bool isBrief_ = false;            ///< the next search is that of the rest of a step
-  bool mayBeClear_ = false;         ///< the next substep asks whether the cloth is clear
-  bool isClear_ = false;            ///< it is nowhere near itself: there is nothing to do
-  bool hasComeNear_ = false;        ///< it was, and is not any more
-  int unchecked_ = 0;               ///< substeps since that was checked
+  double most_ = 0.0;     ///< most motion in a substep [m]
+  bool isFresh_ = false;  ///< pairs are those of this step
+  bool mayGoOn_ = false;  ///< pairs are those of an earlier part of this step
+  bool isBrief_ = false;  ///< the next search is that of the rest of a step
+  Mode mode_ = Mode::kUndecided;
+  int unchecked_ = 0;               ///< substeps since the last check of a clear cloth
   std::vector<VertexId> all_;       ///< all vertices
   std::vector<VertexId> vertices_;  ///< those that arrays of the substep are loaded for, ascending
   std::vector<Vec3> start_, end_;   ///< of the substep, by vertex [m]
   std::vector<double> mass_;        ///< by vertex [kg]; 0: prescribed motion
-  std::vector<QuickBox> corners_;   ///< around the places that vertices may take, by vertex
-  std::vector<QuickBox> boxes_;     ///< by face
-  std::vector<FaceIds> near_;       ///< pairs of faces that may touch before the next search
-  FacePairSet known_;               ///< these; empty until there is a search around a part
   std::vector<std::uint8_t> truncated_;  ///< by vertex
   std::vector<std::uint8_t> supported_;  ///< by vertex; see LayerContacts::settle
   std::vector<std::uint8_t> isListed_;   ///< by vertex: 1 if it belongs to a pair
@@ -120,11 +114,10 @@ class LayerContact::Impl {
 
 void LayerContact::Impl::build(const Model& model) {
   faces_ = model.mesh.faces();
-  allowance_.build(model);
-  trees_.resize(model.cloths.size());
-  for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
   margin_ = 0.0;
   for (const LayerProperties& cloth : byCloth_) margin_ = std::max(margin_, 0.5 * cloth.thickness);
+  search_.build(model, margin_);
+  clearance_.build(model, search_, margin_);
   const auto vertices = static_cast<std::size_t>(model.particleCount());
   all_.resize(vertices);
   std::iota(all_.begin(), all_.end(), 0);
@@ -134,10 +127,7 @@ void LayerContact::Impl::build(const Model& model) {
   truncated_.resize(vertices);
   supported_.resize(vertices);
   isListed_.resize(vertices);
-  corners_.resize(vertices);
-  boxes_.resize(faces_.size());
   contacts_.build(model, byCloth_);
-  clearance_.build(model, trees_, margin_);
   beginStep(StepPart::kWhole);
 }
 
@@ -154,11 +144,9 @@ LayerOverlap LayerContact::Impl::findOverlap(const std::vector<Vec3>& x,
 
 LayerOverlap LayerContact::Impl::overlapOf(const std::vector<Vec3>& x,
                                            const std::vector<std::uint8_t>& isAsked) {
-  start_ = x;
-  end_ = x;
-  findPairs(kNowhere, NearPairs::kAll);
+  search_.findPairs(x, x, kNowhere, NearPairs::kAll);
   LayerOverlap overlap;
-  for (const FaceIds& ids : near_) {
+  for (const FaceIds& ids : search_.near()) {
     if ((isAsked[ids.first] | isAsked[ids.second]) == 0) continue;
     if (FacePairs::areApart(faces_[ids.first], faces_[ids.second], x)) continue;
     overlap.pairs.push_back({ids.first, ids.second});
@@ -175,9 +163,7 @@ void LayerContact::Impl::beginStep(StepPart part) {
   report = LayerReport();
   isBrief_ = part == StepPart::kRest;
   mayGoOn_ = isBrief_ && isFresh_;
-  mayBeClear_ = part != StepPart::kAgain && !mayGoOn_;
-  isClear_ = false;
-  hasComeNear_ = false;
+  mode_ = part == StepPart::kAgain || mayGoOn_ ? Mode::kSearching : Mode::kUndecided;
   unchecked_ = 0;
   if (!mayGoOn_) forgetPairs();
 }
@@ -191,8 +177,10 @@ void LayerContact::Impl::forgetPairs() {
 }
 
 void LayerContact::Impl::load(const ParticleView& particles) {
-  if (std::exchange(mayBeClear_, false)) isClear_ = clearance_.begin(particles);
-  if (isClear_ || hasComeNear_) return;
+  if (mode_ == Mode::kUndecided) {
+    mode_ = clearance_.begin(particles) ? Mode::kClear : Mode::kSearching;
+  }
+  if (mode_ != Mode::kSearching) return;
   if (std::exchange(mayGoOn_, false) && !goesOn(particles)) forgetPairs();
   for (const VertexId v : vertices_) {
     const std::int32_t k = particles.slot(v);
@@ -205,7 +193,7 @@ void LayerContact::Impl::load(const ParticleView& particles) {
 
 /// Tells whether a substep begins where the last one ended.
 bool LayerContact::Impl::goesOn(const ParticleView& particles) const {
-  return allowance_.isFollowing(particles) &&
+  return search_.allowance().isFollowing(particles) &&
          std::all_of(vertices_.begin(), vertices_.end(),
                      [&](VertexId v) { return particles.startAt(particles.slot(v)) == end_[v]; });
 }
@@ -227,7 +215,7 @@ void LayerContact::Impl::loadAll(const ParticleView& particles) {
 
 /// Loads the vertices of pairs: their ends, and the whole substep of all where there are new ones.
 void LayerContact::Impl::loadPairs(const ParticleView& particles) {
-  if (vertices_.size() == all_.size() || listed_ < near_.size()) {
+  if (vertices_.size() == all_.size() || listed_ < search_.near().size()) {
     listVertices();
     load(particles);
   } else {
@@ -269,115 +257,49 @@ double LayerContact::Impl::farthestMotion() {
   return std::sqrt(square);
 }
 
-/// Puts a box around the places that a vertex may take.
-void LayerContact::Impl::boxCorner(VertexId v) {
-  const Vec3 margin = Vec3::Constant(margin_);
-  const Vec3& x = allowance_.origin()[v];
-  const Box& motion = allowance_.motions()[v];
-  corners_[v] = QuickBox({x + motion.low - margin, x + motion.high + margin});
-}
-
-void LayerContact::Impl::boxFace(FaceId f) {
-  const Face& face = faces_[f];
-  QuickBox box = corners_[face[0]];
-  box.add(corners_[face[1]]);
-  box.add(corners_[face[2]]);
-  boxes_[f] = box;
-}
-
 /// Finds the pairs of faces that may touch before the next search. Far reach spares searches where
 /// there are few of them.
 void LayerContact::Impl::search() {
   const auto many = static_cast<std::size_t>(kNearShare * static_cast<double>(faces_.size()));
-  const bool wereMany = isFresh_ && near_.size() > many;
+  const bool wereMany = isFresh_ && search_.near().size() > many;
+  const auto find = [this](const Reach& reach, std::size_t most) {
+    return search_.findPairs(start_, end_, reach, most);
+  };
   if (std::exchange(isBrief_, false)) {
-    findPairs(kBrief, NearPairs::kAll);
-  } else if (wereMany || !findPairs(kFar, many)) {
-    findPairs(kNear, NearPairs::kAll);
+    find(kBrief, NearPairs::kAll);
+  } else if (wereMany || !find(kFar, many)) {
+    find(kNear, NearPairs::kAll);
   }
-  pairs_.assign(near_, faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(near_, corners_);
-  isFresh_ = true;
-  ++report.detections;
-}
-
-/// Finds the pairs of faces within a reach.
-/// \return whether there are no more than `most`; if not, some may be missing.
-bool LayerContact::Impl::findPairs(const Reach& reach, std::size_t most) {
-  allowance_.renew(start_, end_, reach);
-  constexpr std::int32_t kGrain = 2048;
-  parallelFor(static_cast<std::int32_t>(corners_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (VertexId v = first; v < last; ++v) boxCorner(v);
-              });
-  parallelFor(static_cast<std::int32_t>(faces_.size()), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (FaceId f = first; f < last; ++f) boxFace(f);
-              });
-  for (MaterialTree& tree : trees_) tree.refit(boxes_, allowance_.gradients());
-  near_.clear();
   listed_ = 0;
   std::fill(isListed_.begin(), isListed_.end(), 0);
-  known_.clear(faces_.size());
-  collect(most);
-  return near_.size() <= most;
-}
-
-/// Appends the pairs of faces near each other in parts that were brought up to date, until there
-/// are more than `most`.
-void LayerContact::Impl::collect(std::size_t most) {
-  const NearPairs near{boxes_, near_, most};
-  for (std::size_t a = 0; a < trees_.size(); ++a) {
-    trees_[a].collectOwn(near);
-    for (std::size_t b = a + 1; b < trees_.size(); ++b) {
-      MaterialTree::collectBetween(trees_[a], trees_[b], near);
-    }
-  }
+  pairs_.assign(search_.near(), faces_, kLeastShare * 2.0 * margin_);
+  contacts_.assign(search_.near(), search_.corners());
+  isFresh_ = true;
+  ++report.detections;
 }
 
 /// Searches around what has left where it was allowed to be, from the start of the substep on.
 /// \return whether that is little; if not, there was no search.
 bool LayerContact::Impl::searchAroundLeft(const ParticleView& particles) {
-  const double few = near_.size() > faces_.size() ? kFewOfMany : kFew;
-  if (!isFresh_ || !allowance_.renewLeft(particles, few, most_)) return false;
-  searchAround();
+  const std::size_t known = search_.near().size();
+  const double few = known > faces_.size() ? kFewOfMany : kFew;
+  if (!isFresh_ || !search_.allowance().renewLeft(particles, few, most_)) return false;
+  search_.findAround();
+  pairs_.append(search_.near(), known);
+  contacts_.extend(search_.near(), known, search_.allowance().renewed(), search_.corners());
   return true;
 }
 
 /// Searches from the start of the substep on. All vertices are loaded.
 void LayerContact::Impl::searchAll(const ParticleView& particles) {
   search();
-  allowance_.follow(particles);
-}
-
-/// Searches around faces with allowances that were renewed. Pairs that are known stay.
-void LayerContact::Impl::searchAround() {
-  for (const VertexId v : allowance_.renewed().vertices) boxCorner(v);
-  for (const FaceId f : allowance_.renewed().faces) boxFace(f);
-  for (MaterialTree& tree : trees_) {
-    tree.refit(allowance_.renewed().faces, boxes_, allowance_.gradients());
-  }
-  const std::size_t known = near_.size();
-  collectNew();
-  pairs_.append(near_, known);
-  contacts_.extend(near_, known, allowance_.renewed(), corners_);
-}
-
-/// Appends the pairs of faces that have come near since.
-void LayerContact::Impl::collectNew() {
-  if (known_.isEmpty()) {
-    for (const FaceIds& pair : near_) known_.insert(pair);
-  }
-  const auto first = static_cast<std::ptrdiff_t>(near_.size());
-  collect(NearPairs::kAll);
-  const auto isKnown = [this](const FaceIds& pair) { return !known_.insert(pair); };
-  near_.erase(std::remove_if(near_.begin() + first, near_.end(), isKnown), near_.end());
+  search_.allowance().follow(particles);
 }
 
 /// Lists the vertices of pairs: only these are loaded from now on.
 void LayerContact::Impl::listVertices() {
-  for (; listed_ < near_.size(); ++listed_) {
-    for (const FaceId f : {near_[listed_].first, near_[listed_].second}) {
+  for (; listed_ < search_.near().size(); ++listed_) {
+    for (const FaceId f : {search_.near()[listed_].first, search_.near()[listed_].second}) {
       for (const VertexId v : faces_[f]) isListed_[v] = 1;
     }
   }
@@ -390,7 +312,7 @@ void LayerContact::Impl::listVertices() {
 void LayerContact::Impl::project(const ParticleView& particles, double h) {
   most_ = kFastest * h;
   report.contacts = 0;
-  if (isClear_ || hasComeNear_) return;
+  if (mode_ != Mode::kSearching) return;
   if (isFresh_ && pairs_.count() == 0) return;
   loadSupported(particles);
   if (!(farthestMotion() <= most_)) return;
@@ -417,27 +339,29 @@ void LayerContact::Impl::giveUp(const ParticleView& particles) {
 void LayerContact::Impl::certify(const ParticleView& particles) {
   report.moves += static_cast<std::int64_t>(end_.size());
   report.blocked = 0;
-  if (hasComeNear_) return;
-  if (!isClear_) return certifyPairs(particles);
-  if (++unchecked_ == Clearance::kInterval) checkClearance(particles);
+  if (mode_ == Mode::kSearching) {
+    certifyPairs(particles);
+  } else if (mode_ == Mode::kClear && ++unchecked_ == Clearance::kInterval) {
+    checkClearance(particles);
+  }
 }
 
 void LayerContact::Impl::checkClearance(const ParticleView& particles) {
   unchecked_ = 0;
-  isClear_ = clearance_.follow(particles);
-  hasComeNear_ = !isClear_;
+  if (!clearance_.follow(particles)) mode_ = Mode::kCameNear;
 }
 
 bool LayerContact::Impl::endStep(const ParticleView& particles) {
   if (unchecked_ > 0) checkClearance(particles);
-  return !hasComeNear_;
+  return !hasComeNear();
 }
 
 /// Shortening a motion may take faces out of what the search allowed: then there is another search,
 /// from the start of the substep.
 void LayerContact::Impl::certifyPairs(const ParticleView& particles) {
   std::fill(truncated_.begin(), truncated_.end(), 0);
-  bool isAllowed = isFresh_ && (allowance_.isKept(particles) || searchAroundLeft(particles));
+  bool isAllowed =
+      isFresh_ && (search_.allowance().isKept(particles) || searchAroundLeft(particles));
   if (isAllowed) {
     loadPairs(particles);
     if (pairs_.count() == 0) return;
@@ -452,7 +376,7 @@ void LayerContact::Impl::certifyPairs(const ParticleView& particles) {
     const PairOutcome outcome = pairs_.keepApart({motion(), truncated_});
     report.unproven += outcome.unproven;
     if (outcome.changed) store(particles);
-    isAllowed = !outcome.changed || allowance_.isKept(particles);
+    isAllowed = !outcome.changed || search_.allowance().isKept(particles);
     if (isAllowed) break;
     loadAll(particles);
   }
@@ -514,6 +438,8 @@ void LayerContact::settle(const ParticleView& particles, double h) { impl_->sett
 void LayerContact::certify(const ParticleView& particles) { impl_->certify(particles); }
 
 bool LayerContact::endStep(const ParticleView& particles) { return impl_->endStep(particles); }
+
+bool LayerContact::mayComeNear() const { return impl_->mayComeNear(); }
 
 bool LayerContact::hasComeNear() const { return impl_->hasComeNear(); }
 

@@ -123,16 +123,13 @@ void PairWatch::boxFaces(const SubstepMotion& motion) {
     corners.resize(x.size());
     boxes_[k].resize(faces_.size());
     for (const VertexId v : motion.vertices) corners[v] = QuickBox({x[v], x[v]});
-    parallelFor(static_cast<std::int32_t>(paired_.size()), kGrain,
-                [&](std::int32_t first, std::int32_t last) {
-                  for (std::int32_t n = first; n < last; ++n) {
-                    const Face& face = faces_[paired_[n]];
-                    QuickBox box = corners[face[0]];
-                    box.add(corners[face[1]]);
-                    box.add(corners[face[2]]);
-                    boxes_[k][paired_[n]] = box;
-                  }
-                });
+    parallelForEach(paired_.size(), kGrain, [&](std::int32_t n) {
+      const Face& face = faces_[paired_[n]];
+      QuickBox box = corners[face[0]];
+      box.add(corners[face[1]]);
+      box.add(corners[face[2]]);
+      boxes_[k][paired_[n]] = box;
+    });
   }
 }
 
@@ -155,12 +152,8 @@ void PairWatch::proveByBoxes(const SubstepMotion& motion) {
     const double slack = kSure * std::max(above.gap, below.gap) - kApart;
     if (before > 0.0F && slack > 0.0) due_[k] = motionOf(k) + slack;
   };
-  parallelFor(static_cast<std::int32_t>(ids_.size() - known_), kGrain,
-              [&](std::int32_t first, std::int32_t last) {
-                for (std::int32_t n = first; n < last; ++n) {
-                  prove(known_ + static_cast<std::size_t>(n));
-                }
-              });
+  parallelForEach(ids_.size() - known_, kGrain,
+                  [&](std::int32_t n) { prove(known_ + static_cast<std::size_t>(n)); });
 }
 
 void PairWatch::listDue(std::vector<std::uint32_t>& pairs) {

@@ -42,7 +42,7 @@ class LineXpbd final : public SubstepMethod {
   /// while motion is quasi-static it is measured in every substep.
   static constexpr int kMeasureEvery = 4;
 
-  /// What outlives a substep.
+  /// The memory that outlives a substep.
   struct Memory {
     AddedInertia inertia;
     ErrorControl control;

@@ -65,7 +65,7 @@ const StepReport& SubstepSolver::step(const Model& model, State& state, const Co
   now.stop = length.stop;
   particles_.load(state);
   begin(now, state.t + division.dt, division.dt);
-  if (contacts.layers != nullptr) method_->remember();
+  if (contacts.layers != nullptr && contacts.layers->mayComeNear()) method_->remember();
   const int done = advance(now, division, state.t);
   isNewModel_ = false;
   if (now.isStopped()) {

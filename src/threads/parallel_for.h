@@ -53,12 +53,18 @@ void parallelInOrder(ThreadPool& pool, const TaskGraph& graph, const Body& body)
       &body);
 }
 
+/// Calls `body(k)` for each k in [0, count), in chunks of at least `grain`.
+template <typename Body>
+void parallelForEach(std::size_t count, std::int32_t grain, const Body& body) {
+  parallelFor(static_cast<std::int32_t>(count), grain, [&](std::int32_t first, std::int32_t last) {
+    for (std::int32_t k = first; k < last; ++k) body(k);
+  });
+}
+
 /// Calls `body(k)` for each k in [0, count); every call is worth a thread of its own.
 template <typename Body>
 void parallelForEach(std::size_t count, const Body& body) {
-  parallelFor(static_cast<std::int32_t>(count), 1, [&](std::int32_t first, std::int32_t last) {
-    for (std::int32_t k = first; k < last; ++k) body(static_cast<std::size_t>(k));
-  });
+  parallelForEach(count, 1, [&](std::int32_t k) { body(static_cast<std::size_t>(k)); });
 }
 
 }  // namespace cloth_sim

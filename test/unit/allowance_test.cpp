@@ -13,36 +13,6 @@
 namespace cloth_sim {
 namespace {
 
-/// Particles of a cloth in slots that run backwards, so that a slot is not its vertex.
-struct Backwards {
-  std::vector<double> x, y, z, mass;
-  std::vector<std::int32_t> slotOf;
-
-  /// \param empty  number of slots in front that have no vertex.
-  explicit Backwards(const std::vector<Vec3>& at, std::size_t empty = 0)
-      : x(empty + at.size()), y(x.size()), z(x.size()), mass(x.size(), 1.0) {
-    for (std::size_t v = 0; v < at.size(); ++v) {
-      const std::size_t k = x.size() - 1 - v;
-      slotOf.push_back(static_cast<std::int32_t>(k));
-      x[k] = at[v].x();
-      y[k] = at[v].y();
-      z[k] = at[v].z();
-    }
-  }
-  ParticleView view() {
-    ParticleView particles;
-    particles.x = x.data();
-    particles.y = y.data();
-    particles.z = z.data();
-    particles.startX = x.data();  // at rest
-    particles.startY = y.data();
-    particles.startZ = z.data();
-    particles.mass = mass.data();
-    particles.slotOf = slotOf.data();
-    return particles;
-  }
-};
-
 TEST(Allowance, IsKeptUntilAVertexOrAGradientLeavesIt) {
   ClothSpec cloth;
   cloth.columns = 21;

@@ -16,44 +16,15 @@ namespace {
 
 constexpr double kMargin = 5e-4;
 
-/// Particles on their way, in slots that run backwards, so that a slot is not its vertex.
-struct Way {
-  Way(const std::vector<Vec3>& from, const std::vector<Vec3>& to) : mass(from.size(), 1e-4) {
-    start.resize(from.size());
-    end.resize(from.size());
-    for (std::size_t v = 0; v < from.size(); ++v) {
-      const std::size_t k = from.size() - 1 - v;
-      slotOf.push_back(static_cast<std::int32_t>(k));
-      start.set(k, from[v]);
-      end.set(k, to[v]);
-    }
-  }
-  ParticleView view() {
-    return {end.x.data(),   end.y.data(),   end.z.data(), start.x.data(),
-            start.y.data(), start.z.data(), mass.data(),  slotOf.data()};
-  }
-
-  VectorArray start, end;
-  std::vector<double> mass;
-  std::vector<std::int32_t> slotOf;
-};
-
 std::vector<Vec3> between(const std::vector<Vec3>& a, const std::vector<Vec3>& b, double t) {
   std::vector<Vec3> x;
   for (std::size_t k = 0; k < a.size(); ++k) x.push_back((1.0 - t) * a[k] + t * b[k]);
   return x;
 }
 
-ClothSpec sheet(int particles) {
-  ClothSpec cloth;
-  cloth.columns = cloth.rows = particles;
-  cloth.fabric = fabricPreset("cotton");
-  return cloth;
-}
-
 /// A band that `rolled` rolls up along its length of a metre, in cells of 8 mm.
 ClothSpec band() {
-  ClothSpec cloth = sheet(129);
+  ClothSpec cloth = cottonSheet(129);
   cloth.height = 0.032;
   cloth.rows = 5;
   return cloth;
@@ -62,26 +33,26 @@ ClothSpec band() {
 /// A check of a model.
 class Checker {
  public:
-  explicit Checker(const Model& model) : trees_(model.cloths.size()) {
-    for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
-    clearance_.build(model, trees_, kMargin);
+  explicit Checker(const Model& model) {
+    search_.build(model, kMargin);
+    clearance_.build(model, search_, kMargin);
   }
   bool begin(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-    Way way(from, to);
+    Backwards way(from, to);
     return clearance_.begin(way.view());
   }
   bool follow(const std::vector<Vec3>& to) {
-    Way way(to, to);  // it remembers where the way began
+    Backwards way(to);  // it remembers where the way began
     return clearance_.follow(way.view());
   }
 
  private:
-  std::vector<MaterialTree> trees_;
+  FacePairSearch search_;
   Clearance clearance_;
 };
 
 TEST(Clearance, IsThatOfAClothThatIsFarFromItself) {
-  const Model model = buildModel(sheet(33));
+  const Model model = buildModel(cottonSheet(33));
   Checker check(model);
   std::vector<Vec3> from = rolled(model, 0.3, 0.0).x.values();  // half a turn
   ASSERT_TRUE(check.begin(from, from));
@@ -132,17 +103,9 @@ TEST(Clearance, LooksAtTheWay) {
 /// Two cloths, one above the other.
 class ClearanceOfTwoSheets : public testing::Test {
  protected:
-  std::vector<Vec3> at(double height) const {
-    std::vector<Vec3> x;
-    for (VertexId v = 0; v < model_.particleCount(); ++v) {
-      const bool isUpper = model_.clothOf(v) == 1;
-      const Vec2 at = model_.mesh.material(v) - model_.mesh.material(isUpper ? 17 * 17 : 0);
-      x.emplace_back(at.x(), at.y(), isUpper ? height : 0.0);
-    }
-    return x;
-  }
+  std::vector<Vec3> at(double height) const { return laidFlat(model_, height); }
 
-  Model model_ = buildModel(std::vector<ClothSpec>{sheet(17), sheet(13)});
+  Model model_ = buildModel(std::vector<ClothSpec>{cottonSheet(17), cottonSheet(13)});
   Checker check_{model_};
 };
 
@@ -159,7 +122,7 @@ TEST_F(ClearanceOfTwoSheets, MayNotBeOnTheWayToEachOther) {
 }
 
 TEST(Clearance, IsNotThatOfPlacesThatAreNotFinite) {
-  const Model model = buildModel(sheet(9));
+  const Model model = buildModel(cottonSheet(9));
   Checker check(model);
   std::vector<Vec3> x = rolled(model, 2.0, 0.0).x.values();
   ASSERT_TRUE(check.begin(x, x));
@@ -168,7 +131,7 @@ TEST(Clearance, IsNotThatOfPlacesThatAreNotFinite) {
 }
 
 TEST(Clearance, IsNotAskedOfACutCloth) {
-  Model model = buildModel(sheet(17));
+  Model model = buildModel(cottonSheet(17));
   const std::vector<Vec3> flat = rolled(model, 100.0, 0.0).x.values();
   ASSERT_TRUE(Checker(model).begin(flat, flat));
   State state;

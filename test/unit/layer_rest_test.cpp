@@ -35,12 +35,6 @@ class PartOfAStep : public testing::Test {
             start_.y.data(), start_.z.data(), mass_.data(), nullptr};
   }
 
-  static Model modelOf() {
-    ClothSpec cloth;
-    cloth.columns = cloth.rows = 17;
-    cloth.fabric = fabricPreset("cotton");
-    return buildModel(cloth);
-  }
   static VectorArray placesOf(const State& state) {
     VectorArray places;
     places.resize(static_cast<std::size_t>(state.x.size()));
@@ -51,7 +45,7 @@ class PartOfAStep : public testing::Test {
   }
 
   const Vec3 slowly_{1e-6, 0.0, 0.0};
-  Model model_ = modelOf();
+  Model model_ = buildModel(cottonSheet(17));
   LayerContact layers_{model_, {{1e-3, 0.3}}};
   VectorArray x_ = placesOf(rolled(model_, 0.05, 2e-3));  // a roll of three turns
   VectorArray start_;
@@ -140,14 +134,10 @@ TEST_F(StepOfClearCloth, ThatComesNearItselfIsNoticedAfterSomeSubsteps) {
 class CollidingCloths {
  public:
   CollidingCloths() : solver_(testing_support::makeSolver(findSolver("line_xpbd"), model_, 20)) {
-    const auto vertices = static_cast<std::size_t>(model_.particleCount());
-    state_.x = VertexData<Vec3>(vertices, Vec3::Zero());
-    state_.v = VertexData<Vec3>(vertices, Vec3::Zero());
+    state_.x = VertexData<Vec3>(laidFlat(model_, 0.03));
+    state_.v = VertexData<Vec3>(state_.x.size(), Vec3::Zero());
     for (VertexId v = 0; v < model_.particleCount(); ++v) {
-      const bool isUpper = model_.clothOf(v) == 1;
-      const Vec2 at = model_.mesh.material(v) - model_.mesh.material(isUpper ? 17 * 17 : 0);
-      state_.x[v] = Vec3(at.x(), at.y() + 0.1 * at.x(), isUpper ? 0.03 : 0.0);
-      if (isUpper) state_.v[v] = Vec3(0.3 * at.x(), 0.0, -5.0);
+      if (model_.clothOf(v) == 1) state_.v[v] = Vec3(0.3 * state_.x[v].x(), 0.0, -5.0);
     }
     contacts_.layers = &layers_;
   }
@@ -166,14 +156,7 @@ class CollidingCloths {
   std::uint64_t hash() const { return stateHash(model_, state_); }
 
  private:
-  static ClothSpec sheet() {
-    ClothSpec cloth;
-    cloth.columns = cloth.rows = 17;
-    cloth.fabric = fabricPreset("cotton");
-    return cloth;
-  }
-
-  Model model_ = buildModel(std::vector<ClothSpec>{sheet(), sheet()});
+  Model model_ = buildModel(std::vector<ClothSpec>{cottonSheet(17), cottonSheet(17)});
   State state_;
   Controls controls_;
   Contacts contacts_;

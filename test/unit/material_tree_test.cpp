@@ -41,13 +41,10 @@ FaceBounds boundsOf(const Model& model, const State& state) {
     Box box;
     for (const VertexId v : face) box.add({state.x[v], state.x[v]});
     bounds.boxes.emplace_back(box);
-    Eigen::Matrix2d rest;
-    for (int k = 0; k < 2; ++k) {
-      rest.col(k) = model.mesh.material(face[k + 1]) - model.mesh.material(face[0]);
-    }
     GradientBall ball;
-    ball.centre = Gradient::of(state.x[face[1]] - state.x[face[0]],
-                               state.x[face[2]] - state.x[face[0]], rest.inverse());
+    ball.centre =
+        Gradient::of(state.x[face[1]] - state.x[face[0]], state.x[face[2]] - state.x[face[0]],
+                     inverseRestOf(model.mesh, face));
     ball.radius = 0.05;
     bounds.balls.push_back(ball);
   }
@@ -68,10 +65,7 @@ std::vector<FaceIds> searchPairs(const Model& model, const State& state) {
 }
 
 TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
-  ClothSpec cloth;
-  cloth.columns = cloth.rows = 21;
-  cloth.fabric = fabricPreset("cotton");
-  const Model model = buildModel(cloth);
+  const Model model = buildModel(cottonSheet(21));
   EXPECT_TRUE(searchPairs(model, rolled(model, 10.0, 0.0)).empty()) << "nearly flat";
   EXPECT_LT(searchPairs(model, rolled(model, 0.3, 0.0)).size(), 500U) << "half a turn";
   int meeting = 0;
@@ -95,10 +89,7 @@ TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
 }
 
 TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
-  ClothSpec cloth;
-  cloth.columns = cloth.rows = 21;
-  cloth.fabric = fabricPreset("cotton");
-  const Model model = buildModel(cloth);
+  const Model model = buildModel(cottonSheet(21));
   RandomPoints random(9);
   FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
   MaterialTree tree;
@@ -130,10 +121,7 @@ TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
 }
 
 TEST(MaterialTree, ASearchEndsWhenThereAreEnoughPairs) {
-  ClothSpec cloth;
-  cloth.columns = cloth.rows = 21;
-  cloth.fabric = fabricPreset("cotton");
-  const Model model = buildModel(cloth);
+  const Model model = buildModel(cottonSheet(21));
   FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
   for (GradientBall& ball : bounds.balls) ball.radius = 2.0;  // nothing is proven
   const std::vector<FaceIds> all = searchPairs(model, bounds);

@@ -103,6 +103,8 @@ class LayerContact {
   /// Shortens motions that would make faces intersect. Nothing may move particles afterwards in the
   /// same substep.
   void certify(const ParticleView& particles);
+  /// Tells, before the first substep, whether the step may have to be done again.
+  bool mayComeNear() const;
   /// Ends a step after any number of substeps.
   /// \return whether it holds; if not, it is to be done again from its start.
   bool endStep(const ParticleView& particles);
