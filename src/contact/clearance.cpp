@@ -257,7 +257,7 @@ void Clearance::divide(const Place& tile, Sheet& sheet) {
         } else {
           level.join(sheet.levels[k - 1], node);
         }
-        level.forgetProofs(node);
+        level.doubtProofs(node);
       }
     }
   }

@@ -88,27 +88,19 @@ void MaterialLevel::join(const MaterialLevel& below, std::int32_t node) {
 
 void MaterialLevel::forgetProofs() { std::fill(squares_.begin(), squares_.end(), Proof::kUnknown); }
 
-void MaterialLevel::forgetProofs(std::int32_t node) {
-  const int i = node % columns;
-  const int j = node / columns;
-  for (int row = std::max(0, j - 1); row <= j; ++row) {
-    for (int column = std::max(0, i - 1); column <= i; ++column) {
-      squares_[this->node(column, row)] = Proof::kUnknown;
-    }
-  }
+void MaterialLevel::doubtProofs(std::int32_t node) {
+  forSquaresWith(node, [this](int i, int j) {
+    Proof& proof = squares_[this->node(i, j)];
+    if (proof == Proof::kYes) proof = Proof::kDoubted;
+    if (proof == Proof::kNo) proof = Proof::kUnknown;
+  });
 }
 
 /// Pairs of neighbours lie in one or two squares of 2 x 2 nodes, a node in four. Squares are asked
 /// first, because each answers for many pairs.
 bool MaterialLevel::isSmooth(const Place& a, const Place& b) const {
   if (!areNeighbours(a, b)) return false;
-  const int lastI = std::min(a.i, b.i);
-  const int lastJ = std::min(a.j, b.j);
-  for (int j = std::max(a.j, b.j) - 1; j <= lastJ; ++j) {
-    for (int i = std::max(a.i, b.i) - 1; i <= lastI; ++i) {
-      if (i >= 0 && j >= 0 && isSquareProven(i, j)) return true;
-    }
-  }
+  if (anySquareAround(a, b, [this](int i, int j) { return isSquareProven(i, j); })) return true;
   if (a.i != b.i && a.j != b.j) return false;  // their rectangle is a square
   return isProven(a, b, [this](int i, int j) -> const GradientBall& { return balls[node(i, j)]; });
 }
@@ -119,7 +111,7 @@ bool MaterialLevel::isSquareProven(int i, int j) const {
   Proof& known = squares_[node(i, j)];
   Proof proof = Proof::kUnknown;
   __atomic_load(&known, &proof, __ATOMIC_RELAXED);
-  if (proof == Proof::kUnknown) {
+  if (proof == Proof::kUnknown || proof == Proof::kDoubted) {
     const Place from{0, i, j};
     const Place to{0, std::min(i + 1, columns - 1), std::min(j + 1, rows - 1)};
     const auto ballAt = [this](int column, int row) -> const GradientBall& {

@@ -119,9 +119,19 @@ class MaterialLevel {
   /// Joins the boxes and the balls of the parts of a node. \param below  level of the parts.
   void join(const MaterialLevel& below, std::int32_t node);
 
-  /// Forgets what `isSmooth` has found: of all nodes, or of squares with a node that has changed.
+  /// Forgets what `isSmooth` has found.
   void forgetProofs();
-  void forgetProofs(std::int32_t node);
+  /// Doubts what it has found of squares with a node that has changed.
+  void doubtProofs(std::int32_t node);
+  /// Looks again at the doubted squares with a node that has changed. Calls `lose(node)` with the
+  /// first node of each that is not proven any more.
+  template <typename Lose>
+  void settleDoubts(std::int32_t node, const Lose& lose) {
+    forSquaresWith(node, [&](int i, int j) {
+      const int square = this->node(i, j);
+      if (squares_[square] == Proof::kDoubted && !isSquareProven(i, j)) lose(square);
+    });
+  }
   /// Tells whether two nodes are neighbours, or the same, in a rectangle that is proven not to
   /// touch itself. Threads may ask at the same time.
   bool isSmooth(const Place& a, const Place& b) const;
@@ -143,11 +153,36 @@ class MaterialLevel {
   static bool areNeighbours(const Place& a, const Place& b) {
     return std::abs(a.i - b.i) <= 1 && std::abs(a.j - b.j) <= 1;
   }
+  /// Tells whether `is(i, j)` for the first node of a square of 2 x 2 nodes that contains two
+  /// neighbours.
+  template <typename Is>
+  bool anySquareAround(const Place& a, const Place& b, const Is& is) const {
+    for (int j = std::max(0, std::max(a.j, b.j) - 1); j <= std::min(a.j, b.j); ++j) {
+      for (int i = std::max(0, std::max(a.i, b.i) - 1); i <= std::min(a.i, b.i); ++i) {
+        if (is(i, j)) return true;
+      }
+    }
+    return false;
+  }
 
  private:
   /// Tells whether a part of the material plane is proven not to touch itself.
-  enum class Proof : std::uint8_t { kUnknown, kYes, kNo };
+  enum class Proof : std::uint8_t {
+    kUnknown,
+    kDoubted,  ///< it was proven before a part of it changed
+    kYes,
+    kNo,
+  };
 
+  /// Calls `visit(i, j)` for the first nodes of the squares of 2 x 2 nodes with a node.
+  template <typename Visit>
+  void forSquaresWith(std::int32_t node, const Visit& visit) const {
+    const int i = node % columns;
+    const int j = node / columns;
+    for (int row = std::max(0, j - 1); row <= j; ++row) {
+      for (int column = std::max(0, i - 1); column <= i; ++column) visit(column, row);
+    }
+  }
   bool isSquareProven(int i, int j) const;
 
   /// By node: whether the square of 2 x 2 nodes from it on is proven; found when asked for.

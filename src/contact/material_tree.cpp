@@ -89,7 +89,8 @@ void MaterialTree::addLevel(int columns, int rows) {
   Level& level = levels_.emplace_back();
   level.resize(columns, rows);
   level.before.resize(level.boxes.size());
-  level.isChanged.resize(level.boxes.size());
+  level.marks.resize(level.boxes.size());
+  level.isLost.resize(level.boxes.size());
 }
 
 /// The first and last column and the first and last row of the buckets that a box reaches.
@@ -205,34 +206,68 @@ void MaterialTree::refit(const std::vector<FaceId>& faces, const std::vector<Qui
   areAllChanged_ = false;
   for (const FaceId f : faces) {
     for (std::int32_t at = reachStart_[f]; at < reachStart_[f + 1]; ++at) {
-      mark(levels_.front(), reach_[at]);
+      markChanged(levels_.front(), reach_[at]);
     }
   }
   for (const std::int32_t bucket : levels_.front().changed) refitBucket(bucket, boxes, gradients);
+  exposeLost(levels_.front());
   for (std::size_t above = 1; above < levels_.size(); ++above) {
     const Level& below = levels_[above - 1];
     Level& level = levels_[above];
-    for (const std::int32_t node : below.changed) {
-      mark(level, level.node(node % below.columns / 2, node / below.columns / 2));
-    }
+    const auto nodeAbove = [&](std::int32_t node) {
+      return level.node(node % below.columns / 2, node / below.columns / 2);
+    };
+    for (const std::int32_t node : below.changed) markChanged(level, nodeAbove(node));
     for (const std::int32_t node : level.changed) level.join(below, node);
+    for (const std::int32_t node : below.exposed) markExposed(level, nodeAbove(node));
+    exposeLost(level);
   }
 }
 
 /// Takes the marks of the last refit back.
 void MaterialTree::unmark() {
   for (Level& level : levels_) {
-    for (const std::int32_t node : level.changed) level.isChanged[node] = 0;
+    for (const auto* nodes : {&level.changed, &level.exposed}) {
+      for (const std::int32_t node : *nodes) level.marks[node] = Mark::kSame;
+    }
+    for (const std::int32_t square : level.lost) level.isLost[square] = 0;
     level.changed.clear();
+    level.exposed.clear();
+    level.lost.clear();
   }
 }
 
-void MaterialTree::mark(Level& level, std::int32_t node) {
-  if (level.isChanged[node] != 0) return;
-  level.isChanged[node] = 1;
+void MaterialTree::markChanged(Level& level, std::int32_t node) {
+  if (level.marks[node] == Mark::kChanged) return;
+  level.marks[node] = Mark::kChanged;
   level.before[node] = level.balls[node];
   level.changed.push_back(node);
-  level.forgetProofs(node);
+  level.doubtProofs(node);
+}
+
+void MaterialTree::markExposed(Level& level, std::int32_t node) {
+  if (level.marks[node] != Mark::kSame) return;
+  level.marks[node] = Mark::kExposed;
+  level.exposed.push_back(node);
+}
+
+/// Marks the nodes of squares that have lost their proof. A pair of nodes may have been ruled out
+/// by a square with other nodes in it; then these have changed, not the pair.
+void MaterialTree::exposeLost(Level& level) {
+  for (const std::int32_t node : level.changed) {
+    level.settleDoubts(node, [&](std::int32_t square) {
+      level.isLost[square] = 1;
+      level.lost.push_back(square);
+    });
+  }
+  for (const std::int32_t square : level.lost) {
+    const Place from = level.placeOf(0, square);
+    for (int j = from.j; j < std::min(from.j + 2, level.rows); ++j) {
+      for (int i = from.i; i < std::min(from.i + 2, level.columns); ++i) {
+        markExposed(level, level.node(i, j));
+      }
+    }
+  }
 }
 
 void MaterialTree::refitBucket(std::int32_t bucket, const std::vector<QuickBox>& boxes,
@@ -255,25 +290,27 @@ const QuickBox& MaterialTree::boxAt(const Place& at) const {
 
 bool MaterialTree::isNew(const Place& at) const {
   const Level& level = levels_[at.level];
-  return areAllChanged_ || level.isChanged[level.node(at.i, at.j)] != 0;
+  return areAllChanged_ || level.marks[level.node(at.i, at.j)] == Mark::kChanged;
 }
 
-/// Tells whether two nodes of a level have changed since the last search, or the rectangle around
-/// them if they are neighbours.
+/// Tells whether pairs of faces under two nodes of a level may have come near since the last
+/// search.
 bool MaterialTree::isChanged(const Place& a, const Place& b) const {
   const Level& level = levels_[a.level];
-  const auto hasMark = [&](int i, int j) { return level.isChanged[level.node(i, j)] != 0; };
-  if (hasMark(a.i, a.j) || hasMark(b.i, b.j)) return true;
-  return MaterialLevel::areNeighbours(a, b) && (hasMark(a.i, b.j) || hasMark(b.i, a.j));
+  return level.marks[level.node(a.i, a.j)] != Mark::kSame ||
+         level.marks[level.node(b.i, b.j)] != Mark::kSame;
 }
 
-/// Tells whether two nodes of a level were neighbours in a rectangle that was proven, before the
-/// last refit.
+/// Tells whether two nodes of a level, which are not ruled out now, were so before the last refit.
 bool MaterialTree::wasSmooth(const Place& a, const Place& b) const {
+  if (!MaterialLevel::areNeighbours(a, b)) return false;
   const Level& level = levels_[a.level];
+  const auto isLost = [&](int i, int j) { return level.isLost[level.node(i, j)] != 0; };
+  if (level.anySquareAround(a, b, isLost)) return true;
+  if (a.i != b.i && a.j != b.j) return false;  // their rectangle is a square
   return MaterialLevel::isProven(a, b, [&](int i, int j) -> const GradientBall& {
     const int node = level.node(i, j);
-    return level.isChanged[node] != 0 ? level.before[node] : level.balls[node];
+    return level.marks[node] == Mark::kChanged ? level.before[node] : level.balls[node];
   });
 }
 

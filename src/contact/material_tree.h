@@ -83,11 +83,20 @@ class MaterialTree {
   static void collectBetween(const MaterialTree& a, const MaterialTree& b, const NearPairs& near);
 
  private:
-  /// Nodes of one size, and what the last refit has changed.
+  /// The effect of the last refit of some faces on a node.
+  enum class Mark : std::uint8_t {
+    kSame,
+    kExposed,  ///< it belongs to a square that has lost its proof, or lies above such a node
+    kChanged,  ///< its box and ball were brought up to date
+  };
+  /// Nodes of one size, and what the last refit of some faces has changed.
   struct Level : MaterialLevel {
-    std::vector<GradientBall> before;     ///< balls before the last refit, of changed nodes
-    std::vector<std::uint8_t> isChanged;  ///< 1 if the last refit brought the node up to date
-    std::vector<std::int32_t> changed;    ///< nodes with that mark, unless all were brought
+    std::vector<GradientBall> before;   ///< balls before it, of changed nodes
+    std::vector<Mark> marks;            ///< by node
+    std::vector<std::int32_t> changed;  ///< nodes with the mark kChanged
+    std::vector<std::int32_t> exposed;  ///< nodes with the mark kExposed
+    std::vector<std::uint8_t> isLost;   ///< by square of 2 x 2 nodes: 1 if its proof was lost
+    std::vector<std::int32_t> lost;     ///< such squares
   };
 
   /// Two nodes of a level, or one with itself.
@@ -106,7 +115,9 @@ class MaterialTree {
   void refitBucket(std::int32_t bucket, const std::vector<QuickBox>& boxes,
                    const std::vector<GradientBall>& gradients);
   void unmark();
-  static void mark(Level& level, std::int32_t node);
+  static void markChanged(Level& level, std::int32_t node);
+  static void markExposed(Level& level, std::int32_t node);
+  static void exposeLost(Level& level);
   const QuickBox& boxAt(const Place& at) const;
   bool isNew(const Place& at) const;
   bool isChanged(const Place& a, const Place& b) const;

@@ -120,6 +120,43 @@ TEST(MaterialTree, ASearchAroundChangedFacesMissesNothing) {
   EXPECT_GT(added, 500U);
 }
 
+/// A pair of nodes may be ruled out by a square with other nodes in it. If these change, the pair
+/// has to be looked at, though neither it nor anything above it has changed.
+TEST(MaterialTree, ASearchAroundChangedFacesMissesNothingThatOthersHadRuledOut) {
+  const Model model = buildModel(cottonSheet(7));
+  const auto faces = static_cast<std::size_t>(model.mesh.faceCount());
+  RandomPoints random(11);
+  const auto randomBall = [&] {
+    return GradientBall{
+        {Vec3::UnitX() + 0.45 * random.point(), Vec3::UnitY() + 0.45 * random.point()}, 0.02};
+  };
+  const QuickBox everywhere({Vec3::Constant(-1.0), Vec3::Constant(1.0)});
+  std::size_t added = 0;
+  for (int cloth = 0; cloth < 20; ++cloth) {
+    FaceBounds bounds{std::vector<QuickBox>(faces, everywhere), {}};
+    for (std::size_t f = 0; f < faces; ++f) bounds.balls.push_back(randomBall());
+    MaterialTree tree;
+    tree.build(model, 0);
+    tree.refit(bounds.boxes, bounds.balls);
+    std::vector<FaceIds> pairs;
+    tree.collectOwn({bounds.boxes, pairs});
+    std::set<std::pair<FaceId, FaceId>> known;
+    for (int round = 0; round < 30; ++round) {
+      for (const FaceIds& pair : pairs) added += known.insert({pair.first, pair.second}).second;
+      for (const FaceIds& pair : searchPairs(model, bounds)) {
+        ASSERT_EQ(known.count({pair.first, pair.second}), 1U) << "round " << round;
+      }
+      const auto f =
+          static_cast<FaceId>(std::abs(random.number()) * 0.999 * static_cast<double>(faces));
+      bounds.balls[f] = randomBall();
+      tree.refit({f}, bounds.boxes, bounds.balls);
+      pairs.clear();
+      tree.collectOwn({bounds.boxes, pairs});
+    }
+  }
+  EXPECT_GT(added, 10000U);
+}
+
 TEST(MaterialTree, ASearchEndsWhenThereAreEnoughPairs) {
   const Model model = buildModel(cottonSheet(21));
   FaceBounds bounds = boundsOf(model, rolled(model, 0.11, -0.006));
