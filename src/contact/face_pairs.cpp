@@ -82,11 +82,22 @@ bool maySlide(VertexId v, double distance, const Truncation& now) {
          distance * distance <= (motion.end[v] - motion.start[v]).squaredNorm();
 }
 
-/// Makes a vertex end at least at `bound` along `n` [m], if it may slide so far.
-void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
-  const double to = n.dot(now.motion.end[v]);
-  if (to >= bound || !maySlide(v, bound - to, now)) return;
-  now.motion.end[v] += (bound - to) * n;
+/// Makes a vertex end at least at `bound` along `n` [m], if it may slide so far. \return how far it
+/// would still have to [m].
+double slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
+  const double missing = bound - n.dot(now.motion.end[v]);
+  if (!(missing > 0.0)) return 0.0;
+  if (!maySlide(v, missing, now)) return missing;
+  now.motion.end[v] += missing * n;
+  now.truncated[v] = now.pass;
+  return 0.0;
+}
+
+/// Moves a free corner that two faces share along `n` where another corner would have to give way
+/// and is held: otherwise a clamp may never pull cloth out of a fold.
+void slideShared(VertexId v, const Vec3& n, double distance, const Truncation& now) {
+  if (distance == 0.0 || now.motion.mass[v] == 0.0) return;
+  now.motion.end[v] += distance * n;
   now.truncated[v] = now.pass;
 }
 
@@ -325,8 +336,9 @@ bool FacePairs::slide(Pair& pair, const Truncation& now) const {
     bottom = std::min(bottom, other) - tilt;
   }
   for (int k = 0; k < 3 - pair.shared; ++k) {
-    slideBeyond(pair.a[k], n, top + keep, now);
-    slideBeyond(pair.b[k], -n, keep - bottom, now);
+    const double missingA = slideBeyond(pair.a[k], n, top + keep, now);
+    const double missingB = slideBeyond(pair.b[k], -n, keep - bottom, now);
+    if (pair.shared == 1) slideShared(pair.a[2], n, missingB - missingA, now);
   }
   return true;
 }

@@ -148,6 +148,32 @@ TEST_P(Certificate, FacesThatWanderForManySubstepsDoNotMeet) {
 
 INSTANTIATE_TEST_SUITE_P(SharedCorners, Certificate, testing::Values(0, 1, 2));
 
+/// A clamp pulls a corner of a fold that is pressed flat. If all stayed where it is, it would do so
+/// in each substep.
+TEST(FacePairs, AFoldGivesWayToACornerThatIsHeld) {
+  const std::vector<Face> faces{{0, 1, 2}, {0, 3, 4}};
+  const std::vector<VertexId> all{0, 1, 2, 3, 4};
+  const std::vector<double> mass{1.0, 1.0, 0.0, 1.0, 1.0};
+  RandomPoints random(3);
+  int folds = 0;
+  int stopped = 0;
+  while (folds < 500) {
+    std::vector<Vec3> start(5);
+    for (Vec3& x : start) x = 5e-3 * random.point().cwiseProduct(Vec3(1.0, 1.0, 2e-5));
+    if (!FacePairs::areApart(faces[0], faces[1], start)) continue;
+    ++folds;
+    std::vector<Vec3> end = start;
+    end[2] += 1e-5 * random.point();
+    const Vec3 wanted = end[2];
+    std::vector<std::uint8_t> truncated(5, 0);
+    FacePairs pairs;
+    pairs.assign({{0, 1}}, faces, 1e-4);
+    pairs.keepApart({{start, end, mass, all}, truncated});
+    if ((end[2] - wanted).norm() > 0.5 * (wanted - start[2]).norm()) ++stopped;
+  }
+  EXPECT_LT(stopped, 5);  // 12, where the common corner never moved
+}
+
 TEST(FacePairSet, KnowsWhatWasInserted) {
   FacePairSet pairs;
   pairs.clear(10);
