@@ -82,23 +82,26 @@ bool maySlide(VertexId v, double distance, const Truncation& now) {
          distance * distance <= (motion.end[v] - motion.start[v]).squaredNorm();
 }
 
+void slideBy(VertexId v, const Vec3& way, const Truncation& now) {
+  now.motion.end[v] += way;
+  now.truncated[v] = now.pass;
+}
+
 /// Makes a vertex end at least at `bound` along `n` [m], if it may slide so far. \return how far it
 /// would still have to [m].
 double slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
   const double missing = bound - n.dot(now.motion.end[v]);
   if (!(missing > 0.0)) return 0.0;
   if (!maySlide(v, missing, now)) return missing;
-  now.motion.end[v] += missing * n;
-  now.truncated[v] = now.pass;
+  slideBy(v, missing * n, now);
   return 0.0;
 }
 
-/// Moves a free corner that two faces share along `n` where another corner would have to give way
-/// and is held: otherwise a clamp may never pull cloth out of a fold.
-void slideShared(VertexId v, const Vec3& n, double distance, const Truncation& now) {
-  if (distance == 0.0 || now.motion.mass[v] == 0.0) return;
-  now.motion.end[v] += distance * n;
-  now.truncated[v] = now.pass;
+/// Moves a free corner that two faces share where another corner would have to give way and is
+/// held: otherwise a clamp may never pull cloth out of a fold.
+void slideShared(VertexId v, const Vec3& way, const Truncation& now) {
+  if (way.isZero(0.0) || now.motion.mass[v] == 0.0) return;
+  slideBy(v, way, now);
 }
 
 }  // namespace
@@ -338,7 +341,7 @@ bool FacePairs::slide(Pair& pair, const Truncation& now) const {
   for (int k = 0; k < 3 - pair.shared; ++k) {
     const double missingA = slideBeyond(pair.a[k], n, top + keep, now);
     const double missingB = slideBeyond(pair.b[k], -n, keep - bottom, now);
-    if (pair.shared == 1) slideShared(pair.a[2], n, missingB - missingA, now);
+    if (pair.shared == 1) slideShared(pair.a[2], (missingB - missingA) * n, now);
   }
   return true;
 }
