@@ -9,9 +9,12 @@
 #include "cloth_sim/sim/simulation.h"
 #include "surgery/energy_release.h"
 #include "surgery/tear_line.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
+
+using testing_support::complaint;
 
 /// Returns a trouser tear of a strip of 0.05 x 0.2 m that is its whole cloth, pulled slowly.
 /// \param energy  tear energy of the fabric, as YAML [J/m].
@@ -205,26 +208,17 @@ TEST(TearByEnergy, GoesOnFromASavedState) {
   EXPECT_EQ(again.save(), whole.save());
 }
 
-std::string errorOf(const std::string& scene) {
-  try {
-    parseScene(scene, "s.yaml");
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(TearByEnergy, BadInputIsRefusedInOneLine) {
   using testing::HasSubstr;
   for (const char* value : {"0", "-3", ".nan", "{warp: 2}", "{warp: 2, weft: 0}", "much"}) {
-    const std::string error = errorOf(trouserScene(value, kProjective));
+    const std::string error = complaint(trouserScene(value, kProjective));
     EXPECT_THAT(error, HasSubstr("cloth.fabric.tear_energy")) << value;
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
-  EXPECT_THAT(errorOf(trouserScene("2", kProjective, "{enabled: false, ratio: 1.2}")),
+  EXPECT_THAT(complaint(trouserScene("2", kProjective, "{enabled: false, ratio: 1.2}")),
               HasSubstr("cloth.fabric.tear_energy: expected either an energy or a tearing.ratio"));
   for (const char* method : {"xpbd", "line_xpbd"}) {
-    EXPECT_THAT(errorOf(trouserScene("2", std::string("method: ") + method)),
+    EXPECT_THAT(complaint(trouserScene("2", std::string("method: ") + method)),
                 HasSubstr("cannot tear by energy"))
         << method;
   }
@@ -249,10 +243,10 @@ solver: {method: projective}
   ASSERT_EQ(read.tearing.energy.size(), 1U);
   EXPECT_EQ(read.tearing.energy[0].warp, fabricPreset("denim").tearEnergy.warp);
   EXPECT_TRUE(parseScene(scene + "tearing: {}\n", "s.yaml").tearing.energy.empty());
-  EXPECT_THAT(errorOf(scene + "tearing: {by: energy, ratio: 1.2}\n"),
+  EXPECT_THAT(complaint(scene + "tearing: {by: energy, ratio: 1.2}\n"),
               testing::HasSubstr("tearing.by: expected either an energy or a tearing.ratio"));
-  EXPECT_THAT(errorOf(scene + "tearing: {by: luck}\n"), testing::HasSubstr("tearing.by"));
-  EXPECT_THAT(errorOf(trouserScene("2", kProjective, "{by: stretch}")),
+  EXPECT_THAT(complaint(scene + "tearing: {by: luck}\n"), testing::HasSubstr("tearing.by"));
+  EXPECT_THAT(complaint(trouserScene("2", kProjective, "{by: stretch}")),
               testing::HasSubstr("tear_energy: expected only where cloth tears by energy"));
 }
 

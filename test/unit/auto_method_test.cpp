@@ -10,6 +10,7 @@
 #include "cloth_sim/cloth/stable_step.h"
 #include "cloth_sim/scene/build.h"
 #include "cloth_sim/scene/load.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -35,12 +36,7 @@ Scene clothWith(const std::string& rest = "", const std::vector<std::string>& ov
 }
 
 std::string refusal(const std::string& rest) {
-  try {
-    clothWith(rest);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
+  return testing_support::sceneErrorOf([&] { clothWith(rest); });
 }
 
 /// Fixture whose cache is an empty folder of the test's own.

@@ -9,6 +9,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
 #include "unit/core_support.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -222,12 +223,7 @@ TEST(BendFriction, SlidersFollowEdits) {
 }
 
 std::string errorOf(const std::string& hysteresis, const std::string& rest = "") {
-  try {
-    sceneWith(hysteresis, rest);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
+  return sceneErrorOf([&] { sceneWith(hysteresis, rest); });
 }
 
 TEST(BendFriction, BadInputIsRefusedInOneLine) {

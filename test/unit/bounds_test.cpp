@@ -10,6 +10,7 @@
 #include "cloth_sim/sim/simulation.h"
 #include "scene/names.h"
 #include "unit/core_support.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -21,12 +22,7 @@ using testing::Not;
 
 /// The error of a scene; "" if it has none.
 std::string errorOf(const std::string& yaml) {
-  try {
-    parseScene(yaml, "it.yaml");
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
+  return sceneErrorOf([&] { parseScene(yaml, "it.yaml"); });
 }
 
 TEST(Bounds, AbsurdNumbersAreRefusedWithFileKeyValueAndBound) {

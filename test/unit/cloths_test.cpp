@@ -12,6 +12,7 @@
 #include "constraints/particles.h"
 #include "constraints/spring_schedule.h"
 #include "unit/core_support.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -48,12 +49,7 @@ Scene pair(const std::string& rest = "", const std::vector<std::string>& overrid
 Scene alone(const char* cloth) { return parse(std::string("cloth:") + cloth); }
 
 std::string errorOf(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
-  try {
-    parse(yaml, overrides);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
+  return testing_support::sceneErrorOf([&] { parse(yaml, overrides); });
 }
 
 double massOf(const Model& model, std::size_t cloth) {

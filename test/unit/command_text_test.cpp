@@ -10,6 +10,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/simulation.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -75,9 +76,8 @@ TEST(PackedCommand, IsRefusedIfItIsNone) {
 
 /// The stored text of every shipped scene, with an override, gives the same scene again.
 TEST(SceneText, IsTheSceneAgain) {
-  const std::filesystem::path folder = CLOTH_SIM_SOURCE_DIR "/config/scenes";
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  for (const auto& entry : std::filesystem::directory_iterator(testing_support::sceneFolder())) {
     if (entry.path().extension() != ".yaml") continue;
     const bool several = loadScene(entry.path()).cloths.size() > 1;
     const std::string first = several ? "cloth.0" : "cloth";

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "cloth_sim/scene/load.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -116,13 +117,9 @@ TEST(Collada, WithoutASceneTheGeometriesCount) {
 }
 
 std::string refusalOf(const std::string& file) {
-  try {
-    parseDae(file, "mesh.dae");
-  } catch (const SceneError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-    return error.what();
-  }
-  return "";
+  const std::string error = testing_support::sceneErrorOf([&] { parseDae(file, "mesh.dae"); });
+  EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  return error;
 }
 
 std::string refusalOf(const std::string& faces, const std::string& scene) {

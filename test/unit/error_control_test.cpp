@@ -9,6 +9,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/saved_state.h"
 #include "cloth_sim/sim/summary.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -38,12 +39,7 @@ Scene sceneOf(const std::string& solver, const std::vector<std::string>& set = {
 }
 
 std::string refusal(const std::string& solver) {
-  try {
-    sceneOf(solver);
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
+  return testing_support::sceneErrorOf([&] { sceneOf(solver); });
 }
 
 TEST(SolverError, TakesLinesAndABudgetWithoutAMethod) {

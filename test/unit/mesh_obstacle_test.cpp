@@ -13,6 +13,7 @@
 #include "contact/closest_points.h"
 #include "scene/obj_mesh.h"
 #include "scene/surface_reader.h"
+#include "unit/scene_support.h"
 #include "unit/surfaces.h"
 
 namespace cloth_sim {
@@ -330,15 +331,12 @@ TEST(MeshFile, TextAndBinaryStlAndObjAreTheSameSolid) {
 
 /// The error of a scene whose obstacle is the file, which must be one line.
 std::string refusalOf(const std::string& file) {
-  try {
-    parseScene("cloth: {size: [1, 1], particles: [3, 3]}\nobstacles:\n  a: {type: mesh, file: " +
-                   file + "}\n",
-               "test.yaml");
-  } catch (const SceneError& error) {
-    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
-    return error.what();
-  }
-  return "";
+  const std::string yaml =
+      "cloth: {size: [1, 1], particles: [3, 3]}\nobstacles:\n  a: {type: mesh, file: " + file +
+      "}\n";
+  const std::string error = sceneErrorOf([&] { parseScene(yaml, "test.yaml"); });
+  EXPECT_EQ(error.find('\n'), std::string::npos);
+  return error;
 }
 
 std::string refusalOf(const std::string& name, const std::string& contents) {

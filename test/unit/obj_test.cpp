@@ -10,6 +10,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
 #include "scene/obj_mesh.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -27,12 +28,7 @@ const char* const kSquare =
 ClothMesh square(const ObjUnits& units = {}) { return parseObj(kSquare, "square.obj", units); }
 
 std::string refusal(const std::string& text) {
-  try {
-    parseObj(text, "bad.obj", {});
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-  return "";
+  return testing_support::sceneErrorOf([&] { parseObj(text, "bad.obj", {}); });
 }
 
 TEST(Obj, PolygonsBecomeFans) {
@@ -137,13 +133,8 @@ TEST_F(ObjScene, HasTheMassOfItsAreaAndStartsWhereTheFileSays) {
 }
 
 TEST_F(ObjScene, RefusesWhatOnlyGridsHave) {
-  const auto refused = [this](const std::string& cloth) -> std::string {
-    try {
-      load(cloth);
-    } catch (const SceneError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refused = [this](const std::string& cloth) {
+    return testing_support::sceneErrorOf([&] { load(cloth); });
   };
   EXPECT_THAT(refused("size: [1, 1]"), HasSubstr("not beside obj"));
   EXPECT_THAT(refused("pins: [[0, 0]]"), HasSubstr("no columns and rows"));

@@ -11,6 +11,7 @@
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -200,13 +201,9 @@ TEST(RealTimeScene, IsRefusedByASimulationUntilItIsResolved) {
 }
 
 TEST(RealTimeScene, RefusesOtherWordsInOneLine) {
-  const auto refusal = [](const std::string& budget) -> std::string {
-    try {
-      parseScene(kSwing, "swing.yaml", {"solver.budget=" + budget});
-    } catch (const SceneError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const std::string& budget) {
+    return testing_support::sceneErrorOf(
+        [&] { parseScene(kSwing, "swing.yaml", {"solver.budget=" + budget}); });
   };
   EXPECT_EQ(refusal("fast"),
             "swing.yaml:8: solver.budget: expected a whole number from 1 to 100000, or real_time "

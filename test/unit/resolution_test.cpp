@@ -7,6 +7,7 @@
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -82,13 +83,12 @@ TEST(Resolution, OutOfBoundsIsRefused) {
     EXPECT_THAT(refusal(scene(), columns), HasSubstr("columns: expected 2 to 2048"));
   }
   EXPECT_THAT(refusal(scene(), 2048), HasSubstr("cloth 'banner' would have 2048 x 1025"));
-  const Scene fromFile =
-      loadScene(std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/round_tablecloth.yaml");
+  const Scene fromFile = loadScene(testing_support::shipped("round_tablecloth"));
   EXPECT_EQ(refusal(fromFile, 20), "cloth 'cloth' is from a file, which gives its particles");
 }
 
 TEST(SetResolution, BeginsAnewAsTheSceneWithThatManyParticles) {
-  const std::string file = std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/hang.yaml";
+  const std::string file = testing_support::shipped("hang");
   Simulation simulation(loadScene(file));
   for (int k = 0; k < 3; ++k) simulation.step();
   const CommandResult result = simulation.apply(SetResolution{17});

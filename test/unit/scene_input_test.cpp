@@ -303,34 +303,6 @@ TEST(Scene, BadSyntaxSaysWhere) {
   EXPECT_NE(complaint("cloth: {}\n]\ndrag: 1"), "");
 }
 
-TEST(Scene, ErrorIsTheDefaultUnlessAMethodOrSubstepsAreNamed) {
-  for (const char* solver : {"{dt: 0.01}", "{error: 0.01}", "{budget: 60}", "{sleep: false}"}) {
-    const SolverSpec read = parse(std::string("cloth: {}\nsolver: ") + solver).solver;
-    EXPECT_EQ(read.method, "line_xpbd") << solver;
-    EXPECT_EQ(read.parameters.at("error"), 0.01) << solver;
-  }
-  const SolverSpec fixed = parse("cloth: {}\nsolver: {substeps: 7}").solver;
-  EXPECT_EQ(fixed.method, "line_xpbd");
-  EXPECT_EQ(fixed.parameters.at("error"), 0.0);
-  EXPECT_EQ(fixed.parameters.at("substeps"), 7.0);
-  const SolverSpec named = parse("cloth: {}\nsolver: {method: line_xpbd}").solver;
-  EXPECT_EQ(named.parameters.at("error"), 0.0);
-  EXPECT_EQ(parse("cloth: {}\nsolver: {method: xpbd}").solver.method, "xpbd");
-}
-
-TEST(Scene, AnOverrideOfTheMethodDropsTheParametersOfOthers) {
-  const std::string pbd = "cloth: {}\nsolver: {method: pbd, iterations: 9, substeps: 3, dt: 0.01}";
-  const Scene scene = parse(pbd, {"solver.method=verlet"});
-  EXPECT_EQ(scene.solver.parameters, (SolverParameters{{"substeps", 3.0}}));
-  EXPECT_EQ(scene.solver.dt, 0.01);
-  EXPECT_EQ(parse(scene.text).solver.parameters, scene.solver.parameters) << "as it is recorded";
-  EXPECT_EQ(parse(pbd, {"solver.method=pbd"}).solver.parameters.at("iterations"), 9.0);
-  EXPECT_THAT(complaint(pbd, {"solver.method=verlet", "solver.iterations=2"}),
-              testing::HasSubstr("solver.iterations: unknown key"));
-  EXPECT_THAT(complaint(pbd + "\n", {"solver.method=leapfrog"}),
-              testing::HasSubstr("solver.method: expected one of"));
-}
-
 TEST(Scene, UnknownMethodNamesTheKnown) {
   std::string known;
   for (const SolverInfo& info : solverRegistry()) known += info.name + ", ";
@@ -356,13 +328,8 @@ TEST(Scene, NestingThatNeverEndsIsRefused) {
 }
 
 TEST(Scene, FilesThatCannotBeRead) {
-  const auto message = [](const std::string& path) -> std::string {
-    try {
-      loadScene(path);
-      return "";
-    } catch (const SceneError& error) {
-      return error.what();
-    }
+  const auto message = [](const std::string& path) {
+    return sceneErrorOf([&] { loadScene(path); });
   };
   EXPECT_EQ(message("/nowhere/x.yaml"),
             "/nowhere/x.yaml: cannot be read (No such file or directory)");
@@ -370,13 +337,8 @@ TEST(Scene, FilesThatCannotBeRead) {
 }
 
 TEST(Scene, NamesOfFilesWithLineBreaksAreToldOnOneLine) {
-  const auto message = [](const std::string& yaml) -> std::string {
-    try {
-      parseScene(yaml, "/nowhere/x.yaml");
-      return "";
-    } catch (const SceneError& error) {
-      return error.what();
-    }
+  const auto message = [](const std::string& yaml) {
+    return sceneErrorOf([&] { parseScene(yaml, "/nowhere/x.yaml"); });
   };
   EXPECT_EQ(message("cloth: {obj: \"k\\not.obj\"}"),
             "/nowhere/k ot.obj: cannot be read (No such file or directory)");

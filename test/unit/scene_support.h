@@ -1,5 +1,5 @@
 #pragma once
-/// \file Scenes of tests: shipped ones, and texts that are scenes or are refused.
+/// \file Scenes of tests: shipped ones, texts that are scenes, and the errors of others.
 
 #include <string>
 #include <vector>
@@ -12,24 +12,31 @@
 
 namespace cloth_sim::testing_support {
 
+/// The folder of the shipped scenes.
+inline std::string sceneFolder() { return std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes"; }
+
 /// The file of a shipped scene.
-inline std::string shipped(const std::string& name) {
-  return std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/" + name + ".yaml";
+inline std::string shipped(const std::string& name) { return sceneFolder() + "/" + name + ".yaml"; }
+
+/// Returns the message of the error of a scene that `action` throws; "" if it throws none.
+template <typename Action>
+std::string sceneErrorOf(const Action& action) {
+  try {
+    action();
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline Scene parse(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
+  return parseScene(yaml, "s.yaml", overrides);
 }
 
 /// Returns the error message of a scene; "" if it is valid.
 inline std::string complaint(const std::string& yaml,
                              const std::vector<std::string>& overrides = {}) {
-  try {
-    parseScene(yaml, "s.yaml", overrides);
-    return "";
-  } catch (const SceneError& error) {
-    return error.what();
-  }
-}
-
-inline Scene parse(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
-  return parseScene(yaml, "s.yaml", overrides);
+  return sceneErrorOf([&] { parse(yaml, overrides); });
 }
 
 }  // namespace cloth_sim::testing_support

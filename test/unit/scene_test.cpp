@@ -308,6 +308,34 @@ TEST(Scene, ConditionsAndTimeouts) {
   EXPECT_EQ(phase.onTimeout, OnTimeout::kContinue);
 }
 
+TEST(Scene, ErrorIsTheDefaultUnlessAMethodOrSubstepsAreNamed) {
+  for (const char* solver : {"{dt: 0.01}", "{error: 0.01}", "{budget: 60}", "{sleep: false}"}) {
+    const SolverSpec read = parse(std::string("cloth: {}\nsolver: ") + solver).solver;
+    EXPECT_EQ(read.method, "line_xpbd") << solver;
+    EXPECT_EQ(read.parameters.at("error"), 0.01) << solver;
+  }
+  const SolverSpec fixed = parse("cloth: {}\nsolver: {substeps: 7}").solver;
+  EXPECT_EQ(fixed.method, "line_xpbd");
+  EXPECT_EQ(fixed.parameters.at("error"), 0.0);
+  EXPECT_EQ(fixed.parameters.at("substeps"), 7.0);
+  const SolverSpec named = parse("cloth: {}\nsolver: {method: line_xpbd}").solver;
+  EXPECT_EQ(named.parameters.at("error"), 0.0);
+  EXPECT_EQ(parse("cloth: {}\nsolver: {method: xpbd}").solver.method, "xpbd");
+}
+
+TEST(Scene, AnOverrideOfTheMethodDropsTheParametersOfOthers) {
+  const std::string pbd = "cloth: {}\nsolver: {method: pbd, iterations: 9, substeps: 3, dt: 0.01}";
+  const Scene scene = parse(pbd, {"solver.method=verlet"});
+  EXPECT_EQ(scene.solver.parameters, (SolverParameters{{"substeps", 3.0}}));
+  EXPECT_EQ(scene.solver.dt, 0.01);
+  EXPECT_EQ(parse(scene.text).solver.parameters, scene.solver.parameters) << "as it is recorded";
+  EXPECT_EQ(parse(pbd, {"solver.method=pbd"}).solver.parameters.at("iterations"), 9.0);
+  EXPECT_THAT(complaint(pbd, {"solver.method=verlet", "solver.iterations=2"}),
+              testing::HasSubstr("solver.iterations: unknown key"));
+  EXPECT_THAT(complaint(pbd + "\n", {"solver.method=leapfrog"}),
+              testing::HasSubstr("solver.method: expected one of"));
+}
+
 // ---- overrides --------------------------------------------------------------------------------
 
 TEST(Overrides, ReplaceAddAndRemove) {

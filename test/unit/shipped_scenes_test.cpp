@@ -26,8 +26,7 @@ TEST(ShippedScenes, AllLoad) {
 }
 
 TEST(ShippedScenes, AllTakeAnotherMethodWithItsSubsteps) {
-  for (const auto& file :
-       std::filesystem::directory_iterator(std::filesystem::path(shipped("hang")).parent_path())) {
+  for (const auto& file : std::filesystem::directory_iterator(sceneFolder())) {
     if (file.path().extension() != ".yaml") continue;
     SCOPED_TRACE(file.path());
     Scene scene;

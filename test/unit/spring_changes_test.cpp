@@ -96,11 +96,25 @@ void expectSupportsAgree(const TriangleMesh& mesh, const SpringNetwork& springs)
   }
 }
 
+/// A denim sheet of random size and its network.
+struct RandomSheet {
+  /// \param least, most  rows and columns.
+  /// \param number  decides which kinds of springs there are.
+  RandomSheet(Generator& random, int least, int most, int number)
+      : mesh(makeGridMesh({whole(random, least, most), whole(random, least, most), 0.7, 0.9})),
+        selection{number % 3 != 1, number % 3 != 2},
+        springs(mesh, fabric, selection) {}
+  void expectFollows(const MeshChanges& edit);
+
+  TriangleMesh mesh;
+  Fabric fabric = fabricPreset("denim");
+  SpringSelection selection;
+  SpringNetwork springs;
+};
+
 /// Applies the changes of an edit, and checks that the network is the one of the edited mesh. The
 /// sums run over the same faces in the same order, so they are equal to the bit.
-void expectNetworkOfEditedMesh(const TriangleMesh& mesh, const MeshChanges& edit,
-                               const Fabric& fabric, const SpringSelection& selection,
-                               SpringNetwork& springs) {
+void RandomSheet::expectFollows(const MeshChanges& edit) {
   const std::vector<Spring> before(springs.slots());
   const SpringChanges changes = springs.applyChanges(mesh, edit);
   expectChangesList(before, springs.slots(), changes);
@@ -116,20 +130,15 @@ void expectNetworkOfEditedMesh(const TriangleMesh& mesh, const MeshChanges& edit
 TEST(SpringNetworkChanges, GivesTheNetworkOfTheEditedMesh) {
   Generator random(11);
   for (int sequence = 0; sequence < 20; ++sequence) {
-    const Grid grid{whole(random, 2, 8), whole(random, 2, 8), 0.7, 0.9};
-    TriangleMesh mesh = makeGridMesh(grid);
-    const Fabric fabric = fabricPreset("denim");
-    const SpringSelection selection{sequence % 3 != 1, sequence % 3 != 2};
-    SpringNetwork springs(mesh, fabric, selection);
+    RandomSheet sheet(random, 2, 8, sequence);
     for (int edit = 0; edit < 15; ++edit) {
       SCOPED_TRACE(testing::Message() << "sequence " << sequence << ", edit " << edit);
-      MeshEditor editor(mesh);
+      MeshEditor editor(sheet.mesh);
       for (int k = whole(random, 1, 3); k > 0; --k) {
-        const Opening opening = randomOpening(mesh, random);
+        const Opening opening = randomOpening(sheet.mesh, random);
         editor.splitVertex(opening.vertex, opening.detach);
       }
-      ASSERT_NO_FATAL_FAILURE(
-          expectNetworkOfEditedMesh(mesh, editor.finish(), fabric, selection, springs));
+      ASSERT_NO_FATAL_FAILURE(sheet.expectFollows(editor.finish()));
     }
   }
 }
@@ -137,18 +146,13 @@ TEST(SpringNetworkChanges, GivesTheNetworkOfTheEditedMesh) {
 TEST(SpringNetworkChanges, GivesTheNetworkOfTheEditedMeshForEveryKindOfEdit) {
   Generator random(12);
   for (int sequence = 0; sequence < 20; ++sequence) {
-    const Grid grid{whole(random, 3, 7), whole(random, 3, 7), 0.7, 0.9};
-    TriangleMesh mesh = makeGridMesh(grid);
-    const Fabric fabric = fabricPreset("denim");
-    const SpringSelection selection{sequence % 3 != 1, sequence % 3 != 2};
-    SpringNetwork springs(mesh, fabric, selection);
-    MeshEditor editor(mesh);
+    RandomSheet sheet(random, 3, 7, sequence);
+    MeshEditor editor(sheet.mesh);
     RandomEditor edits(editor, random);
     for (int edit = 0; edit < 60; ++edit) {
       SCOPED_TRACE(testing::Message() << "sequence " << sequence << ", edit " << edit);
       for (int k = whole(random, 1, 4); k > 0; --k) edits.any();
-      ASSERT_NO_FATAL_FAILURE(
-          expectNetworkOfEditedMesh(mesh, editor.finish(), fabric, selection, springs));
+      ASSERT_NO_FATAL_FAILURE(sheet.expectFollows(editor.finish()));
     }
   }
 }

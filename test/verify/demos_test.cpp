@@ -5,13 +5,13 @@
 
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
 
 Simulation simulate(const std::string& scene, const std::vector<std::string>& overrides = {}) {
-  const std::string file = std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/" + scene + ".yaml";
-  return Simulation(loadScene(file, overrides));
+  return Simulation(loadScene(testing_support::shipped(scene), overrides));
 }
 
 void finish(Simulation& simulation) {

@@ -10,6 +10,7 @@
 #include "cloth_sim/sim/simulation.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "fewer_cases.h"
+#include "unit/scene_support.h"
 #include "verify/intersections.h"
 #include "verify/verify_support.h"
 
@@ -397,7 +398,7 @@ TEST(Layers, ASavedStateGoesOnToTheBit) {
 /// inertia there. Contacts that do not see it drive the strip, to strains of 0.75 at rest. With 120
 /// substeps and no added inertia the largest strain of the run is 0.034.
 TEST(Layers, AKnotThatIsPulledTightComesToRest) {
-  Simulation simulation(loadScene(std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/knot.yaml"));
+  Simulation simulation(loadScene(testing_support::shipped("knot")));
   double largest = 0.0;
   constexpr int kMostSteps = 300;
   for (int step = 0; step < kMostSteps; ++step) {
@@ -421,7 +422,7 @@ TEST(Layers, CrossedClothsFallAsleep) {
     small.push_back(cloth + ".size=[0.1, 0.1]");
     small.push_back(cloth + ".particles=[17, 17]");
   }
-  Simulation simulation(loadScene(CLOTH_SIM_SOURCE_DIR "/config/scenes/stack.yaml", small));
+  Simulation simulation(loadScene(testing_support::shipped("stack"), small));
   double fastest = 0.0;
   while (simulation.time() < 3.0 && !simulation.isAsleep()) {
     fastest = fastestOf(simulation);
@@ -440,7 +441,7 @@ TEST(Layers, AFoldComesToRest) {
   const std::vector<std::string> strip{"cloth.size=[0.48, 0.0227]", "cloth.particles=[128, 7]",
                                        "clamps.near.pose.position=[0.228, 0, 0.002]",
                                        "clamps.far=null"};
-  Simulation simulation(loadScene(CLOTH_SIM_SOURCE_DIR "/config/scenes/fold_towel.yaml", strip));
+  Simulation simulation(loadScene(testing_support::shipped("fold_towel"), strip));
   constexpr double kMost = 9.0;  // of which the fold takes 3 [s]
   while (simulation.time() < kMost && !simulation.isAsleep()) {
     simulation.step();
@@ -456,8 +457,7 @@ class ShippedLayers : public testing::TestWithParam<const char*> {};
 /// Long scenes end in less time with the check in one of six frames.
 TEST_P(ShippedLayers, EndWithoutAnIntersection) {
   const std::string name = GetParam();
-  Simulation simulation(
-      loadScene(std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/" + name + ".yaml"));
+  Simulation simulation(loadScene(testing_support::shipped(name)));
   constexpr int kEvery = 6;
   constexpr int kMostSteps = 1200;
   std::int64_t truncated = 0;

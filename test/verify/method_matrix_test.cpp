@@ -33,6 +33,7 @@
 #include "cloth_sim/sim/simulation.h"
 #include "fewer_cases.h"
 #include "support/csv.h"
+#include "unit/scene_support.h"
 #include "verify/verify_support.h"
 
 namespace cloth_sim {
@@ -94,11 +95,9 @@ const std::vector<Start>& matrixStarts() {
   return all;
 }
 
-std::string sceneFolder() { return std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes"; }
-
 /// Loads a scene whose cloth never sleeps.
 Scene awakeScene(const std::string& name) {
-  Scene scene = loadScene(sceneFolder() + "/" + name + ".yaml");
+  Scene scene = loadScene(shipped(name));
   scene.solver.sleep.reset();
   return scene;
 }

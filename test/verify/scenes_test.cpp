@@ -7,6 +7,7 @@
 #include "cloth_sim/scene/load.h"
 #include "cloth_sim/sim/simulation.h"
 #include "unit/core_support.h"
+#include "unit/scene_support.h"
 
 namespace cloth_sim {
 namespace {
@@ -160,7 +161,7 @@ TEST_P(Scenes, ClothSlidesJustAboveTheAngleOfFriction) {
 
 TEST_P(Scenes, NothingPassesTheTableOrTheSphereAt20MetresPerSecond) {
   // The obstacles of the shipped tearing run, with its step of 1/60 s: 0.33 m in one step.
-  Scene scene = loadScene(std::string(CLOTH_SIM_SOURCE_DIR) + "/config/scenes/tear_seam.yaml");
+  Scene scene = loadScene(shipped("tear_seam"));
   scene.clamps.clear();
   scene.phases.clear();
   scene.tearing = TearingSettings{};
