@@ -125,7 +125,7 @@ class RobotTest(unittest.TestCase):
         self.assertTrue(rospy.ServiceProxy('/cloth/reset', srv.ResetScene)().success)
 
     def is_aside(self, across):
-        """No particle is in the palm, of radius 0.02 m at (0.1, 0), and those across are past it."""
+        """No particle is in the palm (radius 0.02 m, at (0.1, 0)); those across are past it."""
         places = self.particles()
         return (min(math.hypot(x - 0.1, y) for x, y, _ in places) > 0.02 and
                 min(places[k][1] for k in across) > 0.0)
