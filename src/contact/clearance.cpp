@@ -1,6 +1,8 @@
 #include "clearance.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <utility>
 
 #include "sampled_motion.h"
@@ -11,9 +13,6 @@ namespace {
 
 /// Level of the tiles: 4 x 4 buckets.
 constexpr int kTileLevel = 2;
-/// Substeps for which a step has to look clear at its start. If it is not in the end, it is done
-/// again; if it does not look so but would be, faces are searched in vain.
-constexpr double kOutlook = 3.0;
 constexpr std::int32_t kTileGrain = 32;
 constexpr std::int32_t kCopyGrain = 4096;
 
@@ -21,23 +20,11 @@ Place rootOf(const std::vector<MaterialLevel>& levels) {
   return {static_cast<int>(levels.size()) - 1, 0, 0};
 }
 
-/// Repeats the last value until there are a multiple of the lanes.
-void fillUp(std::vector<std::int32_t>& values) {
-  const std::int32_t last = values.back();
-  while (values.size() % kLanes != 0) values.push_back(last);
-}
-
-std::vector<std::int32_t> sortedOnce(std::vector<std::int32_t> values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-  return values;
-}
-
 }  // namespace
 
 Tile Clearance::Sheet::tile(std::int32_t k) const {
-  return {vertices.data() + firstVertex[k], firstVertex[k + 1] - firstVertex[k],
-          faces.data() + firstFace[k], firstFace[k + 1] - firstFace[k]};
+  return {runs.data() + firstRun[k], firstRun[k + 1] - firstRun[k], faces.data() + firstFace[k],
+          firstFace[k + 1] - firstFace[k]};
 }
 
 void Clearance::build(const Model& model, const FacePairSearch& search, double margin) {
@@ -51,6 +38,8 @@ void Clearance::build(const Model& model, const FacePairSearch& search, double m
   inverseRest_ = &search.allowance().inverseRest();
   const auto vertices = static_cast<std::size_t>(model.particleCount());
   for (VectorArray* array : {&last_, &now_}) array->resize(vertices);
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // equal to no place
+  if (vertices > 0) last_.set(0, Vec3::Constant(kUnknown));
   for (const MaterialTree& tree : trees) {
     Sheet& sheet = sheets_.emplace_back();
     sheet.tree = &tree;
@@ -60,7 +49,7 @@ void Clearance::build(const Model& model, const FacePairSearch& search, double m
       sheet.levels[k].resize(tree.level(k).columns, tree.level(k).rows);
     }
     const std::int32_t tiles = sheet.levels[sheet.tileLevel].count();
-    sheet.firstVertex.assign(1, 0);
+    sheet.firstRun.assign(1, 0);
     sheet.firstFace.assign(1, 0);
     for (std::int32_t tile = 0; tile < tiles; ++tile) addTile(tile, sheet);
     sheet.bounds.resize(tiles);
@@ -69,59 +58,98 @@ void Clearance::build(const Model& model, const FacePairSearch& search, double m
   }
 }
 
-/// Lists the vertices and faces of a tile.
+/// Lists the faces of a tile, those side by side as runs.
 void Clearance::addTile(std::int32_t tile, Sheet& sheet) const {
+  const std::vector<FaceId> faces = facesOf(tile, sheet);
+  std::vector<FaceId> others;
+  for (std::size_t k = 0; k < faces.size();) {
+    if (k + kLanes <= faces.size() && isRun(&faces[k])) {
+      sheet.runs.push_back(runFrom(faces[k]));
+      k += kLanes;
+    } else {
+      others.push_back(faces[k++]);
+    }
+  }
+  while (others.size() % kLanes != 0) others.push_back(others.back());
+  for (std::size_t k = 0; k < others.size(); k += kLanes) {
+    sheet.faces.push_back(lanesOf(&others[k]));
+  }
+  sheet.firstRun.push_back(static_cast<std::int32_t>(sheet.runs.size()));
+  sheet.firstFace.push_back(static_cast<std::int32_t>(sheet.faces.size()));
+}
+
+/// The faces of a tile, once each, so that those in a run follow each other.
+std::vector<FaceId> Clearance::facesOf(std::int32_t tile, const Sheet& sheet) const {
   const MaterialLevel& buckets = sheet.levels.front();
   const Place at = sheet.levels[sheet.tileLevel].placeOf(0, tile);
   const int side = 1 << sheet.tileLevel;
-  std::vector<std::int32_t> vertices;
-  std::vector<std::int32_t> faces;
+  std::vector<FaceId> faces;
   for (int j = side * at.j; j < std::min(side * (at.j + 1), buckets.rows); ++j) {
     for (int i = side * at.i; i < std::min(side * (at.i + 1), buckets.columns); ++i) {
-      const int bucket = buckets.node(i, j);
-      for (const FaceId f : sheet.tree->owned(bucket)) {
-        vertices.insert(vertices.end(), faces_[f].begin(), faces_[f].end());
-      }
-      for (const FaceId f : sheet.tree->overlapping(bucket)) faces.push_back(f);
+      for (const FaceId f : sheet.tree->overlapping(buckets.node(i, j))) faces.push_back(f);
     }
   }
-  vertices = sortedOnce(std::move(vertices));
-  faces = sortedOnce(std::move(faces));
-  fillUp(vertices);
-  fillUp(faces);
-  sheet.vertices.insert(sheet.vertices.end(), vertices.begin(), vertices.end());
-  for (std::size_t k = 0; k < faces.size(); k += kLanes) sheet.faces.push_back(lanesOf(&faces[k]));
-  sheet.firstVertex.push_back(static_cast<std::int32_t>(sheet.vertices.size()));
-  sheet.firstFace.push_back(static_cast<std::int32_t>(sheet.faces.size()));
+  std::sort(faces.begin(), faces.end(), [this](FaceId f, FaceId g) {
+    return std::make_pair(shapeOf(f), faces_[f][0]) < std::make_pair(shapeOf(g), faces_[g][0]);
+  });
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  return faces;
+}
+
+/// The steps from the number of the first corner of a face to those of the others.
+std::array<std::int32_t, 2> Clearance::shapeOf(FaceId f) const {
+  return {faces_[f][1] - faces_[f][0], faces_[f][2] - faces_[f][0]};
+}
+
+/// Tells whether four faces are a run.
+bool Clearance::isRun(const FaceId* faces) const {
+  constexpr double kRounding = 1e-6;  // of single precision
+  const Eigen::Matrix2d& inverse = (*inverseRest_)[faces[0]];
+  for (int k = 1; k < kLanes; ++k) {
+    for (int corner = 0; corner < 3; ++corner) {
+      if (faces_[faces[k]][corner] != faces_[faces[0]][corner] + k) return false;
+    }
+    if (!(*inverseRest_)[faces[k]].isApprox(inverse, kRounding)) return false;
+  }
+  return true;
+}
+
+FaceRun Clearance::runFrom(FaceId first) const {
+  FaceRun run{};
+  for (int corner = 0; corner < 3; ++corner) run.corners[corner] = faces_[first][corner];
+  for (int n = 0; n < 4; ++n) {
+    run.inverseRest[n] = static_cast<float>((*inverseRest_)[first](n / 2, n % 2));
+  }
+  return run;
 }
 
 FaceLanes Clearance::lanesOf(const FaceId* faces) const {
   FaceLanes lanes{};
   for (int lane = 0; lane < kLanes; ++lane) {
-    const Face& face = faces_[faces[lane]];
-    const Eigen::Matrix2d& inverse = (*inverseRest_)[faces[lane]];
-    for (int corner = 0; corner < 3; ++corner) lanes.corners[corner][lane] = face[corner];
-    for (int n = 0; n < 4; ++n) {
-      lanes.inverseRest[n][lane] = static_cast<float>(inverse(n / 2, n % 2));
-    }
+    const FaceRun face = runFrom(faces[lane]);
+    for (int corner = 0; corner < 3; ++corner) lanes.corners[corner][lane] = face.corners[corner];
+    for (int n = 0; n < 4; ++n) lanes.inverseRest[n][lane] = face.inverseRest[n];
   }
   return lanes;
 }
 
 bool Clearance::begin(const ParticleView& particles) {
   if (!isUsable()) return false;
-  const auto motionOf = [&](VertexId v) -> Vec3 {
-    const std::int32_t slot = particles.slot(v);
-    return particles.at(slot) - particles.startAt(slot);
-  };
-  common_ = kOutlook * sampledMotion(now_.x.size(), motionOf);
-  parallelForEach(now_.x.size(), kCopyGrain, [&](VertexId v) {
-    const Vec3 start = particles.startAt(particles.slot(v));
-    last_.set(v, start);
-    now_.set(v, start + kOutlook * motionOf(v));
-  });
-  bound(last_, &Sheet::lastBounds);
-  return areAllClear();
+  common_ = Vec3::Zero();
+  if (!isLastAt(particles)) {
+    parallelForEach(last_.x.size(), kCopyGrain,
+                    [&](VertexId v) { last_.set(v, particles.startAt(particles.slot(v))); });
+    bound(last_, &Sheet::lastBounds);
+  }
+  return areAllClear(last_, &Sheet::lastBounds);
+}
+
+/// Tells whether a step begins where bounds were found last.
+bool Clearance::isLastAt(const ParticleView& particles) const {
+  for (VertexId v = 0; v < static_cast<VertexId>(last_.x.size()); ++v) {
+    if (particles.startAt(particles.slot(v)) != last_.at(v)) return false;
+  }
+  return true;
 }
 
 bool Clearance::follow(const ParticleView& particles) {
@@ -130,16 +158,19 @@ bool Clearance::follow(const ParticleView& particles) {
   });
   parallelForEach(now_.x.size(), kCopyGrain,
                   [&](VertexId v) { now_.set(v, particles.at(particles.slot(v))); });
-  if (!areAllClear()) return false;
+  bound(now_, &Sheet::bounds);
+  if (!areAllClear(now_, &Sheet::bounds)) return false;
   std::swap(last_, now_);
   for (Sheet& sheet : sheets_) std::swap(sheet.lastBounds, sheet.bounds);
   return true;
 }
 
-/// Looks for parts that might touch on the way from the last check until now.
-bool Clearance::areAllClear() {
-  bound(now_, &Sheet::bounds);
-  for (Sheet& sheet : sheets_) join(sheet);
+/// Looks for parts that might touch on the way from the last check to an end.
+/// \param end        positions there, by vertex [m].
+/// \param endBounds  bounds of the tiles there.
+bool Clearance::areAllClear(const VectorArray& end, std::vector<TileBounds> Sheet::*endBounds) {
+  end_ = &end;
+  for (Sheet& sheet : sheets_) join(sheet.*endBounds, sheet);
   for (std::size_t a = 0; a < sheets_.size(); ++a) {
     const Place root = rootOf(sheets_[a].levels);
     if (!isClear(root, root, sheets_[a])) return false;
@@ -159,16 +190,16 @@ void Clearance::bound(const VectorArray& x, std::vector<TileBounds> Sheet::*boun
   }
 }
 
-/// Joins the bounds at both ends, and brings the nodes above the tiles up to date.
-void Clearance::join(Sheet& sheet) {
+/// Joins the bounds of tiles at both ends, and brings the nodes above the tiles up to date.
+void Clearance::join(const std::vector<TileBounds>& endBounds, Sheet& sheet) {
   MaterialLevel& tiles = sheet.levels[sheet.tileLevel];
   for (std::int32_t k = 0; k < tiles.count(); ++k) {
-    const TileBounds& now = sheet.bounds[k];
+    const TileBounds& end = endBounds[k];
     const TileBounds& last = sheet.lastBounds[k];
-    tiles.boxes[k] = widened({last.box.low.cwiseMin(now.box.low - common_),
-                              last.box.high.cwiseMax(now.box.high - common_)});
+    tiles.boxes[k] = widened({last.box.low.cwiseMin(end.box.low - common_),
+                              last.box.high.cwiseMax(end.box.high - common_)});
     tiles.balls[k] = last.ball;
-    tiles.balls[k].add(now.ball);
+    tiles.balls[k].add(end.ball);
   }
   tiles.forgetProofs();
   std::fill(sheet.isDivided.begin(), sheet.isDivided.end(), 0);
@@ -267,12 +298,12 @@ void Clearance::boundBucket(std::int32_t bucket, Sheet& sheet) const {
   Box box;
   for (const FaceId f : sheet.tree->owned(bucket)) {
     for (const VertexId v : faces_[f]) {
-      for (const Vec3& x : {last_.at(v), Vec3(now_.at(v) - common_)}) box.add({x, x});
+      for (const Vec3& x : {last_.at(v), Vec3(end_->at(v) - common_)}) box.add({x, x});
     }
   }
   GradientBall ball;
   for (const FaceId f : sheet.tree->overlapping(bucket)) {
-    for (const VectorArray* x : {&last_, &now_}) {
+    for (const VectorArray* x : {&std::as_const(last_), end_}) {
       const Vec3 at = x->at(faces_[f][0]);
       ball.add(
           {Gradient::of(x->at(faces_[f][1]) - at, x->at(faces_[f][2]) - at, (*inverseRest_)[f]),

@@ -1,6 +1,7 @@
 #pragma once
 /// \file A quick check that cloth is nowhere near itself, nor other cloth.
 
+#include <array>
 #include <vector>
 
 #include "cloth_sim/contact/contacts.h"
@@ -28,8 +29,7 @@ class Clearance {
   void build(const Model& model, const FacePairSearch& search, double margin);
   /// Tells whether there is a check: only of cloths whose surfaces are continuous.
   bool isUsable() const { return !sheets_.empty(); }
-  /// Tells whether all is clear at the start of a step, and in some substeps like the first one.
-  /// \param particles  at the end of the first substep, before contact.
+  /// Tells whether all is clear at the start of a substep, the first of a step.
   bool begin(const ParticleView& particles);
   /// Tells whether all is clear on straight ways from where vertices were at the last check that
   /// found all clear. False for positions that are not finite.
@@ -40,21 +40,26 @@ class Clearance {
   struct Sheet {
     const MaterialTree* tree = nullptr;
     int tileLevel = 0;
-    std::vector<MaterialLevel> levels;   ///< as those of the tree; below the tiles only as needed
-    std::vector<std::int32_t> vertices;  ///< of the tiles, one tile after the other
-    std::vector<FaceLanes> faces;        ///< the same
-    std::vector<std::int32_t> firstVertex, firstFace;  ///< by tile
-    std::vector<TileBounds> bounds;                    ///< by tile, at one end
-    std::vector<TileBounds> lastBounds;                ///< the same at the last check
-    std::vector<std::uint8_t> isDivided;  ///< by tile: 1 if levels below are up to date
+    std::vector<MaterialLevel> levels;  ///< as those of the tree; below the tiles only as needed
+    std::vector<FaceRun> runs;          ///< of the tiles, one tile after the other
+    std::vector<FaceLanes> faces;       ///< the same, of faces in no run
+    std::vector<std::int32_t> firstRun, firstFace;  ///< by tile
+    std::vector<TileBounds> bounds;                 ///< by tile, at one end
+    std::vector<TileBounds> lastBounds;             ///< the same at the last check
+    std::vector<std::uint8_t> isDivided;            ///< by tile: 1 if levels below are up to date
     Tile tile(std::int32_t k) const;
   };
 
   void addTile(std::int32_t tile, Sheet& sheet) const;
+  std::vector<FaceId> facesOf(std::int32_t tile, const Sheet& sheet) const;
+  std::array<std::int32_t, 2> shapeOf(FaceId f) const;
+  bool isRun(const FaceId* faces) const;
+  FaceRun runFrom(FaceId first) const;
   FaceLanes lanesOf(const FaceId* faces) const;
-  bool areAllClear();
+  bool isLastAt(const ParticleView& particles) const;
+  bool areAllClear(const VectorArray& end, std::vector<TileBounds> Sheet::*endBounds);
   void bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds);
-  void join(Sheet& sheet);
+  void join(const std::vector<TileBounds>& endBounds, Sheet& sheet);
   QuickBox widened(const Box& box) const;
   void divideAround(const Place& tile, Sheet& sheet);
   void divide(const Place& tile, Sheet& sheet);
@@ -65,11 +70,12 @@ class Clearance {
 
   std::vector<Face> faces_;
   const std::vector<Eigen::Matrix2d>* inverseRest_ = nullptr;  ///< by face
-  std::vector<Sheet> sheets_;   ///< by cloth; empty if there is no check
-  double margin_ = 0.0;         ///< [m]
-  Vec3 common_ = Vec3::Zero();  ///< motion since the last check that all have in common [m]
-  VectorArray last_;            ///< positions at the last check, by vertex [m]
-  VectorArray now_;             ///< positions, by vertex [m]
+  std::vector<Sheet> sheets_;         ///< by cloth; empty if there is no check
+  double margin_ = 0.0;               ///< [m]
+  Vec3 common_ = Vec3::Zero();        ///< motion since the last check that all have in common [m]
+  VectorArray last_;                  ///< positions at the last check, by vertex [m]
+  VectorArray now_;                   ///< positions, by vertex [m]
+  const VectorArray* end_ = nullptr;  ///< of the way that is looked at
 };
 
 }  // namespace cloth_sim
