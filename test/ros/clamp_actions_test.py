@@ -64,6 +64,9 @@ class Goal:
         self.handle = client.send_goal(goal, feedback_cb=lambda _, message:
                                        self.feedback.append(message))
 
+    def answered(self):
+        wait_until(lambda: self.handle.get_goal_status() != GoalStatus.PENDING, 'an answer')
+
     def begun(self):
         wait_until(lambda: self.handle.get_goal_status() == GoalStatus.ACTIVE, 'the goal to begin')
         return self
@@ -104,7 +107,8 @@ class ClampActionsTest(ServiceTest):
         return Goal(self.clients[clamp, name], goal)
 
     def finished(self, goal):
-        """Runs until the goal is over; then the simulation is paused."""
+        """Runs from the time that the goal is answered until it is over; then pauses again."""
+        goal.answered()
         self.accepted('pause', False)
         end = goal.wait()
         self.accepted('pause', True)
