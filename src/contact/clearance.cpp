@@ -11,8 +11,10 @@
 namespace cloth_sim {
 namespace {
 
-/// Level of the tiles: 4 x 4 buckets.
+/// Level of the tiles, and buckets along their sides.
 constexpr int kTileLevel = 2;
+constexpr int kSide = 1 << kTileLevel;
+static_assert(kSide == GridTile::kColumns);
 constexpr std::int32_t kTileGrain = 32;
 constexpr std::int32_t kCopyGrain = 4096;
 
@@ -20,18 +22,67 @@ Place rootOf(const std::vector<MaterialLevel>& levels) {
   return {static_cast<int>(levels.size()) - 1, 0, 0};
 }
 
+/// The number of vertices before any edit.
+std::int32_t undamagedCount(const Model& model) {
+  return model.cloths.back().firstVertex + model.cloths.back().vertices;
+}
+
+/// Tells whether three vertices of a grid are corners of the same cell.
+bool areInCell(const Grid& grid, const Face& numbers) {
+  int low[2] = {grid.columns, grid.rows};
+  int high[2] = {0, 0};
+  for (const VertexId number : numbers) {
+    const int at[2] = {number % grid.columns, number / grid.columns};
+    for (int axis = 0; axis < 2; ++axis) {
+      low[axis] = std::min(low[axis], at[axis]);
+      high[axis] = std::max(high[axis], at[axis]);
+    }
+  }
+  return high[0] - low[0] == 1 && high[1] - low[1] == 1;
+}
+
+/// Tells whether the faces of a cloth are those of its grid, however its cells are divided.
+/// \param mesh  with as many vertices as before any edit.
+bool isAsItsGrid(const TriangleMesh& mesh, const ClothPart& cloth) {
+  if (!cloth.grid) return false;
+  const Grid& grid = *cloth.grid;
+  const double tolerance = 1e-9 * std::min(grid.spacingU(), grid.spacingV());
+  for (VertexId n = 0; n < cloth.vertices; ++n) {
+    const Vec2 at = grid.material(n % grid.columns, n / grid.columns);
+    const Vec2 is = mesh.material(cloth.firstVertex + n) - Vec2(cloth.materialOffset, 0.0);
+    if (!((is - at).norm() < tolerance)) return false;
+  }
+  const auto isNumber = [&](VertexId n) { return n >= 0 && n < cloth.vertices; };
+  std::int32_t faces = 0;
+  for (Face face : mesh.faces()) {
+    for (VertexId& v : face) v -= cloth.firstVertex;
+    if (!std::all_of(face.begin(), face.end(), isNumber)) continue;
+    if (!areInCell(grid, face)) return false;
+    ++faces;
+  }
+  return faces == 2 * (grid.columns - 1) * (grid.rows - 1);
+}
+
 }  // namespace
 
-Tile Clearance::Sheet::tile(std::int32_t k) const {
-  return {runs.data() + firstRun[k], firstRun[k + 1] - firstRun[k], faces.data() + firstFace[k],
-          firstFace[k + 1] - firstFace[k]};
+/// The k-th tile. The last one of a row of tiles overlaps the one before.
+GridTile Clearance::Sheet::tile(std::int32_t k) const {
+  const MaterialLevel& buckets = levels.front();
+  const Place at = levels[kTileLevel].placeOf(0, k);
+  const int row = kSide * at.j;
+  GridTile of = firstTile;
+  of.first += row * of.stride + std::min(kSide * at.i, buckets.columns - kSide);
+  of.rows = std::min(kSide, buckets.rows - row) + 1;
+  return of;
 }
 
 void Clearance::build(const Model& model, const FacePairSearch& search, double margin) {
-  const std::vector<MaterialTree>& trees = search.trees();
   margin_ = margin;
   sheets_.clear();
-  if (!std::all_of(trees.begin(), trees.end(), [](const auto& tree) { return tree.isWhole(); })) {
+  if (model.particleCount() != undamagedCount(model)) return;
+  for (std::size_t cloth = 0; cloth < model.cloths.size(); ++cloth) {
+    if (addSheet(model, cloth, search.trees()[cloth])) continue;
+    sheets_.clear();
     return;
   }
   faces_ = model.mesh.faces();
@@ -39,98 +90,29 @@ void Clearance::build(const Model& model, const FacePairSearch& search, double m
   const auto vertices = static_cast<std::size_t>(model.particleCount());
   for (VectorArray* array : {&last_, &now_}) array->resize(vertices);
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // equal to no place
-  if (vertices > 0) last_.set(0, Vec3::Constant(kUnknown));
-  for (const MaterialTree& tree : trees) {
-    Sheet& sheet = sheets_.emplace_back();
-    sheet.tree = &tree;
-    sheet.tileLevel = std::min(kTileLevel, tree.levelCount() - 1);
-    sheet.levels.resize(tree.levelCount());
-    for (int k = 0; k < tree.levelCount(); ++k) {
-      sheet.levels[k].resize(tree.level(k).columns, tree.level(k).rows);
-    }
-    const std::int32_t tiles = sheet.levels[sheet.tileLevel].count();
-    sheet.firstRun.assign(1, 0);
-    sheet.firstFace.assign(1, 0);
-    for (std::int32_t tile = 0; tile < tiles; ++tile) addTile(tile, sheet);
-    sheet.bounds.resize(tiles);
-    sheet.lastBounds.resize(tiles);
-    sheet.isDivided.resize(tiles);
-  }
+  last_.set(0, Vec3::Constant(kUnknown));
 }
 
-/// Lists the faces of a tile, those side by side as runs.
-void Clearance::addTile(std::int32_t tile, Sheet& sheet) const {
-  const std::vector<FaceId> faces = facesOf(tile, sheet);
-  std::vector<FaceId> others;
-  for (std::size_t k = 0; k < faces.size();) {
-    if (k + kLanes <= faces.size() && isRun(&faces[k])) {
-      sheet.runs.push_back(runFrom(faces[k]));
-      k += kLanes;
-    } else {
-      others.push_back(faces[k++]);
-    }
+/// \return whether the cloth can be checked: it is a grid with a cell in each bucket of its tree.
+bool Clearance::addSheet(const Model& model, std::size_t cloth, const MaterialTree& tree) {
+  const ClothPart& part = model.cloths[cloth];
+  if (!isAsItsGrid(model.mesh, part)) return false;
+  const Grid& grid = *part.grid;
+  const MaterialLevel& buckets = tree.level(0);
+  const bool hasCells = buckets.columns == grid.columns - 1 && buckets.rows == grid.rows - 1;
+  if (!hasCells || buckets.columns < kSide) return false;
+  Sheet& sheet = sheets_.emplace_back();
+  sheet.tree = &tree;
+  sheet.firstTile = {part.firstVertex, 0, grid.columns, {grid.spacingU(), grid.spacingV()}};
+  sheet.levels.resize(tree.levelCount());
+  for (int k = 0; k < tree.levelCount(); ++k) {
+    sheet.levels[k].resize(tree.level(k).columns, tree.level(k).rows);
   }
-  while (others.size() % kLanes != 0) others.push_back(others.back());
-  for (std::size_t k = 0; k < others.size(); k += kLanes) {
-    sheet.faces.push_back(lanesOf(&others[k]));
-  }
-  sheet.firstRun.push_back(static_cast<std::int32_t>(sheet.runs.size()));
-  sheet.firstFace.push_back(static_cast<std::int32_t>(sheet.faces.size()));
-}
-
-/// The faces of a tile, once each, so that those in a run follow each other.
-std::vector<FaceId> Clearance::facesOf(std::int32_t tile, const Sheet& sheet) const {
-  const MaterialLevel& buckets = sheet.levels.front();
-  const Place at = sheet.levels[sheet.tileLevel].placeOf(0, tile);
-  const int side = 1 << sheet.tileLevel;
-  std::vector<FaceId> faces;
-  for (int j = side * at.j; j < std::min(side * (at.j + 1), buckets.rows); ++j) {
-    for (int i = side * at.i; i < std::min(side * (at.i + 1), buckets.columns); ++i) {
-      for (const FaceId f : sheet.tree->overlapping(buckets.node(i, j))) faces.push_back(f);
-    }
-  }
-  std::sort(faces.begin(), faces.end(), [this](FaceId f, FaceId g) {
-    return std::make_pair(shapeOf(f), faces_[f][0]) < std::make_pair(shapeOf(g), faces_[g][0]);
-  });
-  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
-  return faces;
-}
-
-/// The steps from the number of the first corner of a face to those of the others.
-std::array<std::int32_t, 2> Clearance::shapeOf(FaceId f) const {
-  return {faces_[f][1] - faces_[f][0], faces_[f][2] - faces_[f][0]};
-}
-
-/// Tells whether four faces are a run.
-bool Clearance::isRun(const FaceId* faces) const {
-  constexpr double kRounding = 1e-6;  // of single precision
-  const Eigen::Matrix2d& inverse = (*inverseRest_)[faces[0]];
-  for (int k = 1; k < kLanes; ++k) {
-    for (int corner = 0; corner < 3; ++corner) {
-      if (faces_[faces[k]][corner] != faces_[faces[0]][corner] + k) return false;
-    }
-    if (!(*inverseRest_)[faces[k]].isApprox(inverse, kRounding)) return false;
-  }
+  const std::int32_t tiles = sheet.levels[kTileLevel].count();
+  sheet.bounds.resize(tiles);
+  sheet.lastBounds.resize(tiles);
+  sheet.isDivided.resize(tiles);
   return true;
-}
-
-FaceRun Clearance::runFrom(FaceId first) const {
-  FaceRun run{};
-  for (int corner = 0; corner < 3; ++corner) run.corners[corner] = faces_[first][corner];
-  for (int n = 0; n < 4; ++n) {
-    run.inverseRest[n] = static_cast<float>((*inverseRest_)[first](n / 2, n % 2));
-  }
-  return run;
-}
-
-FaceLanes Clearance::lanesOf(const FaceId* faces) const {
-  FaceLanes lanes{};
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const FaceRun face = runFrom(faces[lane]);
-    for (int corner = 0; corner < 3; ++corner) lanes.corners[corner][lane] = face.corners[corner];
-    for (int n = 0; n < 4; ++n) lanes.inverseRest[n][lane] = face.inverseRest[n];
-  }
-  return lanes;
 }
 
 bool Clearance::begin(const ParticleView& particles) {
@@ -192,7 +174,7 @@ void Clearance::bound(const VectorArray& x, std::vector<TileBounds> Sheet::*boun
 
 /// Joins the bounds of tiles at both ends, and brings the nodes above the tiles up to date.
 void Clearance::join(const std::vector<TileBounds>& endBounds, Sheet& sheet) {
-  MaterialLevel& tiles = sheet.levels[sheet.tileLevel];
+  MaterialLevel& tiles = sheet.levels[kTileLevel];
   for (std::int32_t k = 0; k < tiles.count(); ++k) {
     const TileBounds& end = endBounds[k];
     const TileBounds& last = sheet.lastBounds[k];
@@ -203,7 +185,7 @@ void Clearance::join(const std::vector<TileBounds>& endBounds, Sheet& sheet) {
   }
   tiles.forgetProofs();
   std::fill(sheet.isDivided.begin(), sheet.isDivided.end(), 0);
-  for (std::size_t k = sheet.tileLevel + 1; k < sheet.levels.size(); ++k) {
+  for (std::size_t k = kTileLevel + 1; k < sheet.levels.size(); ++k) {
     for (std::int32_t node = 0; node < sheet.levels[k].count(); ++node) {
       sheet.levels[k].join(sheet.levels[k - 1], node);
     }
@@ -258,18 +240,18 @@ bool Clearance::areClear(const Place& a, Sheet& sheetA, const Place& b, Sheet& s
 
 /// Lists the parts of a node, up to date.
 int Clearance::partsOf(const Place& place, Sheet& sheet, std::array<Place, 4>& out) {
-  if (place.level == sheet.tileLevel) divideAround(place, sheet);
+  if (place.level == kTileLevel) divideAround(place, sheet);
   return sheet.levels[place.level - 1].partsOf(place, out);
 }
 
 /// Brings what lies below a tile and its neighbours up to date: parts of neighbours are proven
 /// together.
 void Clearance::divideAround(const Place& tile, Sheet& sheet) {
-  const MaterialLevel& tiles = sheet.levels[sheet.tileLevel];
+  const MaterialLevel& tiles = sheet.levels[kTileLevel];
   for (int j = std::max(0, tile.j - 1); j < std::min(tile.j + 2, tiles.rows); ++j) {
     for (int i = std::max(0, tile.i - 1); i < std::min(tile.i + 2, tiles.columns); ++i) {
       std::uint8_t& isDivided = sheet.isDivided[tiles.node(i, j)];
-      if (isDivided == 0) divide({sheet.tileLevel, i, j}, sheet);
+      if (isDivided == 0) divide({kTileLevel, i, j}, sheet);
       isDivided = 1;
     }
   }
@@ -277,9 +259,9 @@ void Clearance::divideAround(const Place& tile, Sheet& sheet) {
 
 /// Brings the nodes below a tile up to date, the smallest first.
 void Clearance::divide(const Place& tile, Sheet& sheet) {
-  for (int k = 0; k < sheet.tileLevel; ++k) {
+  for (int k = 0; k < kTileLevel; ++k) {
     MaterialLevel& level = sheet.levels[k];
-    const int side = 1 << (sheet.tileLevel - k);
+    const int side = 1 << (kTileLevel - k);
     for (int j = side * tile.j; j < std::min(side * (tile.j + 1), level.rows); ++j) {
       for (int i = side * tile.i; i < std::min(side * (tile.i + 1), level.columns); ++i) {
         const int node = level.node(i, j);

@@ -1,7 +1,6 @@
 #pragma once
 /// \file A quick check that cloth is nowhere near itself, nor other cloth.
 
-#include <array>
 #include <vector>
 
 #include "cloth_sim/contact/contacts.h"
@@ -27,7 +26,7 @@ class Clearance {
   /// \param search  built for that mesh; it has to outlive this object.
   /// \param margin  half of the distance to keep [m].
   void build(const Model& model, const FacePairSearch& search, double margin);
-  /// Tells whether there is a check: only of cloths whose surfaces are continuous.
+  /// Tells whether there is a check: only if all cloths are grids, neither cut nor torn nor refined.
   bool isUsable() const { return !sheets_.empty(); }
   /// Tells whether all is clear at the start of a substep, the first of a step.
   bool begin(const ParticleView& particles);
@@ -39,23 +38,16 @@ class Clearance {
   /// A cloth.
   struct Sheet {
     const MaterialTree* tree = nullptr;
-    int tileLevel = 0;
-    std::vector<MaterialLevel> levels;  ///< as those of the tree; below the tiles only as needed
-    std::vector<FaceRun> runs;          ///< of the tiles, one tile after the other
-    std::vector<FaceLanes> faces;       ///< the same, of faces in no run
-    std::vector<std::int32_t> firstRun, firstFace;  ///< by tile
-    std::vector<TileBounds> bounds;                 ///< by tile, at one end
-    std::vector<TileBounds> lastBounds;             ///< the same at the last check
-    std::vector<std::uint8_t> isDivided;            ///< by tile: 1 if levels below are up to date
-    Tile tile(std::int32_t k) const;
+    GridTile firstTile;
+    std::vector<MaterialLevel> levels;    ///< as those of the tree; below the tiles only as needed
+    std::vector<TileBounds> bounds;       ///< by tile, at one end
+    std::vector<TileBounds> lastBounds;   ///< the same at the last check
+    std::vector<std::uint8_t> isDivided;  ///< by tile: 1 if levels below are up to date
+
+    GridTile tile(std::int32_t k) const;
   };
 
-  void addTile(std::int32_t tile, Sheet& sheet) const;
-  std::vector<FaceId> facesOf(std::int32_t tile, const Sheet& sheet) const;
-  std::array<std::int32_t, 2> shapeOf(FaceId f) const;
-  bool isRun(const FaceId* faces) const;
-  FaceRun runFrom(FaceId first) const;
-  FaceLanes lanesOf(const FaceId* faces) const;
+  bool addSheet(const Model& model, std::size_t cloth, const MaterialTree& tree);
   bool isLastAt(const ParticleView& particles) const;
   bool areAllClear(const VectorArray& end, std::vector<TileBounds> Sheet::*endBounds);
   void bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds);

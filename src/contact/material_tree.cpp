@@ -173,14 +173,6 @@ void MaterialTree::blockOpenBorders(const Model& model) {
   }
 }
 
-bool MaterialTree::isWhole() const {
-  for (std::size_t bucket = 0; bucket < isBlocked_.size(); ++bucket) {
-    const auto at = static_cast<std::int32_t>(bucket);
-    if (isBlocked_[bucket] || owned(at).empty() || overlapping(at).empty()) return false;
-  }
-  return !isEmpty();
-}
-
 void MaterialTree::refit(const std::vector<QuickBox>& boxes,
                          const std::vector<GradientBall>& gradients) {
   unmark();

@@ -62,8 +62,6 @@ class MaterialTree {
     return {gradients_.data() + gradientStart_[bucket],
             gradients_.data() + gradientStart_[bucket + 1]};
   }
-  /// Tells whether there are faces in all buckets, and the surface is continuous in them.
-  bool isWhole() const;
 
   /// Brings all nodes up to date; all count as changed.
   /// \param boxes      by face of the model.

@@ -1,7 +1,6 @@
 #include "tile_bounds.h"
 
 #include <algorithm>
-#include <array>
 
 #include "closest_lanes.h"
 #include "support/vector_clones.h"
@@ -9,45 +8,10 @@
 namespace cloth_sim {
 namespace {
 
-/// Groups of faces that get a ball together.
-constexpr std::int32_t kMostGroups = 16;
-
-/// Gradients of four faces.
-struct GradientLanes {
-  Lanes3 u;
-  Lanes3 v;
-};
+static_assert(GridTile::kColumns == kLanes);
 
 [[gnu::always_inline]] inline Lanes lower(const Lanes& a, const Lanes& b) { return a < b ? a : b; }
 [[gnu::always_inline]] inline Lanes upper(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
-
-using Corners = std::array<Lanes3, 3>;
-
-[[gnu::always_inline]] inline Corners cornersOf(const FaceLanes& faces, const ConstAxes& x) {
-  return {gather(x, faces.corners[0]), gather(x, faces.corners[1]), gather(x, faces.corners[2])};
-}
-
-[[gnu::always_inline]] inline Lanes3 lanesFrom(const ConstAxes& x, std::int32_t first) {
-  return {lanesAt(x.x + first), lanesAt(x.y + first), lanesAt(x.z + first)};
-}
-
-[[gnu::always_inline]] inline Corners cornersOf(const FaceRun& run, const ConstAxes& x) {
-  return {lanesFrom(x, run.corners[0]), lanesFrom(x, run.corners[1]), lanesFrom(x, run.corners[2])};
-}
-
-[[gnu::always_inline]] inline Lanes widen(const float* of) {
-  return Lanes{of[0], of[1], of[2], of[3]};
-}
-[[gnu::always_inline]] inline Lanes widen(float of) { return Lanes{} + of; }
-
-/// \param inverse  of the edges at rest, row by row: for each face, or for all.
-template <typename Inverse>
-[[gnu::always_inline]] inline GradientLanes gradientsOf(const Corners& at, const Inverse& inverse) {
-  const Lanes3 first = at[1] - at[0];
-  const Lanes3 second = at[2] - at[0];
-  return {widen(inverse[0]) * first + widen(inverse[2]) * second,
-          widen(inverse[1]) * first + widen(inverse[3]) * second};
-}
 
 /// A box that grows, in four lanes.
 struct BoxLanes {
@@ -55,11 +19,9 @@ struct BoxLanes {
   Lanes3 high = {Lanes{} - 1e300, Lanes{} - 1e300, Lanes{} - 1e300};
 };
 
-[[gnu::always_inline]] inline void add(const Corners& corners, BoxLanes& box) {
-  for (const Lanes3& at : corners) {
-    box.low = {lower(at.x, box.low.x), lower(at.y, box.low.y), lower(at.z, box.low.z)};
-    box.high = {upper(at.x, box.high.x), upper(at.y, box.high.y), upper(at.z, box.high.z)};
-  }
+[[gnu::always_inline]] inline void add(const Lanes3& at, BoxLanes& box) {
+  box.low = {lower(at.x, box.low.x), lower(at.y, box.low.y), lower(at.z, box.low.z)};
+  box.high = {upper(at.x, box.high.x), upper(at.y, box.high.y), upper(at.z, box.high.z)};
 }
 
 [[gnu::always_inline]] inline double leastOf(const Lanes& of) {
@@ -87,54 +49,62 @@ struct BoxLanes {
   return {zero + of.x(), zero + of.y(), zero + of.z()};
 }
 
-/// The ball around the mean of the gradients of at most kMostGroups groups of faces, which a box
-/// grows by.
-template <typename Group>
-[[gnu::always_inline]] inline GradientBall ballOf(const Group* faces, std::int32_t groups,
-                                                  const ConstAxes& x, BoxLanes& box) {
-  GradientLanes each[kMostGroups];
-  GradientLanes sum{};
-  for (std::int32_t k = 0; k < groups; ++k) {
-    const Corners corners = cornersOf(faces[k], x);
-    add(corners, box);
-    each[k] = gradientsOf(corners, faces[k].inverseRest);
-    sum.u = sum.u + each[k].u;
-    sum.v = sum.v + each[k].v;
-  }
-  GradientBall ball;
-  ball.centre = {meanOf(sum.u, groups), meanOf(sum.v, groups)};
-  const GradientLanes centre{lanesOf(ball.centre.u), lanesOf(ball.centre.v)};
-  Lanes most{};
-  for (std::int32_t k = 0; k < groups; ++k) {
-    const Lanes3 u = each[k].u - centre.u;
-    const Lanes3 v = each[k].v - centre.v;
-    most = upper(dot(u, u) + dot(v, v), most);
-  }
-  ball.radius = std::sqrt(mostOf(most));
-  return ball;
+/// A row of vertices: all but the last, and all but the first.
+struct RowLanes {
+  Lanes3 left;
+  Lanes3 right;
+};
+
+[[gnu::always_inline]] inline Lanes3 lanesFrom(const ConstAxes& x, std::int32_t first) {
+  return {lanesAt(x.x + first), lanesAt(x.y + first), lanesAt(x.z + first)};
 }
 
-template <typename Group>
-[[gnu::always_inline]] inline void addFaces(const Group* faces, std::int32_t groups,
-                                            const ConstAxes& x, BoxLanes& box, GradientBall& ball) {
-  for (std::int32_t first = 0; first < groups; first += kMostGroups) {
-    ball.add(ballOf(faces + first, std::min(kMostGroups, groups - first), x, box));
-  }
+[[gnu::always_inline]] inline Lanes squareOf(const Lanes3& edge, double inverse,
+                                             const Lanes3& centre) {
+  const Lanes3 off = (Lanes{} + inverse) * edge - centre;
+  return dot(off, off);
 }
 
+/// A face has one side along u and one along v, which are its gradient. So the farthest side of
+/// each kind of a cell bounds the gradients of its faces.
 CLOTH_SIM_VECTOR_CLONES
-void boundFaces(const Tile& tile, const ConstAxes& x, TileBounds& bounds) {
+void boundCells(const GridTile& tile, const ConstAxes& x, TileBounds& bounds) {
+  RowLanes rows[GridTile::kMostRows];
   BoxLanes box;
-  addFaces(tile.runs, tile.runCount, x, box, bounds.ball);
-  addFaces(tile.faces, tile.groupCount, x, box, bounds.ball);
+  Lanes3 alongU{};  // sums of sides
+  for (std::int32_t j = 0; j < tile.rows; ++j) {
+    const std::int32_t first = tile.first + j * tile.stride;
+    rows[j] = {lanesFrom(x, first), lanesFrom(x, first + 1)};
+    add(rows[j].left, box);
+    add(rows[j].right, box);
+    alongU = alongU + (rows[j].right - rows[j].left);
+  }
   bounds.box = boxOf(box);
+  const std::int32_t last = tile.rows - 1;
+  const Lanes3 alongV = (rows[last].left - rows[0].left) + (rows[last].right - rows[0].right);
+  const double inverseU = 1.0 / tile.cell.x();
+  const double inverseV = 1.0 / tile.cell.y();
+  Gradient& centre = bounds.ball.centre;
+  centre = {inverseU * meanOf(alongU, tile.rows), inverseV * meanOf(alongV, 2 * last)};
+  const Lanes3 u = lanesOf(centre.u);
+  const Lanes3 v = lanesOf(centre.v);
+  Lanes most{};
+  Lanes below = squareOf(rows[0].right - rows[0].left, inverseU, u);
+  for (std::int32_t j = 1; j < tile.rows; ++j) {
+    const Lanes above = squareOf(rows[j].right - rows[j].left, inverseU, u);
+    const Lanes left = squareOf(rows[j].left - rows[j - 1].left, inverseV, v);
+    const Lanes right = squareOf(rows[j].right - rows[j - 1].right, inverseV, v);
+    most = upper(upper(below, above) + upper(left, right), most);
+    below = above;
+  }
+  bounds.ball.radius = std::sqrt(mostOf(most));
 }
 
 }  // namespace
 
-TileBounds boundTile(const Tile& tile, const ConstAxes& x) {
+TileBounds boundTile(const GridTile& tile, const ConstAxes& x) {
   TileBounds bounds;
-  boundFaces(tile, x, bounds);
+  boundCells(tile, x, bounds);
   return bounds;
 }
 

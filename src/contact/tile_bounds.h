@@ -1,6 +1,6 @@
 #pragma once
 /// \file Bounds of tiles of a cloth, some cells each: boxes around their faces, and balls around
-/// the gradients of these. Kernels take four faces at a time.
+/// the gradients of these. Kernels take four cells at a time.
 
 #include "linalg/vector_array.h"
 #include "material_level.h"
@@ -8,25 +8,15 @@
 
 namespace cloth_sim {
 
-/// Four faces.
-struct FaceLanes {
-  std::int32_t corners[3][kLanes];  ///< vertices
-  float inverseRest[4][kLanes];     ///< of their edges in the material plane, row by row [1/m]
-};
+/// A tile of a grid of vertices: four cells wide, however they are divided into faces.
+struct GridTile {
+  static constexpr std::int32_t kColumns = 4;   ///< of cells
+  static constexpr std::int32_t kMostRows = 5;  ///< of vertices
 
-/// Four faces of one shape side by side: the corners of each are the vertices after those of the
-/// one before. Kernels load them without gathers.
-struct FaceRun {
-  std::int32_t corners[3];  ///< vertices of the first face
-  float inverseRest[4];     ///< of the edges of each in the material plane, row by row [1/m]
-};
-
-/// The faces of a tile.
-struct Tile {
-  const FaceRun* runs;
-  std::int32_t runCount;
-  const FaceLanes* faces;   ///< those in no run; the last one may be there up to four times
-  std::int32_t groupCount;  ///< of four faces
+  std::int32_t first = 0;   ///< vertex of the first row and column
+  std::int32_t rows = 0;    ///< of vertices, 2 to kMostRows
+  std::int32_t stride = 0;  ///< from a vertex to that of the next row
+  Vec2 cell;                ///< sides of a cell [m]
 };
 
 struct TileBounds {
@@ -35,6 +25,6 @@ struct TileBounds {
 };
 
 /// Finds the bounds of a tile. \param x  positions, by vertex [m].
-TileBounds boundTile(const Tile& tile, const ConstAxes& x);
+TileBounds boundTile(const GridTile& tile, const ConstAxes& x);
 
 }  // namespace cloth_sim

@@ -161,74 +161,88 @@ TEST(Clearance, IsNotAskedOfACutCloth) {
   EXPECT_FALSE(Checker(model).begin(cut));
 }
 
+TEST(Clearance, IsAskedOfGridsFiveParticlesWide) {
+  const auto isAsked = [](const Model& model) {
+    return Checker(model).begin(rolled(model, 100.0, 0.0).x.values());
+  };
+  Model model = buildModel(cottonSheet(5));
+  EXPECT_TRUE(isAsked(model));
+  model.cloths.front().grid->columns = 6;
+  EXPECT_FALSE(isAsked(model));
+  model.cloths.front().grid.reset();
+  EXPECT_FALSE(isAsked(model));
+  EXPECT_FALSE(isAsked(buildModel(cottonSheet(4))));
+}
+
 /// A face of a tile.
 struct TileFace {
   std::array<std::int32_t, 3> corners{};
-  std::array<float, 4> inverseRest{};
+  Eigen::Matrix2d inverseRest;
 
   Gradient gradientAt(const VectorArray& x) const {
     const auto at = [&](int k) { return x.at(static_cast<std::size_t>(corners[k])); };
-    Eigen::Matrix2d inverse;
-    inverse << inverseRest[0], inverseRest[1], inverseRest[2], inverseRest[3];
-    return Gradient::of(at(1) - at(0), at(2) - at(0), inverse);
+    return Gradient::of(at(1) - at(0), at(2) - at(0), inverseRest);
   }
 };
 
-std::vector<TileFace> facesIn(const std::vector<FaceRun>& runs,
-                              const std::vector<FaceLanes>& groups) {
-  std::vector<TileFace> faces;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    for (const FaceRun& of : runs) {
-      TileFace& face = faces.emplace_back();
-      for (int k = 0; k < 3; ++k) face.corners[k] = of.corners[k] + lane;
-      for (int n = 0; n < 4; ++n) face.inverseRest[n] = of.inverseRest[n];
+/// Expects the box of the faces, and a ball around all gradients that is not much too large.
+void expectBounds(const std::vector<TileFace>& faces, const VectorArray& x,
+                  const TileBounds& bounds) {
+  Box box;
+  double farthest = 0.0;
+  for (const TileFace& face : faces) {
+    for (const std::int32_t v : face.corners) {
+      const Vec3 at = x.at(static_cast<std::size_t>(v));
+      box.add({at, at});
     }
-    for (const FaceLanes& of : groups) {
-      TileFace& face = faces.emplace_back();
-      for (int k = 0; k < 3; ++k) face.corners[k] = of.corners[k][lane];
-      for (int n = 0; n < 4; ++n) face.inverseRest[n] = of.inverseRest[n][lane];
+    farthest = std::max(farthest, (face.gradientAt(x) - bounds.ball.centre).norm());
+  }
+  EXPECT_EQ(bounds.box.low, box.low);
+  EXPECT_EQ(bounds.box.high, box.high);
+  EXPECT_LE(farthest, bounds.ball.radius * (1.0 + 1e-12));
+  EXPECT_LE(bounds.ball.radius, 3.0 * farthest);
+}
+
+VectorArray randomPlaces(std::size_t count, RandomPoints& random) {
+  VectorArray x;
+  x.resize(count);
+  for (std::size_t k = 0; k < count; ++k) x.set(k, random.point());
+  return x;
+}
+
+/// The faces in cells of a grid: four columns and `rows` - 1 rows from a vertex on.
+std::vector<TileFace> facesIn(const GridTile& tile) {
+  std::vector<TileFace> faces;
+  for (std::int32_t j = 0; j + 1 < tile.rows; ++j) {
+    for (std::int32_t i = 0; i < 4; ++i) {
+      const std::int32_t a = tile.first + j * tile.stride + i;
+      const std::int32_t d = a + tile.stride;
+      // Both ways to divide the cell.
+      for (const auto& corners : {std::array{a, a + 1, d + 1}, std::array{a, d + 1, d},
+                                  std::array{a, a + 1, d}, std::array{a + 1, d + 1, d}}) {
+        TileFace& face = faces.emplace_back();
+        face.corners = corners;
+        const auto placeOf = [&](std::int32_t v) {
+          return Vec2(tile.cell.x() * (v % tile.stride), tile.cell.y() * (v / tile.stride));
+        };
+        Eigen::Matrix2d edges;
+        edges << placeOf(corners[1]) - placeOf(corners[0]),
+            placeOf(corners[2]) - placeOf(corners[0]);
+        face.inverseRest = edges.inverse();
+      }
     }
   }
   return faces;
 }
 
-TEST(TileBounds, AreThoseOfItsFaces) {
-  RandomPoints random(5);
-  const auto below = [&](double end) {
-    return static_cast<std::int32_t>(std::abs(random.number()) * (end - 0.01));
-  };
-  VectorArray x;
-  x.resize(12);
-  for (int round = 0; round < 50; ++round) {
-    for (std::size_t k = 0; k < 12; ++k) x.set(k, random.point());
-    std::vector<FaceRun> runs(round % 3);
-    for (FaceRun& of : runs) {
-      for (auto& corner : of.corners) corner = below(9.0);
-      for (auto& entry : of.inverseRest) entry = static_cast<float>(random.number());
+TEST(TileBounds, AreThoseOfTheCellsOfAGrid) {
+  RandomPoints random(6);
+  for (std::int32_t rows = 2; rows <= GridTile::kMostRows; ++rows) {
+    const GridTile tile{2, rows, 9, Vec2(0.5, 0.25)};
+    for (int round = 0; round < 10; ++round) {
+      const VectorArray x = randomPlaces(45, random);
+      expectBounds(facesIn(tile), x, boundTile(tile, axesAt(x, 0)));
     }
-    std::vector<FaceLanes> groups(round % 2 == 0 ? 20 : 1);  // 20: more than get one ball
-    for (FaceLanes& of : groups) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        for (auto& corners : of.corners) corners[lane] = below(12.0);
-        for (auto& entry : of.inverseRest) entry[lane] = static_cast<float>(random.number());
-      }
-    }
-    const TileBounds bounds = boundTile({runs.data(), static_cast<std::int32_t>(runs.size()),
-                                         groups.data(), static_cast<std::int32_t>(groups.size())},
-                                        axesAt(std::as_const(x), 0));
-    Box box;
-    double farthest = 0.0;
-    for (const TileFace& face : facesIn(runs, groups)) {
-      for (const std::int32_t v : face.corners) {
-        const Vec3 at = x.at(static_cast<std::size_t>(v));
-        box.add({at, at});
-      }
-      farthest = std::max(farthest, (face.gradientAt(x) - bounds.ball.centre).norm());
-    }
-    EXPECT_EQ(bounds.box.low, box.low);
-    EXPECT_EQ(bounds.box.high, box.high);
-    EXPECT_LE(farthest, bounds.ball.radius * (1.0 + 1e-12));
-    EXPECT_LE(bounds.ball.radius, 3.0 * farthest);
   }
 }
 
