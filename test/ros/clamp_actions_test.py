@@ -7,7 +7,6 @@ import rospy
 import rostest
 from actionlib import ActionClient, CommState, GoalStatus
 from geometry_msgs.msg import PoseStamped, Transform
-from rosgraph_msgs.msg import Log
 from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
 
 from cloth_sim import msg, srv
@@ -18,7 +17,7 @@ except ImportError:  # Debian 12 has no such package
     gripper_msgs = msg
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from polling import Listener, connected, wait_until  # noqa: E402
+from polling import connected, node_log, wait_until  # noqa: E402
 from services import ServiceTest  # noqa: E402
 
 SERVICES = dict(set_clamp_pose=srv.SetClampPose, grasp=srv.Grasp, pause=srv.Pause, step=srv.Step,
@@ -335,8 +334,7 @@ class ClampActionsTest(ServiceTest):
         self.assertNotIn('guest', [clamp.name for clamp in self.state().clamps])
 
     def test_the_target_in_an_obstacle_is_told_once(self):
-        with Listener('/rosout', Log) as log:
-            wait_until(lambda: log.subscriber.get_num_connections() > 0, 'rosout')
+        with node_log() as log:
             self.accepted('set_clamp_pose', 'empty', pose(0.6, 0.0, 0.0))
             log.wait(lambda entry: "obstacle 'table'" in entry.msg)
             self.accepted('set_clamp_pose', 'empty', pose(0.6, 0.0, 0.01))
@@ -385,8 +383,7 @@ class ClampActionsTest(ServiceTest):
                'nowhere': trajectory((1.0, 0.7, 0.0, 0.8), frame='nowhere'),
                "clamp's 0.5 m/s": trajectory((0.1, 2.0, 0.0, 0.8))}
         before = self.clamp('empty').pose
-        with Listener('/rosout', Log) as log:
-            wait_until(lambda: log.subscriber.get_num_connections() > 0, 'rosout')
+        with node_log() as log:
             for says, message in bad.items():
                 publisher.publish(message)
                 log.wait(lambda entry: 'trajectory: refused: ' in entry.msg and says in entry.msg)

@@ -13,7 +13,7 @@ from geometry_msgs.msg import Point, Vector3
 from visualization_msgs.msg import (InteractiveMarkerFeedback, InteractiveMarkerInit, MarkerArray)
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from polling import Listener, connected, wait_until  # noqa: E402
+from polling import Listener, connected, node_log, wait_until  # noqa: E402
 from services import call, state  # noqa: E402
 
 SCENE = {'gravity': 9.81, 'wind_x': 0.0, 'wind_y': 0.0, 'wind_z': 0.0, 'tearing': True,
@@ -135,8 +135,7 @@ class DragTest(unittest.TestCase):
 
     def test_bad_rays_change_nothing(self):
         publisher = connected('/cloth/drag', msg.DragRay)
-        with Listener('/rosout', __import__('rosgraph_msgs.msg').msg.Log) as log, \
-                Listener('/cloth/frame', msg.ClothFrame) as frames:
+        with node_log() as log, Listener('/cloth/frame', msg.ClothFrame) as frames:
             for bad in (self.drag(float('nan'), 0.0), self.drag(2.0, 2.0),
                         self.drag(0.0, 0.0, direction=Vector3())):
                 log.messages.clear()

@@ -10,7 +10,6 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
-from rosgraph_msgs.msg import Log
 from sensor_msgs import point_cloud2
 from sensor_msgs.msg import PointCloud2
 from shape_msgs.msg import Mesh
@@ -20,7 +19,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from cloth_sim import msg, srv
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from polling import Listener, connected, wait_until  # noqa: E402
+from polling import Listener, connected, node_log, wait_until  # noqa: E402
 
 PARTICLES = 17 * 17
 
@@ -63,7 +62,7 @@ class OutputsTest(unittest.TestCase):
         transform.child_frame_id = 'eye'
         transform.transform.translation.z = 1.5
         transform.transform.rotation.x = 1.0  # half a turn about x: z points down
-        with Listener('/rosout', Log) as log, Listener('/cloth/camera_points', PointCloud2) as seen:
+        with node_log() as log, Listener('/cloth/camera_points', PointCloud2) as seen:
             log.wait(lambda line: "the camera sends no points: no transform from 'eye'" in line.msg)
             self.assertEqual(seen.messages, [])
             static = connected('/tf_static', TFMessage, latch=True)

@@ -2,6 +2,7 @@
 import time
 
 import rospy
+from rosgraph_msgs.msg import Log
 
 DEADLINE = 20.0  # [s], generous: a build machine may be busy
 
@@ -37,6 +38,13 @@ class Listener:
         def found():
             return next((m for m in reversed(list(self.messages)) if condition(m)), None)
         return wait_until(lambda: found() is not None, 'a message on ' + self.topic) and found()
+
+
+def node_log():
+    """A listener to what the node and this test log; connected to both."""
+    log = Listener('/rosout', Log)
+    wait_until(lambda: log.subscriber.get_num_connections() > 1, 'the log of the node')
+    return log
 
 
 def connected(topic, kind, **options):

@@ -13,7 +13,7 @@ from cloth_sim import srv
 from cloth_sim.msg import ClothState
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from polling import Listener, wait_until  # noqa: E402
+from polling import Listener, node_log  # noqa: E402
 
 # Of the error control, and of the watch over results.
 WORDS = ['does not keep solver.error', 'softer than its fabric']
@@ -21,8 +21,7 @@ WORDS = ['does not keep solver.error', 'softer than its fabric']
 
 class WarningsTest(unittest.TestCase):
     def test_each_is_logged_once_and_diagnosed(self):
-        with Listener('/rosout', Log) as log, Listener('/diagnostics', DiagnosticArray) as diagnoses:
-            wait_until(lambda: log.subscriber.get_num_connections() > 1, 'the log of the node')
+        with node_log() as log, Listener('/diagnostics', DiagnosticArray) as diagnoses:
             rospy.wait_for_service('/cloth/pause', 30.0)
             self.assertTrue(rospy.ServiceProxy('/cloth/pause', srv.Pause)(False).success)
 
