@@ -2,15 +2,9 @@
 /// \file Pairs of faces that are kept apart: the certificate that no two faces intersect.
 
 #include "pair_watch.h"
+#include "truncation.h"
 
 namespace cloth_sim {
-
-/// A substep whose motion may be shortened.
-struct Truncation {
-  SubstepMotion motion;
-  std::vector<std::uint8_t>& truncated;  ///< by vertex: set to `pass` if its motion is changed
-  std::uint8_t pass = 1;                 ///< from 1 on
-};
 
 /// Outcome of keeping the faces of all pairs apart in a substep.
 struct PairOutcome {
@@ -33,8 +27,6 @@ class FacePairs {
   void assign(const std::vector<FaceIds>& near, const std::vector<Face>& faces, double least);
   /// Adds the pairs in `near` from number `first` on.
   void append(const std::vector<FaceIds>& near, std::size_t first);
-  /// Tells whether a direction separates two faces, except for corners that they share.
-  static bool areApart(const Face& a, const Face& b, const std::vector<Vec3>& x);
   void clear();
   std::size_t count() const { return watch_.count(); }
 
@@ -45,39 +37,14 @@ class FacePairs {
   void stop(const Truncation& now);
 
  private:
-  /// The corners of a pair; those that both faces share come last, in the same order.
-  struct Pair {
-    Face a;
-    Face b;
-    std::int32_t shared = 0;        ///< number of shared corners: 0, 1 or 2
-    bool isFixed = false;           ///< motion of its vertices was shortened in this substep
-    Vec3 direction = Vec3::Zero();  ///< n, from b to a; 0: not known yet
-  };
-
-  static Pair pairOf(const Face& a, const Face& b);
-  Pair& pairAt(std::size_t k);
-  static double separationOf(const Pair& pair, const std::vector<Vec3>& x);
-  static Vec3 bestAxis(const Pair& pair, const std::vector<Vec3>& x);
-  static double tryDirections(Pair& pair, const SubstepMotion& motion);
-  static double tryFromVertex(Pair& pair, const SubstepMotion& motion);
-  static double separationWithin(const Pair& pair, const SubstepMotion& motion);
-  static SeparatingDirection bestDirection(const Pair& pair, const std::vector<Vec3>& x);
+  FacePair& pairAt(std::size_t k);
   void listAgain(const Truncation& last);
   void indexPairs();
   void findFailing(const SubstepMotion& motion);
-  static double slackOf(Pair& pair, const SubstepMotion& motion);
-  static bool staysApart(const Pair& pair, const Vec3& n0, const Vec3& n1, SubstepMotion motion);
-  static double rateOf(const Pair& pair);
-  static Vec3 endDirection(Pair pair, const Vec3& before, const std::vector<Vec3>& end);
-  bool slide(Pair& pair, const Truncation& now) const;
-  static double shareOf(const Pair& pair, const std::vector<double>& mass);
-  bool shorten(Pair& pair, const Truncation& now) const;
-  static void shortenAtShared(const Pair& pair, double apart, const Truncation& now);
-  void shortenApart(const Pair& pair, const Truncation& now) const;
 
   PairWatch watch_;
   std::vector<std::int32_t> placeOf_;   ///< in `pairs_`, by pair; kNone for most
-  std::vector<Pair> pairs_;             ///< that were looked at
+  std::vector<FacePair> pairs_;         ///< that were looked at
   std::vector<std::uint32_t> listed_;   ///< scratch: pairs to look at, ascending
   std::vector<std::uint8_t> isListed_;  ///< scratch: by pair, 0 between uses
   /// Numbers of pairs by their faces, ascending; of the first `indexed_` pairs.

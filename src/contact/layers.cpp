@@ -148,7 +148,7 @@ LayerOverlap LayerContact::Impl::overlapOf(const std::vector<Vec3>& x,
   LayerOverlap overlap;
   for (const FaceIds& ids : search_.near()) {
     if ((isAsked[ids.first] | isAsked[ids.second]) == 0) continue;
-    if (FacePairs::areApart(faces_[ids.first], faces_[ids.second], x)) continue;
+    if (areApart(faces_[ids.first], faces_[ids.second], x)) continue;
     overlap.pairs.push_back({ids.first, ids.second});
     if (overlap.pairs.size() > 1) continue;
     for (const FaceId f : {ids.first, ids.second}) {

@@ -29,12 +29,6 @@ AxisGap widest(const QuickBox::Corner& gap) {
 
 }  // namespace
 
-Vec3 meanMotion(const SubstepMotion& motion) {
-  Vec3 sum = Vec3::Zero();
-  for (const VertexId v : motion.vertices) sum += motion.end[v] - motion.start[v];
-  return sum / static_cast<double>(std::max<std::size_t>(1, motion.vertices.size()));
-}
-
 void PairWatch::begin(const std::vector<Face>& faces) {
   clear();
   faces_ = faces;

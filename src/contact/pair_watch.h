@@ -5,24 +5,10 @@
 #include <vector>
 
 #include "cloth_sim/mesh/triangle_mesh.h"
+#include "face_pair.h"
 #include "material_tree.h"
 
 namespace cloth_sim {
-
-/// A substep, in which each vertex moves on a straight line.
-struct SubstepMotion {
-  const std::vector<Vec3>& start;         ///< positions, by vertex [m]
-  std::vector<Vec3>& end;                 ///< the same at the end [m]
-  const std::vector<double>& mass;        ///< by vertex [kg]; 0: prescribed motion
-  const std::vector<VertexId>& vertices;  ///< those of all pairs at least, ascending
-};
-
-/// Mean motion of the vertices [m]: what they have in common brings nothing together.
-Vec3 meanMotion(const SubstepMotion& motion);
-
-/// Distance up to which two faces do not count as apart [m]: far above round-off, far below the
-/// thickness of cloth.
-constexpr double kApart = 1e-8;
 
 /// Keeps count of how far faces travel and of how much their edges change, and lists the pairs
 /// whose faces have travelled as far as they were apart; where the faces have a common corner,

@@ -26,7 +26,7 @@ MovingPair movingPair(int shared, RandomPoints& random) {
   do {
     pair.start.clear();
     for (int v = 0; v < 6; ++v) pair.start.push_back(random.point());
-  } while (!FacePairs::areApart(pair.a, pair.b, pair.start));
+  } while (!areApart(pair.a, pair.b, pair.start));
   pair.end = pair.start;
   for (Vec3& x : pair.end) x += 1.5 * random.point();
   return pair;
@@ -160,7 +160,7 @@ TEST(FacePairs, AFoldGivesWayToACornerThatIsHeld) {
   while (folds < 500) {
     std::vector<Vec3> start(5);
     for (Vec3& x : start) x = 5e-3 * random.point().cwiseProduct(Vec3(1.0, 1.0, 2e-5));
-    if (!FacePairs::areApart(faces[0], faces[1], start)) continue;
+    if (!areApart(faces[0], faces[1], start)) continue;
     ++folds;
     std::vector<Vec3> end = start;
     end[2] += 1e-5 * random.point();
