@@ -13,8 +13,8 @@ namespace {
 
 /// Level of the tiles, and buckets along their sides.
 constexpr int kTileLevel = 2;
-constexpr int kSide = 1 << kTileLevel;
-static_assert(kSide == GridTile::kColumns);
+constexpr int kTileSide = 1 << kTileLevel;
+static_assert(kTileSide == GridTile::kColumns);
 constexpr std::int32_t kTileGrain = 32;
 constexpr std::int32_t kCopyGrain = 4096;
 
@@ -69,10 +69,10 @@ bool isAsItsGrid(const TriangleMesh& mesh, const ClothPart& cloth) {
 GridTile Clearance::Sheet::tile(std::int32_t k) const {
   const MaterialLevel& buckets = levels.front();
   const Place at = levels[kTileLevel].placeOf(0, k);
-  const int row = kSide * at.j;
+  const int row = kTileSide * at.j;
   GridTile of = firstTile;
-  of.first += row * of.stride + std::min(kSide * at.i, buckets.columns - kSide);
-  of.rows = std::min(kSide, buckets.rows - row) + 1;
+  of.first += row * of.stride + std::min(kTileSide * at.i, buckets.columns - kTileSide);
+  of.rows = std::min(kTileSide, buckets.rows - row) + 1;
   return of;
 }
 
@@ -100,7 +100,7 @@ bool Clearance::addSheet(const Model& model, std::size_t cloth, const MaterialTr
   const Grid& grid = *part.grid;
   const MaterialLevel& buckets = tree.level(0);
   const bool hasCells = buckets.columns == grid.columns - 1 && buckets.rows == grid.rows - 1;
-  if (!hasCells || buckets.columns < kSide) return false;
+  if (!hasCells || buckets.columns < kTileSide) return false;
   Sheet& sheet = sheets_.emplace_back();
   sheet.tree = &tree;
   sheet.firstTile = {part.firstVertex, 0, grid.columns, {grid.spacingU(), grid.spacingV()}};

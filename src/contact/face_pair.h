@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "closest_points.h"
+#include "cloth_sim/mesh/triangle_mesh.h"
 #include "substep_motion.h"
 
 namespace cloth_sim {
