@@ -24,16 +24,16 @@ struct BoxLanes {
   box.high = {upper(at.x, box.high.x), upper(at.y, box.high.y), upper(at.z, box.high.z)};
 }
 
-[[gnu::always_inline]] inline double leastOf(const Lanes& of) {
+[[gnu::always_inline]] inline double leastLane(const Lanes& of) {
   return std::min(std::min(of[0], of[1]), std::min(of[2], of[3]));
 }
-[[gnu::always_inline]] inline double mostOf(const Lanes& of) {
+[[gnu::always_inline]] inline double mostLane(const Lanes& of) {
   return std::max(std::max(of[0], of[1]), std::max(of[2], of[3]));
 }
 
 [[gnu::always_inline]] inline Box boxOf(const BoxLanes& box) {
-  return {{leastOf(box.low.x), leastOf(box.low.y), leastOf(box.low.z)},
-          {mostOf(box.high.x), mostOf(box.high.y), mostOf(box.high.z)}};
+  return {{leastLane(box.low.x), leastLane(box.low.y), leastLane(box.low.z)},
+          {mostLane(box.high.x), mostLane(box.high.y), mostLane(box.high.z)}};
 }
 
 [[gnu::always_inline]] inline double meanOf(const Lanes& of, std::int32_t groups) {
@@ -97,7 +97,7 @@ void boundCells(const GridTile& tile, const ConstAxes& x, TileBounds& bounds) {
     most = upper(upper(below, above) + upper(left, right), most);
     below = above;
   }
-  bounds.ball.radius = std::sqrt(mostOf(most));
+  bounds.ball.radius = std::sqrt(mostLane(most));
 }
 
 }  // namespace

@@ -223,7 +223,8 @@ std::vector<TileFace> facesIn(const GridTile& tile) {
         TileFace& face = faces.emplace_back();
         face.corners = corners;
         const auto placeOf = [&](std::int32_t v) {
-          return Vec2(tile.cell.x() * (v % tile.stride), tile.cell.y() * (v / tile.stride));
+          const std::int32_t row = v / tile.stride;
+          return Vec2(tile.cell.x() * (v - row * tile.stride), tile.cell.y() * row);
         };
         Eigen::Matrix2d edges;
         edges << placeOf(corners[1]) - placeOf(corners[0]),
