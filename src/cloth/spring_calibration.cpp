@@ -35,7 +35,8 @@ double bendStiffnessPerArea(double rigidity, double l) {
 SpringCalibration::SpringCalibration(const Fabric& fabric, const SpringSelection& selection)
     : shear_(selection.shear ? fabric.shear : 0.0),
       bending_(selection.bend ? fabric.bending : 0.0),
-      damping_(fabric.damping) {
+      damping_(fabric.damping),
+      bendRetardation_(fabric.bendRetardation()) {
   const double g = shear_;
   const double warp = fabric.tensileWarp;
   const double weft = fabric.tensileWeft;

@@ -357,7 +357,7 @@ void SpringNetwork::setConstants(const TriangleMesh& mesh, const IndexSpan& on,
   } else {
     spring.stiffness =
         scale_ * cloth.calibration.stiffness(spring, d, representedArea(mesh, on, spring));
-    spring.damping = cloth.calibration.damping() * spring.stiffness;
+    spring.damping = cloth.calibration.damping(spring.kind) * spring.stiffness;
   }
 }
 

@@ -106,7 +106,7 @@ void resolve(const SceneNode& root, Scene& scene) {
 
 bool haveOneDamping(const std::vector<ClothSpec>& cloths) {
   return std::all_of(cloths.begin(), cloths.end(), [&](const ClothSpec& cloth) {
-    return cloth.fabric.damping == cloths.front().fabric.damping;
+    return cloth.fabric.bendRetardation() == cloths.front().fabric.bendRetardation();
   });
 }
 

@@ -101,6 +101,7 @@ const Section<Fabric> kFabricSection{
      {"bending", &Fabric::bending, kNotNegative},
      {"bending_hysteresis", &Fabric::bendingHysteresis, kNotNegative},
      {"damping", &Fabric::damping, kNotNegative},
+     {"bending_damping", &Fabric::bendingDamping, kNotNegative},
      {"friction", &Fabric::friction, kNotNegative},
      {"thickness", &Fabric::thickness, kNotNegative},
      {"tear_energy",
@@ -262,11 +263,13 @@ void checkTogether(const std::vector<SceneNode>& nodes, const std::vector<ClothS
     }
   }
   for (std::size_t k = 1; plate && k < nodes.size(); ++k) {
-    const double first = cloths[0].fabric.damping;
-    if (cloths[k].fabric.damping == first) continue;
-    nodes[k].refuse("expected a fabric.damping of " + shortNumber(first) + ", as cloth '" +
-                    cloths[0].name + "' has: with bending: plate all cloths have the same (got " +
-                    shortNumber(cloths[k].fabric.damping) + ")");
+    const double first = cloths[0].fabric.bendRetardation();
+    const double here = cloths[k].fabric.bendRetardation();
+    if (here == first) continue;
+    nodes[k].refuse("expected fabric.damping and fabric.bending_damping of " + shortNumber(first) +
+                    " in sum, as cloth '" + cloths[0].name +
+                    "' has: with bending: plate all cloths have the same (got " +
+                    shortNumber(here) + ")");
   }
 }
 

@@ -108,7 +108,11 @@ TEST(Cloths, ThatDoNotGoTogetherAreRefused) {
       errorOf(a + ", surgery: {snap: 0.1}}, {name: b, surgery: {snap: 0.1}}]"),
       HasSubstr("cloth.b.surgery: expected it once for all cloths (cloth.a.surgery has it)"));
   EXPECT_THAT(errorOf(a + ", bending: plate}, {name: b, fabric: {damping: 0.01}}]"),
-              HasSubstr("cloth.b: expected a fabric.damping of 0"));
+              HasSubstr("cloth.b: expected fabric.damping and fabric.bending_damping of 0 in sum, "
+                        "as cloth 'a' has"));
+  EXPECT_EQ(errorOf(a + ", bending: plate, fabric: {damping: 0.01}}, "
+                        "{name: b, fabric: {damping: 0.002, bending_damping: 0.008}}]"),
+            "");
   EXPECT_THAT(errorOf(a + "}, {name: b, bending: plate}]\nsolver: {method: pbd}"),
               HasSubstr("cloth.b.bending: "));
   EXPECT_THAT(errorOf(a + ", particles: [1024, 1024]}, {name: b, particles: [1024, 1024]}]"),

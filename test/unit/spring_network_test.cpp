@@ -115,5 +115,17 @@ TEST(SpringNetwork, DashpotsAreTheRetardationTimeTimesTheStiffness) {
   }
 }
 
+TEST(SpringNetwork, BendSpringsMayBeDampedMore) {
+  Fabric fabric = fabricPreset("denim");
+  fabric.damping = 1e-3;
+  fabric.bendingDamping = 0.02;
+  const SpringNetwork springs(makeGridMesh({4, 4, 1.0, 1.0}), fabric, {});
+  ASSERT_GT(springs.count(SpringKind::kBend), 0);
+  for (const Spring& spring : springs.slots()) {
+    const double time = spring.kind == SpringKind::kBend ? 0.021 : 1e-3;
+    EXPECT_DOUBLE_EQ(spring.damping, time * spring.stiffness);
+  }
+}
+
 }  // namespace
 }  // namespace cloth_sim

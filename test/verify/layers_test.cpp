@@ -452,6 +452,14 @@ TEST(Layers, AFoldComesToRest) {
   verify_support::record("at_rest_after", simulation.time());
 }
 
+TEST(Layers, APileWhoseBendingIsDampedFallsAsleep) {
+  Simulation simulation(loadScene(testing_support::shipped("pile")));
+  while (simulation.time() < 3.0 && !simulation.isAsleep()) simulation.step();
+  EXPECT_TRUE(simulation.isAsleep());
+  EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
+  verify_support::record("asleep_after_s", simulation.time());
+}
+
 class ShippedLayers : public testing::TestWithParam<const char*> {};
 
 /// Long scenes end in less time with the check in one of six frames.

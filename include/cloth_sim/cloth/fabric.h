@@ -45,11 +45,15 @@ struct Fabric {
   /// Moment per width between bending and unbending, Kawabata's 2HB [N], >= 0. Presets have none,
   /// even where it was measured (FabricSheet): it costs time, and few fabrics have a value.
   double bendingHysteresis = 0.0;
-  double damping = 0.0;        ///< retardation time: dashpot over stiffness [s], >= 0
-  double friction = 0.3;       ///< Coulomb coefficient where an obstacle names none, >= 0
-  double thickness = 0.18e-3;  ///< [m]; particles rest half of it above a surface, >= 0
-  std::string source;          ///< reference for the values
+  double damping = 0.0;         ///< retardation time: dashpot over stiffness [s], >= 0
+  double bendingDamping = 0.0;  ///< of bending, beyond `damping` [s], >= 0
+  double friction = 0.3;        ///< Coulomb coefficient where an obstacle names none, >= 0
+  double thickness = 0.18e-3;   ///< [m]; particles rest half of it above a surface, >= 0
+  std::string source;           ///< reference for the values
   TearEnergy tearEnergy{15.0, 15.0, 21.0};  ///< that tears take, where they are decided by energy
+
+  /// Retardation time of bending [s].
+  double bendRetardation() const { return damping + bendingDamping; }
 };
 
 /// Returns the names of the built-in fabrics, sorted.

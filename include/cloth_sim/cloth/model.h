@@ -37,7 +37,7 @@ struct Model {
   std::size_t clothOf(VertexId v) const { return strips.at(mesh.material(v)); }
   /// Retardation time of every bending element, dashpot over stiffness [s]. All cloths with bending
   /// elements have the same.
-  double bendRetardation() const { return cloths.front().fabric.damping; }
+  double bendRetardation() const { return cloths.front().fabric.bendRetardation(); }
 
   /// Brings masses, springs and bending up to date after an edit of the mesh.
   SpringChanges applyChanges(const MeshChanges& changes);

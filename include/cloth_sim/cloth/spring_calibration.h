@@ -26,16 +26,19 @@ class SpringCalibration {
   /// \param d       vector from end to end, in material coordinates [m].
   /// \param area    rest area of the faces that the spring represents [m^2].
   double stiffness(const Spring& spring, const Vec2& d, double area) const;
-  /// Retardation time of every spring: dashpot over stiffness [s].
-  double damping() const { return damping_; }
+  /// Retardation time of springs of a kind: dashpot over stiffness [s].
+  double damping(SpringKind kind) const {
+    return traitsOf(kind).isMembrane ? damping_ : bendRetardation_;
+  }
 
  private:
-  double structuralWarp_ = 0.0;  ///< q1 of the square grid minus shear: see the constructor [N/m]
-  double structuralWeft_ = 0.0;  ///< q2 minus shear [N/m]
-  double shear_ = 0.0;           ///< G [N/m]; 0 without shear springs
-  double bending_ = 0.0;         ///< B [N m]; 0 without bend springs
-  double bendStretchCap_ = 0.0;  ///< limit of what bend springs add to the tensile stiffness [N/m]
-  double damping_ = 0.0;         ///< [s]
+  double structuralWarp_ = 0.0;   ///< q1 of the square grid minus shear: see the constructor [N/m]
+  double structuralWeft_ = 0.0;   ///< q2 minus shear [N/m]
+  double shear_ = 0.0;            ///< G [N/m]; 0 without shear springs
+  double bending_ = 0.0;          ///< B [N m]; 0 without bend springs
+  double bendStretchCap_ = 0.0;   ///< limit of what bend springs add to the tensile stiffness [N/m]
+  double damping_ = 0.0;          ///< of membrane springs [s]
+  double bendRetardation_ = 0.0;  ///< [s]
 };
 
 }  // namespace cloth_sim
