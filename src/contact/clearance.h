@@ -26,7 +26,8 @@ class Clearance {
   /// \param search  built for that mesh; it has to outlive this object.
   /// \param margin  half of the distance to keep [m].
   void build(const Model& model, const FacePairSearch& search, double margin);
-  /// Tells whether there is a check: only if all cloths are grids, neither cut nor torn nor refined.
+  /// Tells whether there is a check: only if all cloths are grids, neither cut nor torn nor
+  /// refined.
   bool isUsable() const { return !sheets_.empty(); }
   /// Tells whether all is clear at the start of a substep, the first of a step.
   bool begin(const ParticleView& particles);

@@ -159,8 +159,6 @@ SeparatingDirection bestDirection(const FacePair& pair, const std::vector<Vec3>&
                           {x[pair.b[0]] - at, x[pair.b[1]] - at});
 }
 
-/// Finds how far the faces of a pair may travel until they may touch, if they stay apart in the
-/// substep; finds other directions where that helps. \return 0 if they may not [m].
 double slackOf(FacePair& pair, const SubstepMotion& motion) {
   const auto slackIn = [&](double apart) { return (apart - kApart) / rateOf(pair); };
   double apart = pair.direction.isZero() ? 0.0 : separationWithin(pair, motion);
