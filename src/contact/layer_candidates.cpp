@@ -10,6 +10,10 @@ namespace {
 
 /// Substeps after which closest points are found again.
 constexpr int kFindEvery = 6;
+/// Motion that is expected until then: so many times that of a substep (one and a half times its
+/// speed), and a little [m].
+constexpr double kAhead = 1.5 * kFindEvery;
+constexpr double kSlack = 2.5e-5;
 /// Beyond any sum of the travel [m].
 constexpr double kNever = 1e300;
 /// Candidates that are looked at together: a multiple of the lanes.
@@ -17,7 +21,7 @@ constexpr std::int32_t kLaneBlock = 256;
 
 /// Consecutive candidates, `count` of them, of the same kind.
 struct CandidateBlock {
-  const std::array<VertexId, 4>* v;
+  const CandidateIds* ids;
   double* due;  ///< from which sum of the travel they may touch; to be brought up to date [m]
   std::int32_t count;
 };
@@ -38,13 +42,51 @@ struct BlockPoints {
   std::array<std::uint8_t, kLaneBlock> isDue;  ///< 1 for those that may touch before the next time
 };
 
+/// Candidates that are a vertex and a face.
+struct FaceKind {
+  const std::vector<Face>& corners;  ///< by face
+
+  std::array<VertexId, 4> cornersOf(const CandidateIds& ids) const {
+    const Face& face = corners[ids[1]];
+    return {ids[0], face[0], face[1], face[2]};
+  }
+  bool mayTouch(const CandidateIds& /*ids*/) const { return true; }
+  static bool counts(const ClosestPoints& /*closest*/) { return true; }
+  static FaceId faceOf(const CandidateIds& ids) { return ids[1]; }
+  [[gnu::always_inline]] inline ClosestLanes closest(const std::array<Lanes3, 4>& at) const {
+    return closestOnTriangles(at);
+  }
+};
+
+/// Candidates that are two edges.
+struct EdgeKind {
+  const Ridges& ridges;
+
+  std::array<VertexId, 4> cornersOf(const CandidateIds& ids) const {
+    const std::array<VertexId, 2>& a = ridges[ids[0]].end;
+    const std::array<VertexId, 2>& b = ridges[ids[1]].end;
+    return {a[0], a[1], b[0], b[1]};
+  }
+  bool mayTouch(const CandidateIds& ids) const {
+    return ridges.isFolded(ids[0]) || ridges.isFolded(ids[1]);
+  }
+  /// Ends of edges are left to vertices and faces.
+  static bool counts(const ClosestPoints& closest) { return closest.areInside(); }
+  static FaceId faceOf(const CandidateIds& /*ids*/) { return kNone; }
+  [[gnu::always_inline]] inline ClosestLanes closest(const std::array<Lanes3, 4>& at) const {
+    return closestOnSegments(at);
+  }
+};
+
 /// Vertices of four candidates: first those of the first corner.
 struct LaneCorners {
   std::int32_t at[4][kLanes];
 
-  [[gnu::always_inline]] inline explicit LaneCorners(const std::array<VertexId, 4>* v) {
+  template <typename Kind>
+  [[gnu::always_inline]] inline LaneCorners(const CandidateIds* ids, const Kind& kind) {
     for (std::int32_t lane = 0; lane < kLanes; ++lane) {
-      for (std::size_t i = 0; i < 4; ++i) at[i][lane] = v[lane][i];
+      const std::array<VertexId, 4> v = kind.cornersOf(ids[lane]);
+      for (std::size_t i = 0; i < 4; ++i) at[i][lane] = v[i];
     }
   }
   [[gnu::always_inline]] inline Lanes sumOf(const double* values) const {
@@ -54,23 +96,26 @@ struct LaneCorners {
 };
 
 /// Finds the closest points of those candidates of a block that are due.
-template <typename Closest>
-[[gnu::always_inline]] inline void findInBlock(const CandidateBlock& block,
-                                               const CandidateMotion& motion,
-                                               const Closest& closest, BlockPoints& points) {
+template <typename Kind>
+[[gnu::always_inline]] inline void findInLanes(const CandidateBlock& block,
+                                               const CandidateMotion& motion, const Kind& kind,
+                                               BlockPoints& points) {
   for (std::int32_t k = 0; k < block.count; k += kLanes) {
     std::uint8_t* const isDue = points.isDue.data() + k;
     for (std::int32_t lane = 0; lane < kLanes; ++lane) isDue[lane] = 0;
     Lanes& due = lanesAt(block.due + k);
     const auto mayBe = due <= motion.farthest;
     if ((mayBe[0] | mayBe[1] | mayBe[2] | mayBe[3]) == 0) continue;
-    const LaneCorners v(block.v + k);
+    const LaneCorners v(block.ids + k, kind);
     const Lanes ahead = v.sumOf(motion.outlook);
-    const auto was = due <= ahead;
+    auto was = due <= ahead;
+    for (std::int32_t lane = 0; lane < kLanes; ++lane) {
+      if (was[lane] != 0 && !kind.mayTouch(block.ids[k + lane])) was[lane] = 0;
+    }
     if ((was[0] | was[1] | was[2] | was[3]) == 0) continue;
     std::array<Lanes3, 4> at;
     for (std::size_t i = 0; i < 4; ++i) at[i] = gather(motion.x, v.at[i]);
-    const ClosestLanes found = closest(at);
+    const ClosestLanes found = kind.closest(at);
     const Lanes apart = sqrt(found.square);
     const Lanes thickness =
         gather(motion.halfThickness, v.at[0]) + gather(motion.halfThickness, v.at[3]);
@@ -82,24 +127,23 @@ template <typename Closest>
   }
 }
 
+// Not templates: GCC makes no clones of those.
 CLOTH_SIM_VECTOR_CLONES
-void findInBlockOfEdges(const CandidateBlock& block, const CandidateMotion& motion,
-                        BlockPoints& points) {
-  findInBlock(
-      block, motion, [](const std::array<Lanes3, 4>& at) __attribute__((always_inline)) {
-        return closestOnSegments(at);
-      },
-      points);
+void findInBlock(const CandidateBlock& block, const CandidateMotion& motion, const FaceKind& kind,
+                 BlockPoints& points) {
+  findInLanes(block, motion, kind, points);
+}
+CLOTH_SIM_VECTOR_CLONES
+void findInBlock(const CandidateBlock& block, const CandidateMotion& motion, const EdgeKind& kind,
+                 BlockPoints& points) {
+  findInLanes(block, motion, kind, points);
 }
 
-CLOTH_SIM_VECTOR_CLONES
-void findInBlockOfFaces(const CandidateBlock& block, const CandidateMotion& motion,
-                        BlockPoints& points) {
-  findInBlock(
-      block, motion, [](const std::array<Lanes3, 4>& at) __attribute__((always_inline)) {
-        return closestOnTriangles(at);
-      },
-      points);
+ClosestPoints pointsOf(const BlockPoints& points, std::size_t at) {
+  ClosestPoints closest;
+  for (std::size_t i = 0; i < 4; ++i) closest.weight[i] = points.weight[i][at];
+  closest.apart = points.apart[at];
+  return closest;
 }
 
 /// Motion that vertices have in common, which brings nothing together [m]: their mean, or none if
@@ -119,8 +163,7 @@ Vec3 commonMotion(const SubstepMotion& motion) {
 }  // namespace
 
 void LayerCandidates::List::clear() {
-  v.clear();
-  face.clear();
+  ids.clear();
   due.clear();
 }
 
@@ -140,20 +183,14 @@ void LayerCandidates::build(const Model& model, const std::vector<double>& thick
     firstFace_[v] = *mesh.facesAround(v).begin();
     halfThickness_[v] = 0.5 * thickness[model.clothOf(v)];
   }
-  edgeOwner_.resize(corners_.size());
-  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
-    const Face& face = corners_[f];
-    for (int k = 0; k < 3; ++k) {
-      const std::array<FaceId, 2> on = mesh.facesOnEdge(face[k], face[(k + 1) % 3]);
-      edgeOwner_[f][k] = on[1] == kNone ? on[0] : std::min(on[0], on[1]);
-    }
-  }
+  ridges_.build(mesh, halfThickness_);
   clear();
 }
 
 void LayerCandidates::clear() {
   faces_.clear();
   edges_.clear();
+  ridges_.clear();
   found_.clear();
   std::fill(travel_.begin(), travel_.end(), 0.0);
   sinceFound_ = 0;
@@ -180,22 +217,23 @@ void LayerCandidates::addPair(const FaceIds& ids, bool isKnown,
     box.add(boxes[face[2]]);
     for (const VertexId p : corners) {
       if (firstFace_[p] != from || contains(face, p) || !box.meets(boxes[p])) continue;
-      const std::array<VertexId, 4> v{p, face[0], face[1], face[2]};
-      if (!isMissing(v)) continue;
-      faces_.v.push_back(v);
-      faces_.face.push_back(to);
+      if (isMissing({p, face[0], face[1], face[2]})) faces_.ids.push_back({p, to});
     }
   };
   addVertices(ids.first, f, ids.second, g);
   addVertices(ids.second, g, ids.first, f);
-  for (int i = 0; i < 3; ++i) {
-    if (edgeOwner_[ids.first][i] != ids.first) continue;
-    const QuickBox edge = join(f[i], f[(i + 1) % 3]);
-    for (int j = 0; j < 3; ++j) {
-      if (edgeOwner_[ids.second][j] != ids.second) continue;
-      const std::array<VertexId, 4> v{f[i], f[(i + 1) % 3], g[j], g[(j + 1) % 3]};
-      if (v[0] == v[2] || v[0] == v[3] || v[1] == v[2] || v[1] == v[3]) continue;
-      if (edge.meets(join(v[2], v[3])) && isMissing(v)) edges_.v.push_back(v);
+  for (const Ridges::EdgeId first : ridges_.ownedBy(ids.first)) {
+    if (first == kNone) continue;
+    const std::array<VertexId, 2>& a = ridges_[first].end;
+    const QuickBox edge = join(a[0], a[1]);
+    for (const Ridges::EdgeId second : ridges_.ownedBy(ids.second)) {
+      if (second == kNone) continue;
+      const std::array<VertexId, 2>& b = ridges_[second].end;
+      if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) continue;
+      if (!edge.meets(join(b[0], b[1])) || !isMissing({a[0], a[1], b[0], b[1]})) continue;
+      edges_.ids.push_back({first, second});
+      ridges_.watch(first);
+      ridges_.watch(second);
     }
   }
 }
@@ -211,7 +249,7 @@ void LayerCandidates::extend(const std::vector<FaceIds>& near, std::size_t known
   for (const FaceId f : moved.faces) isMovedFace_[f] = 0;
   for (const VertexId v : moved.vertices) isMoved_[v] = 0;
   for (std::size_t k = known; k < near.size(); ++k) addPair(near[k], false, boxes);
-  for (List* list : {&faces_, &edges_}) list->due.resize(list->v.size(), -kNever);
+  for (List* list : {&faces_, &edges_}) list->due.resize(list->ids.size(), -kNever);
 }
 
 bool LayerCandidates::follow(const SubstepMotion& motion) {
@@ -228,52 +266,40 @@ bool LayerCandidates::follow(const SubstepMotion& motion) {
 void LayerCandidates::findClosest(const SubstepMotion& motion) {
   double farthest = 0.0;
   for (const VertexId v : motion.vertices) {
-    // At one and a half times the speed, and a little.
-    outlook_[v] = travel_[v] + 1.5 * kFindEvery * step_[v] + 2.5e-5;
+    outlook_[v] = travel_[v] + kAhead * step_[v] + kSlack;
     farthest = std::max(farthest, outlook_[v]);
     start_.set(static_cast<std::size_t>(v), motion.start[v]);
   }
   found_.clear();
-  findDue(faces_, 4.0 * farthest);
-  findDue(edges_, 4.0 * farthest);
-}
-
-/// Appends the closest points of a candidate; of edges, only points inside both: their ends are
-/// left to vertices and faces. \param at  its place in the block.
-template <typename Points>
-void LayerCandidates::addFound(const List& list, std::size_t k, const Points& points,
-                               std::size_t at) {
-  ClosestPoints closest;
-  closest.v = list.v[k];
-  for (std::size_t i = 0; i < 4; ++i) closest.weight[i] = points.weight[i][at];
-  closest.face = list.face.empty() ? kNone : list.face[k];
-  closest.apart = points.apart[at];
-  if (!closest.areEdges() || closest.areInside()) found_.push_back(closest);
+  ridges_.follow(motion, kAhead);
+  findDue(faces_, 4.0 * farthest, FaceKind{corners_});
+  findDue(edges_, 4.0 * farthest, EdgeKind{ridges_});
 }
 
 /// Appends the closest points of the candidates that are due.
-void LayerCandidates::findDue(List& list, double farthest) {
+template <typename Kind>
+void LayerCandidates::findDue(List& list, double farthest, const Kind& kind) {
   // The last group of lanes is filled up with the last candidate.
   const std::size_t count = list.due.size();
-  while (list.v.size() % kLanes != 0) list.v.push_back(list.v.back());
-  list.due.resize(list.v.size(), kNever);
+  while (list.ids.size() % kLanes != 0) list.ids.push_back(list.ids.back());
+  list.due.resize(list.ids.size(), kNever);
   const CandidateMotion motion{axesAt(std::as_const(start_), 0), travel_.data(), outlook_.data(),
                                halfThickness_.data(), farthest};
   BlockPoints points;
   for (std::size_t first = 0; first < count; first += kLaneBlock) {
     const std::size_t last = std::min(count, first + kLaneBlock);
-    const CandidateBlock block{list.v.data() + first, list.due.data() + first,
-                               static_cast<std::int32_t>(last - first)};
-    if (list.face.empty()) {
-      findInBlockOfEdges(block, motion, points);
-    } else {
-      findInBlockOfFaces(block, motion, points);
-    }
+    findInBlock(
+        {list.ids.data() + first, list.due.data() + first, static_cast<std::int32_t>(last - first)},
+        motion, kind, points);
     for (std::size_t k = first; k < last; ++k) {
-      if (points.isDue[k - first] != 0) addFound(list, k, points, k - first);
+      if (points.isDue[k - first] == 0) continue;
+      ClosestPoints closest = pointsOf(points, k - first);
+      closest.v = kind.cornersOf(list.ids[k]);
+      closest.face = Kind::faceOf(list.ids[k]);
+      if (Kind::counts(closest)) found_.push_back(closest);
     }
   }
-  list.v.resize(count);
+  list.ids.resize(count);
   list.due.resize(count);
 }
 

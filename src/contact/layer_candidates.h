@@ -8,6 +8,7 @@
 #include "cloth_sim/cloth/model.h"
 #include "cloth_sim/contact/layers.h"
 #include "face_pairs.h"
+#include "ridges.h"
 
 namespace cloth_sim {
 
@@ -26,9 +27,13 @@ struct ClosestPoints {
   }
 };
 
+/// A vertex and a face, or two edges (`Ridges::EdgeId`).
+using CandidateIds = std::array<std::int32_t, 2>;
+
 /// Vertices and faces, and edges, that may come nearer than the thickness of the cloth before the
 /// next search. Each knows how far its vertices have to move in sum until then, so that the closest
-/// points of few are found again.
+/// points of few are found again. Two edges count only if the cloth may be folded along one of
+/// them.
 class LayerCandidates {
  public:
   /// Follows the mesh. \param thickness  by cloth [m].
@@ -42,7 +47,7 @@ class LayerCandidates {
   ///     thickness larger, by vertex.
   void extend(const std::vector<FaceIds>& near, std::size_t known, const Renewed& moved,
               const std::vector<QuickBox>& boxes);
-  bool empty() const { return edges_.v.empty() && faces_.v.empty(); }
+  bool empty() const { return edges_.ids.empty() && faces_.ids.empty(); }
   /// Follows the motion of a substep; what all vertices have in common does not count. Every few
   /// substeps it first finds the closest points, at the start of the substep, of what may come
   /// nearer than the thickness until the next time, vertices and faces before edges.
@@ -54,23 +59,21 @@ class LayerCandidates {
  private:
   /// Candidates of a kind.
   struct List {
-    std::vector<std::array<VertexId, 4>> v;
-    std::vector<FaceId> face;  ///< empty for edges
-    std::vector<double> due;   ///< sum of `travel_` of the vertices from which they may touch [m]
+    std::vector<CandidateIds> ids;
+    std::vector<double> due;  ///< sum of `travel_` of the vertices from which they may touch [m]
 
     void clear();
   };
 
   void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
   void findClosest(const SubstepMotion& motion);
-  void findDue(List& list, double farthest);
-  template <typename Points>
-  void addFound(const List& list, std::size_t k, const Points& points, std::size_t at);
+  template <typename Kind>
+  void findDue(List& list, double farthest, const Kind& kind);
 
-  std::vector<Face> corners_;                     ///< by face
-  std::vector<double> halfThickness_;             ///< by vertex [m]
-  std::vector<FaceId> firstFace_;                 ///< by vertex
-  std::vector<std::array<FaceId, 3>> edgeOwner_;  ///< by face: first face of each edge
+  std::vector<Face> corners_;          ///< by face
+  std::vector<double> halfThickness_;  ///< by vertex [m]
+  std::vector<FaceId> firstFace_;      ///< by vertex
+  Ridges ridges_;
   List faces_;
   List edges_;
   std::vector<std::uint8_t> isMoved_;      ///< scratch: by vertex

@@ -16,7 +16,7 @@ constexpr double kPartingSpeed = 0.2;
 constexpr double kParallel = 0.05;
 /// Edges keep this share of the thickness: so vertices and faces alone carry flat layers, and edges
 /// only what rests on ridges.
-constexpr double kEdgeShare = 0.993;
+constexpr double kEdgeShare = 1.0 - Ridges::kFlatShare;
 /// A push moves no vertex by more than this many times what is missing in the distance: where the
 /// closest point is nearly at a vertex that cannot move, a light one beside it would be thrown far.
 constexpr double kFarthestPush = 4.0;

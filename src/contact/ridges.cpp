@@ -1,0 +1,69 @@
+#include "ridges.h"
+
+#include <cmath>
+
+namespace cloth_sim {
+namespace {
+
+/// The distance of the corner of one face beside an edge from the plane of the other [m].
+double offPlane(const Ridges::Edge& edge, const std::vector<Vec3>& x) {
+  const Vec3& from = x[edge.end[0]];
+  const Vec3 normal = (x[edge.end[1]] - from).cross(x[edge.wing[0]] - from);
+  return normal.dot(x[edge.wing[1]] - from) / normal.norm();
+}
+
+}  // namespace
+
+void Ridges::build(const TriangleMesh& mesh, const std::vector<double>& halfThickness) {
+  edges_.clear();
+  ownedBy_.assign(static_cast<std::size_t>(mesh.faceCount()), {kNone, kNone, kNone});
+  for (FaceId f = 0; f < mesh.faceCount(); ++f) {
+    const Face& face = mesh.faces()[f];
+    for (int k = 0; k < 3; ++k) {
+      const VertexId a = face[k];
+      const VertexId b = face[(k + 1) % 3];
+      const std::array<FaceId, 2> on = mesh.facesOnEdge(a, b);
+      const FaceId other = on[0] == f ? on[1] : on[0];
+      if (other != kNone && other < f) continue;
+      const VertexId beyond = other == kNone ? kNone : mesh.oppositeVertex(other, a, b);
+      ownedBy_[f][k] = static_cast<EdgeId>(edges_.size());
+      edges_.push_back({{a, b}, {face[(k + 2) % 3], beyond}});
+    }
+  }
+  slack_.clear();
+  for (const double half : halfThickness) slack_.push_back(kFlatShare * 2.0 * half);
+  count_ = 0;
+  loadedFor_.assign(halfThickness.size(), count_);
+  watched_.clear();
+  state_.assign(edges_.size(), kUnwatched);
+}
+
+void Ridges::watch(EdgeId edge) {
+  if (state_[edge] != kUnwatched) return;
+  state_[edge] = kFolded;
+  watched_.push_back(edge);
+}
+
+void Ridges::clear() {
+  for (const EdgeId edge : watched_) state_[edge] = kUnwatched;
+  watched_.clear();
+}
+
+void Ridges::follow(const SubstepMotion& motion, double ahead) {
+  ++count_;
+  for (const VertexId v : motion.vertices) loadedFor_[v] = count_;
+  for (const EdgeId edge : watched_) {
+    state_[edge] = staysFlat(edges_[edge], motion, ahead) ? kFlat : kFolded;
+  }
+}
+
+bool Ridges::staysFlat(const Edge& edge, const SubstepMotion& motion, double ahead) const {
+  if (!isLoaded(edge.wing[0]) || !isLoaded(edge.wing[1])) return false;
+  const double slack = slack_[edge.end[0]];
+  const double off = offPlane(edge, motion.start);
+  if (!(std::abs(off) <= slack)) return false;
+  const double by = offPlane(edge, motion.end) - off;
+  return std::abs(off + ahead * by) <= slack;
+}
+
+}  // namespace cloth_sim

@@ -1,0 +1,59 @@
+#pragma once
+/// \file Edges of the cloth, and where it is folded along them.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "cloth_sim/cloth/model.h"
+#include "substep_motion.h"
+
+namespace cloth_sim {
+
+/// Edges along which the cloth is folded. Between two edges, only ridges are locally closest (Chen
+/// et al. 2025, Offset Geometric Contact): where the faces beside both edges are flat, vertices and
+/// faces are as near to each other, and carry the load.
+class Ridges {
+ public:
+  using EdgeId = std::int32_t;
+  struct Edge {
+    std::array<VertexId, 2> end{};
+    std::array<VertexId, 2> wing{};  ///< opposite corners of the faces beside it; kNone: no face
+  };
+
+  /// Two faces count as flat if the corner of one is off the plane of the other by no more than
+  /// this share of the thickness of their cloth. By so much other layers may be too near there.
+  static constexpr double kFlatShare = 0.007;
+
+  /// Follows the mesh. \param halfThickness  by vertex [m].
+  void build(const TriangleMesh& mesh, const std::vector<double>& halfThickness);
+  const Edge& operator[](EdgeId edge) const { return edges_[edge]; }
+  /// The edges that `face` is the first face of; kNone in place of others.
+  const std::array<EdgeId, 3>& ownedBy(FaceId face) const { return ownedBy_[face]; }
+  /// Has an edge followed.
+  void watch(EdgeId edge);
+  /// Follows no edge any more.
+  void clear();
+  /// Finds along which edges the cloth may be folded soon.
+  /// \param ahead  for how many times the motion of the substep.
+  void follow(const SubstepMotion& motion, double ahead);
+  /// Tells whether the cloth may be folded along an edge that is followed: not if both faces beside
+  /// it were loaded, and are flat.
+  bool isFolded(EdgeId edge) const { return state_[edge] != kFlat; }
+
+ private:
+  enum State : std::uint8_t { kUnwatched, kFolded, kFlat };
+
+  bool isLoaded(VertexId v) const { return v != kNone && loadedFor_[v] == count_; }
+  bool staysFlat(const Edge& edge, const SubstepMotion& motion, double ahead) const;
+
+  std::vector<Edge> edges_;                     ///< by their first face
+  std::vector<std::array<EdgeId, 3>> ownedBy_;  ///< by face
+  std::vector<double> slack_;  ///< by vertex: off a plane and flat all the same [m]
+  std::vector<EdgeId> watched_;
+  std::vector<State> state_;              ///< by edge
+  std::vector<std::uint32_t> loadedFor_;  ///< by vertex: the last time that it was followed
+  std::uint32_t count_ = 0;               ///< of the times that it was
+};
+
+}  // namespace cloth_sim
