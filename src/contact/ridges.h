@@ -22,8 +22,9 @@ class Ridges {
   };
 
   /// Two faces count as flat if the corner of one is off the plane of the other by no more than
-  /// this share of the thickness of their cloth. By so much other layers may be too near there.
-  static constexpr double kFlatShare = 0.007;
+  /// this share of the thickness of their cloth. Where two flat edges cross they are nearer to each
+  /// other than the vertices and faces around them by no more than that.
+  static constexpr double kFlatShare = 0.0035;
 
   /// Follows the mesh. \param halfThickness  by vertex [m].
   void build(const TriangleMesh& mesh, const std::vector<double>& halfThickness);
