@@ -10,10 +10,11 @@ namespace {
 
 /// Substeps after which closest points are found again.
 constexpr int kFindEvery = 6;
-/// Motion that is expected until then: so many times that of a substep (one and a half times its
-/// speed), and a little [m].
+/// Motion that is expected until then: so many times that of a substep, at one and a half times its
+/// speed.
 constexpr double kAhead = 1.5 * kFindEvery;
-constexpr double kSlack = 2.5e-5;
+/// The same of a vertex at rest [m].
+constexpr double kLeastAhead = 2.5e-5;
 /// Beyond any sum of the travel [m].
 constexpr double kNever = 1e300;
 /// Candidates that are looked at together: a multiple of the lanes.
@@ -266,7 +267,7 @@ bool LayerCandidates::follow(const SubstepMotion& motion) {
 void LayerCandidates::findClosest(const SubstepMotion& motion) {
   double farthest = 0.0;
   for (const VertexId v : motion.vertices) {
-    outlook_[v] = travel_[v] + kAhead * step_[v] + kSlack;
+    outlook_[v] = travel_[v] + kAhead * step_[v] + kLeastAhead;
     farthest = std::max(farthest, outlook_[v]);
     start_.set(static_cast<std::size_t>(v), motion.start[v]);
   }
