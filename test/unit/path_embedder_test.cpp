@@ -9,7 +9,7 @@
 #include <optional>
 #include <set>
 
-#include "unit/core_support.h"
+#include "unit/sound_mesh.h"
 
 namespace cloth_sim {
 namespace {
@@ -109,11 +109,6 @@ SurfacePath pathAlong(const TriangleMesh& mesh, const Polyline& line) {
 }
 
 // ---- what must hold -----------------------------------------------------------------------------
-
-void expectSound(const TriangleMesh& mesh, double area) {
-  EXPECT_EQ(validateMesh(mesh), "");
-  EXPECT_NEAR(preciseArea(mesh), area, 1e-14 * area);
-}
 
 /// Returns whether one marked edge, or several on a line, join two vertices: where a path crosses
 /// itself, it splits edges that it marked before.
