@@ -1,4 +1,3 @@
-#include <cmath>
 #include <stdexcept>
 
 #include "cloth_sim/sim/simulation.h"
@@ -25,9 +24,7 @@ class OwnCloth final : public LayeredCloth {
     const auto report = simulation_.layerReport();
     return report ? report->pairs : 0;
   }
-  int substeps() const override {
-    return static_cast<int>(std::lround(simulation_.scene().solver.dt / simulation_.substep()));
-  }
+  int substeps() const override { return simulation_.lastReport().substeps; }
 
  private:
   /// The scene's saved state, with the positions of the task.

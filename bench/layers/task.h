@@ -47,7 +47,7 @@ class LayeredCloth {
   virtual int contacts() const = 0;
   /// Pairs of faces near each other; 0 where an engine has none.
   virtual int pairs() const { return 0; }
-  virtual int substeps() const = 0;  ///< per frame
+  virtual int substeps() const = 0;  ///< of the last frame
 };
 
 /// An engine with a setting.

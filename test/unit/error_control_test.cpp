@@ -124,6 +124,16 @@ TEST(ErrorControl, TakesMoreSubstepsForASmallerError) {
   EXPECT_GT(substepsOf("0.003"), few);
 }
 
+TEST(ErrorControl, TellsTheLengthOfTheSubstepsThatItTook) {
+  Simulation simulation(sceneOf("{error: 0.003, budget: 300}"));
+  const double dt = simulation.scene().solver.dt;
+  const double asked = simulation.substep();
+  EXPECT_GT(asked, 0.0);
+  for (int k = 0; k < 36; ++k) simulation.step();
+  EXPECT_GT(simulation.lastReport().substeps, 20);
+  EXPECT_NEAR(simulation.substep(), dt / simulation.lastReport().substeps, 1e-12);
+}
+
 TEST(ErrorControl, SaysWhenTheBudgetDoesNotSuffice) {
   Simulation simulation(sceneOf("{error: 0.002, budget: 4}"));
   for (int k = 0; k < 36; ++k) {

@@ -50,8 +50,12 @@ class Simulation {
   const GuardRecord& guard() const { return parts_.solver.guard(); }
   /// Returns the settings that commands may change, as they are now.
   Tuning tuning() const { return parts_.tuning(); }
-  /// Length of the method's substeps for the mesh as it is now [s].
-  double substep() const { return parts_.dt() / parts_.solver.substeps(); }
+  /// Length of the substeps of the last step; before the first one, of those that the scene asks
+  /// for [s].
+  double substep() const {
+    const double last = lastReport().substep;
+    return last > 0.0 ? last : parts_.dt() / parts_.solver.substeps();
+  }
   /// Number of connected pieces of cloth.
   int pieces() const { return parts_.surgery.pieces().count; }
   const DroppedScraps& dropped() const { return parts_.surgery.dropped(); }
