@@ -184,7 +184,7 @@ void LayerCandidates::build(const Model& model, const std::vector<double>& thick
     firstFace_[v] = *mesh.facesAround(v).begin();
     halfThickness_[v] = 0.5 * thickness[model.clothOf(v)];
   }
-  ridges_.build(mesh, halfThickness_);
+  ridges_.build(mesh);
   clear();
 }
 
@@ -272,7 +272,7 @@ void LayerCandidates::findClosest(const SubstepMotion& motion) {
     start_.set(static_cast<std::size_t>(v), motion.start[v]);
   }
   found_.clear();
-  ridges_.follow(motion, kAhead);
+  ridges_.follow(motion, halfThickness_, kAhead);
   findDue(faces_, 4.0 * farthest, FaceKind{corners_});
   findDue(edges_, 4.0 * farthest, EdgeKind{ridges_});
 }

@@ -15,7 +15,7 @@ constexpr double kPartingSpeed = 0.2;
 /// Lines whose sine is smaller count as parallel; a vertex and a face then carry the contact.
 constexpr double kParallel = 0.05;
 /// Edges keep this share of the thickness: so vertices and faces alone carry flat layers, and edges
-/// only what rests on ridges. Those that are flat would keep more, and are left out.
+/// only what rests on ridges. Flat edges are left out: they stay farther apart than that.
 constexpr double kEdgeShare = 1.0 - 2.0 * Ridges::kFlatShare;
 /// A push moves no vertex by more than this many times what is missing in the distance: where the
 /// closest point is nearly at a vertex that cannot move, a light one beside it would be thrown far.

@@ -14,7 +14,7 @@ double offPlane(const Ridges::Edge& edge, const std::vector<Vec3>& x) {
 
 }  // namespace
 
-void Ridges::build(const TriangleMesh& mesh, const std::vector<double>& halfThickness) {
+void Ridges::build(const TriangleMesh& mesh) {
   edges_.clear();
   ownedBy_.assign(static_cast<std::size_t>(mesh.faceCount()), {kNone, kNone, kNone});
   for (FaceId f = 0; f < mesh.faceCount(); ++f) {
@@ -30,10 +30,8 @@ void Ridges::build(const TriangleMesh& mesh, const std::vector<double>& halfThic
       edges_.push_back({{a, b}, {face[(k + 2) % 3], beyond}});
     }
   }
-  slack_.clear();
-  for (const double half : halfThickness) slack_.push_back(kFlatShare * 2.0 * half);
   count_ = 0;
-  loadedFor_.assign(halfThickness.size(), count_);
+  loadedFor_.assign(static_cast<std::size_t>(mesh.vertexCount()), count_);
   watched_.clear();
   state_.assign(edges_.size(), kUnwatched);
 }
@@ -49,17 +47,20 @@ void Ridges::clear() {
   watched_.clear();
 }
 
-void Ridges::follow(const SubstepMotion& motion, double ahead) {
+void Ridges::follow(const SubstepMotion& motion, const std::vector<double>& halfThickness,
+                    double ahead) {
   ++count_;
   for (const VertexId v : motion.vertices) loadedFor_[v] = count_;
   for (const EdgeId edge : watched_) {
-    state_[edge] = staysFlat(edges_[edge], motion, ahead) ? kFlat : kFolded;
+    const double slack = kFlatShare * 2.0 * halfThickness[edges_[edge].end[0]];
+    state_[edge] = staysFlat(edges_[edge], motion, slack, ahead) ? kFlat : kFolded;
   }
 }
 
-bool Ridges::staysFlat(const Edge& edge, const SubstepMotion& motion, double ahead) const {
+/// \param slack  by which a corner may be off the plane [m].
+bool Ridges::staysFlat(const Edge& edge, const SubstepMotion& motion, double slack,
+                       double ahead) const {
   if (!isLoaded(edge.wing[0]) || !isLoaded(edge.wing[1])) return false;
-  const double slack = slack_[edge.end[0]];
   const double off = offPlane(edge, motion.start);
   if (!(std::abs(off) <= slack)) return false;
   const double by = offPlane(edge, motion.end) - off;

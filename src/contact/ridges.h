@@ -26,8 +26,8 @@ class Ridges {
   /// other than the vertices and faces around them by no more than that.
   static constexpr double kFlatShare = 0.0035;
 
-  /// Follows the mesh. \param halfThickness  by vertex [m].
-  void build(const TriangleMesh& mesh, const std::vector<double>& halfThickness);
+  /// Follows the mesh.
+  void build(const TriangleMesh& mesh);
   const Edge& operator[](EdgeId edge) const { return edges_[edge]; }
   /// The edges that `face` is the first face of; kNone in place of others.
   const std::array<EdgeId, 3>& ownedBy(FaceId face) const { return ownedBy_[face]; }
@@ -36,8 +36,9 @@ class Ridges {
   /// Follows no edge any more.
   void clear();
   /// Finds along which edges the cloth may be folded soon.
-  /// \param ahead  for how many times the motion of the substep.
-  void follow(const SubstepMotion& motion, double ahead);
+  /// \param halfThickness  by vertex [m].
+  /// \param ahead          for how many times the motion of the substep.
+  void follow(const SubstepMotion& motion, const std::vector<double>& halfThickness, double ahead);
   /// Tells whether the cloth may be folded along an edge that is followed: not if both faces beside
   /// it were loaded, and are flat.
   bool isFolded(EdgeId edge) const { return state_[edge] != kFlat; }
@@ -46,11 +47,10 @@ class Ridges {
   enum State : std::uint8_t { kUnwatched, kFolded, kFlat };
 
   bool isLoaded(VertexId v) const { return v != kNone && loadedFor_[v] == count_; }
-  bool staysFlat(const Edge& edge, const SubstepMotion& motion, double ahead) const;
+  bool staysFlat(const Edge& edge, const SubstepMotion& motion, double slack, double ahead) const;
 
   std::vector<Edge> edges_;                     ///< by their first face
   std::vector<std::array<EdgeId, 3>> ownedBy_;  ///< by face
-  std::vector<double> slack_;  ///< by vertex: off a plane and flat all the same [m]
   std::vector<EdgeId> watched_;
   std::vector<State> state_;              ///< by edge
   std::vector<std::uint32_t> loadedFor_;  ///< by vertex: the last time that it was followed

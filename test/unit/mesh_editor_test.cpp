@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cloth_sim/mesh/triangle_mesh.h"
-#include "unit/core_support.h"
+#include "unit/sound_mesh.h"
 
 namespace cloth_sim {
 namespace {
@@ -176,8 +176,7 @@ bool isOriginalBoundaryEdge(const TriangleMesh& mesh, VertexId a, VertexId b) {
 
 /// Checks what every edit except `removeComponents` conserves.
 void expectSound(const TriangleMesh& mesh, double area, double rim) {
-  EXPECT_EQ(testing_support::validateMesh(mesh), "");
-  EXPECT_NEAR(testing_support::preciseArea(mesh), area, 1e-14 * area);
+  testing_support::expectSound(mesh, area);
   EXPECT_NEAR(testing_support::rimLength(mesh), rim, 1e-13 * rim);
 }
 

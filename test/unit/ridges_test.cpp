@@ -32,7 +32,8 @@ class FollowedEdges : public testing::Test {
     mass_.assign(start_.size(), 1.0);
     loaded_.resize(start_.size());
     std::iota(loaded_.begin(), loaded_.end(), 0);
-    ridges_.build(model_.mesh, std::vector<double>(start_.size(), 0.5 * kThickness));
+    halfThickness_.assign(start_.size(), 0.5 * kThickness);
+    ridges_.build(model_.mesh);
     for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
       for (const Ridges::EdgeId e : ridges_.ownedBy(f)) {
         if (e == kNone) continue;
@@ -42,7 +43,7 @@ class FollowedEdges : public testing::Test {
     }
   }
 
-  void follow() { ridges_.follow({start_, end_, mass_, loaded_}, kAhead); }
+  void follow() { ridges_.follow({start_, end_, mass_, loaded_}, halfThickness_, kAhead); }
   bool isOnBorder(Ridges::EdgeId e) const { return ridges_[e].wing[1] == kNone; }
   /// Edges inside the cloth that may be folded.
   int foldedInside() const {
@@ -52,8 +53,8 @@ class FollowedEdges : public testing::Test {
     }
     return count;
   }
-  /// The sides of faces around the middle vertex, and the edges at it, are those that it folds.
   static constexpr VertexId kMiddle = 12;
+  /// The edges at the middle vertex, and the sides opposite to it of the faces around it.
   int edgesThatMiddleFolds() const {
     int count = 0;
     for (const Ridges::EdgeId e : edges_) {
@@ -70,6 +71,7 @@ class FollowedEdges : public testing::Test {
   std::vector<Ridges::EdgeId> edges_;
   std::vector<Vec3> start_, end_;
   std::vector<double> mass_;
+  std::vector<double> halfThickness_;  ///< by vertex [m]
   std::vector<VertexId> loaded_;
 };
 
