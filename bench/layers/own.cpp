@@ -32,7 +32,7 @@ class OwnCloth final : public LayeredCloth {
     SimulationParts parts(sceneOf(task, layers));
     const std::vector<Vec3> x = startOf(task);
     for (VertexId v = 0; v < parts.model.particleCount(); ++v) parts.state.x[v] = x[v];
-    if (layers && !parts.layers->findOverlap(x).pairs.empty()) {
+    if (layers && !parts.layers->findOverlap(parts.model, x).pairs.empty()) {
       throw std::logic_error("the start has faces that touch");
     }
     return saveParts(parts);

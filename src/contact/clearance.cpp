@@ -18,6 +18,10 @@ static_assert(kTileSide == GridTile::kColumns);
 constexpr std::int32_t kTileGrain = 32;
 constexpr std::int32_t kCopyGrain = 4096;
 
+/// Substeps, and time [s], between two checks: as many as are both.
+constexpr int kLeastSubsteps = 10;
+constexpr double kLeastTime = 1.0 / 120.0;
+
 Place rootOf(const std::vector<MaterialLevel>& levels) {
   return {static_cast<int>(levels.size()) - 1, 0, 0};
 }
@@ -76,37 +80,46 @@ GridTile Clearance::Sheet::tile(std::int32_t k) const {
   return of;
 }
 
-void Clearance::build(const Model& model, const FacePairSearch& search, double margin) {
+VertexId Clearance::Sheet::cornerOf(std::int32_t cell) const {
+  const Place at = levels.front().placeOf(0, cell);
+  return firstTile.first + at.j * firstTile.stride + at.i;
+}
+
+int Clearance::interval(double h) {
+  constexpr double kRounding = 1e-9;
+  return std::max(kLeastSubsteps, static_cast<int>(kLeastTime / h + kRounding));
+}
+
+void Clearance::build(const Model& model, double margin) {
   margin_ = margin;
   sheets_.clear();
   if (model.particleCount() != undamagedCount(model)) return;
   for (std::size_t cloth = 0; cloth < model.cloths.size(); ++cloth) {
-    if (addSheet(model, cloth, search.trees()[cloth])) continue;
+    if (addSheet(model, cloth)) continue;
     sheets_.clear();
     return;
   }
-  faces_ = model.mesh.faces();
-  inverseRest_ = &search.allowance().inverseRest();
   const auto vertices = static_cast<std::size_t>(model.particleCount());
   for (VectorArray* array : {&last_, &now_}) array->resize(vertices);
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // equal to no place
   last_.set(0, Vec3::Constant(kUnknown));
 }
 
-/// \return whether the cloth can be checked: it is a grid with a cell in each bucket of its tree.
-bool Clearance::addSheet(const Model& model, std::size_t cloth, const MaterialTree& tree) {
+/// \return whether the cloth can be checked: it is a grid that is as wide as a tile.
+bool Clearance::addSheet(const Model& model, std::size_t cloth) {
   const ClothPart& part = model.cloths[cloth];
   if (!isAsItsGrid(model.mesh, part)) return false;
   const Grid& grid = *part.grid;
-  const MaterialLevel& buckets = tree.level(0);
-  const bool hasCells = buckets.columns == grid.columns - 1 && buckets.rows == grid.rows - 1;
-  if (!hasCells || buckets.columns < kTileSide) return false;
+  int columns = grid.columns - 1;
+  int rows = grid.rows - 1;
+  if (columns < kTileSide) return false;
   Sheet& sheet = sheets_.emplace_back();
-  sheet.tree = &tree;
   sheet.firstTile = {part.firstVertex, 0, grid.columns, {grid.spacingU(), grid.spacingV()}};
-  sheet.levels.resize(tree.levelCount());
-  for (int k = 0; k < tree.levelCount(); ++k) {
-    sheet.levels[k].resize(tree.level(k).columns, tree.level(k).rows);
+  sheet.levels.emplace_back().resize(columns, rows);
+  while (columns > 1 || rows > 1) {
+    columns = (columns + 1) / 2;
+    rows = (rows + 1) / 2;
+    sheet.levels.emplace_back().resize(columns, rows);
   }
   const std::int32_t tiles = sheet.levels[kTileLevel].count();
   sheet.bounds.resize(tiles);
@@ -115,23 +128,27 @@ bool Clearance::addSheet(const Model& model, std::size_t cloth, const MaterialTr
   return true;
 }
 
+bool Clearance::isClearAt(const std::vector<Vec3>& x) {
+  return beginAt([&](VertexId v) -> const Vec3& { return x[v]; });
+}
+
 bool Clearance::begin(const ParticleView& particles) {
+  return beginAt([&](VertexId v) { return particles.startAt(particles.slot(v)); });
+}
+
+/// Bounds are those of the last check where it ended there.
+template <typename PlaceOf>
+bool Clearance::beginAt(const PlaceOf& placeOf) {
   if (!isUsable()) return false;
   common_ = Vec3::Zero();
-  if (!isLastAt(particles)) {
-    parallelForEach(last_.x.size(), kCopyGrain,
-                    [&](VertexId v) { last_.set(v, particles.startAt(particles.slot(v))); });
+  const auto vertices = static_cast<VertexId>(last_.x.size());
+  VertexId same = 0;
+  while (same < vertices && placeOf(same) == last_.at(same)) ++same;
+  if (same < vertices) {
+    parallelForEach(last_.x.size(), kCopyGrain, [&](VertexId v) { last_.set(v, placeOf(v)); });
     bound(last_, &Sheet::lastBounds);
   }
   return areAllClear(last_, &Sheet::lastBounds);
-}
-
-/// Tells whether a step begins where bounds were found last.
-bool Clearance::isLastAt(const ParticleView& particles) const {
-  for (VertexId v = 0; v < static_cast<VertexId>(last_.x.size()); ++v) {
-    if (particles.startAt(particles.slot(v)) != last_.at(v)) return false;
-  }
-  return true;
 }
 
 bool Clearance::follow(const ParticleView& particles) {
@@ -166,9 +183,8 @@ bool Clearance::areAllClear(const VectorArray& end, std::vector<TileBounds> Shee
 /// Finds the bounds of all tiles at one end of the way. \param x  positions, by vertex [m].
 void Clearance::bound(const VectorArray& x, std::vector<TileBounds> Sheet::*bounds) {
   for (Sheet& sheet : sheets_) {
-    parallelForEach(sheet.bounds.size(), kTileGrain, [&](std::int32_t k) {
-      (sheet.*bounds)[k] = boundTile(sheet.tile(k), axesAt(x, 0));
-    });
+    parallelForEach(sheet.bounds.size(), kTileGrain,
+                    [&](std::int32_t k) { (sheet.*bounds)[k] = boundTile(sheet.tile(k), x); });
   }
 }
 
@@ -176,12 +192,7 @@ void Clearance::bound(const VectorArray& x, std::vector<TileBounds> Sheet::*boun
 void Clearance::join(const std::vector<TileBounds>& endBounds, Sheet& sheet) {
   MaterialLevel& tiles = sheet.levels[kTileLevel];
   for (std::int32_t k = 0; k < tiles.count(); ++k) {
-    const TileBounds& end = endBounds[k];
-    const TileBounds& last = sheet.lastBounds[k];
-    tiles.boxes[k] = widened({last.box.low.cwiseMin(end.box.low - common_),
-                              last.box.high.cwiseMax(end.box.high - common_)});
-    tiles.balls[k] = last.ball;
-    tiles.balls[k].add(end.ball);
+    joinEnds(sheet.lastBounds[k], endBounds[k], k, tiles);
   }
   tiles.forgetProofs();
   std::fill(sheet.isDivided.begin(), sheet.isDivided.end(), 0);
@@ -193,9 +204,14 @@ void Clearance::join(const std::vector<TileBounds>& endBounds, Sheet& sheet) {
   }
 }
 
-QuickBox Clearance::widened(const Box& box) const {
+/// Sets the bounds of a node to those at both ends of the way, with the margin.
+void Clearance::joinEnds(const TileBounds& last, const TileBounds& end, std::int32_t node,
+                         MaterialLevel& level) const {
   const Vec3 margin = Vec3::Constant(margin_);
-  return QuickBox({box.low - margin, box.high + margin});
+  level.boxes[node] = QuickBox({last.box.low.cwiseMin(end.box.low - common_) - margin,
+                                last.box.high.cwiseMax(end.box.high - common_) + margin});
+  level.balls[node] = last.ball;
+  level.balls[node].add(end.ball);
 }
 
 /// Tells whether two nodes of a cloth do not touch, or a node itself. Where a position is not
@@ -266,7 +282,7 @@ void Clearance::divide(const Place& tile, Sheet& sheet) {
       for (int i = side * tile.i; i < std::min(side * (tile.i + 1), level.columns); ++i) {
         const int node = level.node(i, j);
         if (k == 0) {
-          boundBucket(node, sheet);
+          refreshCell(node, sheet);
         } else {
           level.join(sheet.levels[k - 1], node);
         }
@@ -276,24 +292,10 @@ void Clearance::divide(const Place& tile, Sheet& sheet) {
   }
 }
 
-void Clearance::boundBucket(std::int32_t bucket, Sheet& sheet) const {
-  Box box;
-  for (const FaceId f : sheet.tree->owned(bucket)) {
-    for (const VertexId v : faces_[f]) {
-      for (const Vec3& x : {last_.at(v), Vec3(end_->at(v) - common_)}) box.add({x, x});
-    }
-  }
-  GradientBall ball;
-  for (const FaceId f : sheet.tree->overlapping(bucket)) {
-    for (const VectorArray* x : {&std::as_const(last_), end_}) {
-      const Vec3 at = x->at(faces_[f][0]);
-      ball.add(
-          {Gradient::of(x->at(faces_[f][1]) - at, x->at(faces_[f][2]) - at, (*inverseRest_)[f]),
-           0.0});
-    }
-  }
-  sheet.levels.front().boxes[bucket] = widened(box);
-  sheet.levels.front().balls[bucket] = ball;
+void Clearance::refreshCell(std::int32_t cell, Sheet& sheet) const {
+  GridTile of = sheet.firstTile;
+  of.first = sheet.cornerOf(cell);
+  joinEnds(boundCell(of, last_), boundCell(of, *end_), cell, sheet.levels.front());
 }
 
 }  // namespace cloth_sim

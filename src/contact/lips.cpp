@@ -113,8 +113,8 @@ std::vector<FaceId> changedFaces(const MeshChanges& changes, const TriangleMesh&
 
 }  // namespace
 
-bool partLips(const MeshChanges& changes, const TriangleMesh& mesh, LayerContact& layers,
-              State& state) {
+bool partLips(const MeshChanges& changes, const Model& model, LayerContact& layers, State& state) {
+  const TriangleMesh& mesh = model.mesh;
   const std::map<VertexId, Vec3> moves = movesOf(listLips(changes, mesh, state.x));
   if (moves.empty()) return true;
   const VertexData<Vec3> before = state.x;
@@ -122,7 +122,7 @@ bool partLips(const MeshChanges& changes, const TriangleMesh& mesh, LayerContact
   // Less than a tenth would be near what the certificate can resolve.
   for (const double scale : {1.0, 0.1}) {
     for (const auto& [v, by] : moves) state.x[v] = before[v] + scale * by;
-    if (layers.findOverlap(state.x.values(), changed).pairs.empty()) return true;
+    if (layers.findOverlap(model, state.x.values(), changed).pairs.empty()) return true;
   }
   return false;
 }

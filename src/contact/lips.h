@@ -4,7 +4,6 @@
 #include "cloth_sim/cloth/state.h"
 #include "cloth_sim/contact/layers.h"
 #include "cloth_sim/mesh/mesh_changes.h"
-#include "cloth_sim/mesh/triangle_mesh.h"
 
 namespace cloth_sim {
 
@@ -12,9 +11,9 @@ namespace cloth_sim {
 /// each are apart from those around its copies, as layers that touch have to be. Both had the
 /// vertex in common before, so each pair of faces has a direction that separates its cones; the
 /// copies move apart along all of these directions, and by less where another layer is near.
-/// \param layers  that know the mesh after the edit.
+/// \param model   after the edit.
+/// \param layers  that follow it.
 /// \return whether no layers overlap now.
-bool partLips(const MeshChanges& changes, const TriangleMesh& mesh, LayerContact& layers,
-              State& state);
+bool partLips(const MeshChanges& changes, const Model& model, LayerContact& layers, State& state);
 
 }  // namespace cloth_sim

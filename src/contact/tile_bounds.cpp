@@ -102,9 +102,24 @@ void boundCells(const GridTile& tile, const ConstAxes& x, TileBounds& bounds) {
 
 }  // namespace
 
-TileBounds boundTile(const GridTile& tile, const ConstAxes& x) {
+TileBounds boundTile(const GridTile& tile, const VectorArray& x) {
   TileBounds bounds;
-  boundCells(tile, x, bounds);
+  boundCells(tile, axesAt(x, 0), bounds);
+  return bounds;
+}
+
+TileBounds boundCell(const GridTile& tile, const VectorArray& x) {
+  const Vec3 corners[4] = {x.at(tile.first), x.at(tile.first + 1), x.at(tile.first + tile.stride),
+                           x.at(tile.first + tile.stride + 1)};
+  TileBounds bounds;
+  for (const Vec3& corner : corners) bounds.box.add({corner, corner});
+  const Gradient first{(corners[1] - corners[0]) / tile.cell.x(),
+                       (corners[2] - corners[0]) / tile.cell.y()};
+  const Gradient last{(corners[3] - corners[2]) / tile.cell.x(),
+                      (corners[3] - corners[1]) / tile.cell.y()};
+  // The middle of both is as far from the gradients of the faces, which mix their columns.
+  bounds.ball.centre = {0.5 * (first.u + last.u), 0.5 * (first.v + last.v)};
+  bounds.ball.radius = 0.5 * (last - first).norm();
   return bounds;
 }
 

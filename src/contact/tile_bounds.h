@@ -25,6 +25,8 @@ struct TileBounds {
 };
 
 /// Finds the bounds of a tile. \param x  positions, by vertex [m].
-TileBounds boundTile(const GridTile& tile, const ConstAxes& x);
+TileBounds boundTile(const GridTile& tile, const VectorArray& x);
+/// Finds the bounds of the first cell of a tile alone.
+TileBounds boundCell(const GridTile& tile, const VectorArray& x);
 
 }  // namespace cloth_sim

@@ -54,7 +54,7 @@ StepStatus GuardedSolver::attempt(const StepLength& length, const SteppedCloth& 
   while (true) {
     cloth.obstacles.detect(cloth.model, cloth.state, length.left(), meetsSharpFeatures_);
     cloth.obstacles.contacts().layers = cloth.layers;
-    if (cloth.layers != nullptr) cloth.layers->beginStep(part);
+    if (cloth.layers != nullptr) cloth.layers->beginStep(cloth.model, part);
     report_ =
         solver_->step(cloth.model, cloth.state, cloth.controls, cloth.obstacles.contacts(), length);
     if (report_.status == StepStatus::kStopped) return report_.status;

@@ -42,7 +42,9 @@ Untangled openUp(const Scene& scene, const Model& model, LayerContact& layers, S
     options.isHeld[pin.vertex] = 1;
   }
   std::vector<Vec3> x = state.x.values();
-  const auto overlap = [&](const std::vector<Vec3>& at) { return layers.findOverlap(at).pairs; };
+  const auto overlap = [&](const std::vector<Vec3>& at) {
+    return layers.findOverlap(model, at).pairs;
+  };
   const Untangled result = untangle(model.mesh, options, overlap, x);
   for (VertexId v = 0; v < model.particleCount(); ++v) state.x[v] = x[v];
   return result;
@@ -55,7 +57,7 @@ State startState(const Scene& scene, const Model& model, LayerContact* layers,
   State state = initialState(scene.cloths, model, scene.seed);
   if (layers == nullptr) return state;
   checkLayers(findSolver(scene.solver.method));
-  const LayerOverlap overlap = layers->findOverlap(state.x.values());
+  const LayerOverlap overlap = layers->findOverlap(model, state.x.values());
   if (overlap.pairs.empty()) return state;
   std::ostringstream text;
   text << "self_contact: the cloth touches or intersects itself at the start, in "

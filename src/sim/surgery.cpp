@@ -84,7 +84,7 @@ SurgeryResult cutBetweenLayers(const CutPlan& plan, const SurgeryLimits& limits,
   SurgeryResult result =
       cut(plan, limitsOf(limits, cloth), cloth.holders.heldVertices(), cloth.model, cloth.state);
   cloth.layers->onModelChanged(cloth.model);
-  if (partLips(result.changes.mesh, cloth.model.mesh, *cloth.layers, cloth.state)) return result;
+  if (partLips(result.changes.mesh, cloth.model, *cloth.layers, cloth.state)) return result;
   cloth.model = model;
   cloth.state = state;
   cloth.layers->onModelChanged(cloth.model);

@@ -34,10 +34,7 @@ ClothSpec band() {
 /// A check of a model.
 class Checker {
  public:
-  explicit Checker(const Model& model) {
-    search_.build(model, kMargin);
-    clearance_.build(model, search_, kMargin);
-  }
+  explicit Checker(const Model& model) { clearance_.build(model, kMargin); }
   bool begin(const std::vector<Vec3>& from) {
     Backwards way(from);
     return clearance_.begin(way.view());
@@ -48,7 +45,6 @@ class Checker {
   }
 
  private:
-  FacePairSearch search_;
   Clearance clearance_;
 };
 
@@ -242,7 +238,7 @@ TEST(TileBounds, AreThoseOfTheCellsOfAGrid) {
     const GridTile tile{2, rows, 9, Vec2(0.5, 0.25)};
     for (int round = 0; round < 10; ++round) {
       const VectorArray x = randomPlaces(45, random);
-      expectBounds(facesIn(tile), x, boundTile(tile, axesAt(x, 0)));
+      expectBounds(facesIn(tile), x, boundTile(tile, x));
     }
   }
 }

@@ -56,45 +56,45 @@ using RestOfAStep = PartOfAStep;
 using StepOfClearCloth = PartOfAStep;
 
 TEST_F(RestOfAStep, SearchesNoMoreWhereTheFirstPartEnded) {
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
   ASSERT_GT(layers_.report().pairs, 0);
-  layers_.beginStep(StepPart::kRest);
+  layers_.beginStep(model_, StepPart::kRest);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 0);
   EXPECT_GT(layers_.report().pairs, 0);
 }
 
 TEST_F(RestOfAStep, SearchesAgainElsewhere) {
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
-  layers_.beginStep(StepPart::kRest);
+  layers_.beginStep(model_, StepPart::kRest);
   for (std::size_t k = 0; k < mass_.size(); ++k) x_.set(k, x_.at(k) + slowly_);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1) << "the cloth was moved between";
 }
 
 TEST_F(RestOfAStep, SearchesAgainAfterAnEdit) {
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
   layers_.onModelChanged(model_);
-  layers_.beginStep(StepPart::kRest);
+  layers_.beginStep(model_, StepPart::kRest);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
 }
 
 TEST_F(RestOfAStep, ANewStepForgets) {
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
   EXPECT_EQ(layers_.report().detections, 1);
 }
 
 TEST_F(StepOfClearCloth, SearchesNoFaces) {
   x_ = placesOf(rolled(model_, 0.3, 0.0));  // half a turn
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   for (int k = 0; k < 25; ++k) substep(slowly_);
   EXPECT_TRUE(layers_.endStep(view()));
   EXPECT_EQ(layers_.report().detections, 0);
@@ -105,14 +105,14 @@ TEST_F(StepOfClearCloth, IsDoneAgainIfItComesNearItself) {
   const VectorArray far = placesOf(rolled(model_, 0.3, 0.0));
   const VectorArray near = x_;
   x_ = far;
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
   EXPECT_FALSE(layers_.hasComeNear()) << "nobody has looked yet";
   substep(near);
   EXPECT_FALSE(layers_.endStep(view()));
   EXPECT_TRUE(layers_.hasComeNear());
   x_ = far;
-  layers_.beginStep(StepPart::kAgain);
+  layers_.beginStep(model_, StepPart::kAgain);
   substep(slowly_);
   EXPECT_FALSE(layers_.hasComeNear());
   EXPECT_EQ(layers_.report().detections, 1) << "it looks for faces from the start on";
@@ -122,7 +122,7 @@ TEST_F(StepOfClearCloth, IsDoneAgainIfItComesNearItself) {
 TEST_F(StepOfClearCloth, ThatComesNearItselfIsNoticedAfterSomeSubsteps) {
   const VectorArray near = x_;
   x_ = placesOf(rolled(model_, 0.3, 0.0));
-  layers_.beginStep(StepPart::kWhole);
+  layers_.beginStep(model_, StepPart::kWhole);
   substep(slowly_);
   int substeps = 1;
   for (; substeps < 20 && !layers_.hasComeNear(); ++substeps) substep(near);
@@ -144,12 +144,12 @@ class CollidingCloths {
   /// Advances by a frame that begins as `part`. \return whether it had to be done again.
   bool advance(StepPart part) {
     bool isDoneAgain = false;
-    layers_.beginStep(part);
+    layers_.beginStep(model_, part);
     while (solver_->step(model_, state_, controls_, contacts_, {1.0 / 60.0}).status ==
            StepStatus::kCameNear) {
       EXPECT_FALSE(isDoneAgain);
       isDoneAgain = true;
-      layers_.beginStep(StepPart::kAgain);
+      layers_.beginStep(model_, StepPart::kAgain);
     }
     return isDoneAgain;
   }

@@ -50,7 +50,7 @@ self_contact: true
   Untangled run() {
     return untangle(
         model_.mesh, options_,
-        [this](const std::vector<Vec3>& at) { return layers_->findOverlap(at).pairs; }, x_);
+        [this](const std::vector<Vec3>& at) { return layers_->findOverlap(model_, at).pairs; }, x_);
   }
   int intersections() const {
     State state;
@@ -90,15 +90,15 @@ TEST_F(TwoSheets, ThatAreApartStayAsTheyAre) {
 
 TEST_F(TwoSheets, OverlapIsFoundAmongThePairsOfSomeFaces) {
   raise(false, bump);
-  const FacePairList all = layers_->findOverlap(x_).pairs;
+  const FacePairList all = layers_->findOverlap(model_, x_).pairs;
   ASSERT_GT(all.size(), 20u);
   const FaceId asked = all[7][0];
   FacePairList wanted;
   for (const auto& pair : all) {
     if (pair[0] == asked || pair[1] == asked) wanted.push_back(pair);
   }
-  EXPECT_EQ(layers_->findOverlap(x_, {asked}).pairs, wanted);
-  EXPECT_TRUE(layers_->findOverlap(x_, {}).pairs.empty());
+  EXPECT_EQ(layers_->findOverlap(model_, x_, {asked}).pairs, wanted);
+  EXPECT_TRUE(layers_->findOverlap(model_, x_, {}).pairs.empty());
 }
 
 TEST_F(TwoSheets, BumpThatSticksThroughIsTakenBack) {

@@ -86,13 +86,16 @@ class LayerContact {
   /// Follows an edit of the mesh.
   void onModelChanged(const Model& model);
   /// Finds faces that touch or intersect each other.
-  /// \param x  positions, by vertex [m].
-  LayerOverlap findOverlap(const std::vector<Vec3>& x);
+  /// \param model  that was followed last.
+  /// \param x      positions, by vertex [m].
+  LayerOverlap findOverlap(const Model& model, const std::vector<Vec3>& x);
   /// The same, but only pairs with one of `faces`: those that have changed since no faces touched.
-  LayerOverlap findOverlap(const std::vector<Vec3>& x, const std::vector<FaceId>& faces);
+  LayerOverlap findOverlap(const Model& model, const std::vector<Vec3>& x,
+                           const std::vector<FaceId>& faces);
   /// Prepares for a step. In a rest, pairs are searched again only if the mesh was edited or the
   /// cloth is not where it was.
-  void beginStep(StepPart part);
+  /// \param model  that was followed last; it has to stay in its place during the step.
+  void beginStep(const Model& model, StepPart part);
   /// Reads where a substep leads before obstacles stop it.
   void load(const ParticleView& particles);
   /// Moves layers apart, as displacements at the end of a substep of `h` [s].
