@@ -39,6 +39,7 @@ class Checker {
     Backwards way(from);
     return clearance_.begin(way.view());
   }
+  bool isClearAt(const std::vector<Vec3>& x) { return clearance_.isClearAt(x); }
   bool follow(const std::vector<Vec3>& to) {
     Backwards way(to);  // it remembers where the way began
     return clearance_.follow(way.view());
@@ -116,6 +117,20 @@ TEST_F(ClearanceOfTwoSheets, KeepTheMargins) {
 TEST_F(ClearanceOfTwoSheets, AreFarApartAtTheStart) {
   EXPECT_FALSE(check_.begin(at(1.9 * kMargin)));
   EXPECT_TRUE(check_.begin(at(20.0 * kMargin)));
+}
+
+TEST_F(ClearanceOfTwoSheets, CanBeAskedOfPlacesAlone) {
+  EXPECT_TRUE(check_.isClearAt(at(2.1 * kMargin)));
+  EXPECT_FALSE(check_.isClearAt(at(1.9 * kMargin)));
+  EXPECT_FALSE(check_.begin(at(1.9 * kMargin)));
+  EXPECT_TRUE(check_.begin(at(2.1 * kMargin)));
+}
+
+TEST(Clearance, IsCheckedEveryTenSubstepsOrTwiceAFrame) {
+  EXPECT_EQ(Clearance::interval(1.0 / 60.0), 10);
+  EXPECT_EQ(Clearance::interval(1.0 / 1200.0), 10);
+  EXPECT_EQ(Clearance::interval(1.0 / 2400.0), 20);
+  EXPECT_EQ(Clearance::interval(1.0 / 60.0 / 30.0), 15);
 }
 
 TEST(Clearance, IsNotThatOfPlacesThatAreNotFinite) {
@@ -240,6 +255,17 @@ TEST(TileBounds, AreThoseOfTheCellsOfAGrid) {
       const VectorArray x = randomPlaces(45, random);
       expectBounds(facesIn(tile), x, boundTile(tile, x));
     }
+  }
+}
+
+TEST(TileBounds, OfACellAreThoseOfItsFaces) {
+  RandomPoints random(8);
+  const GridTile tile{4, 2, 9, Vec2(0.5, 0.25)};
+  const std::vector<TileFace> row = facesIn(tile);
+  const std::vector<TileFace> first(row.begin(), row.begin() + 4);  // both ways to divide it
+  for (int round = 0; round < 10; ++round) {
+    const VectorArray x = randomPlaces(45, random);
+    expectBounds(first, x, boundCell(tile, x));
   }
 }
 
