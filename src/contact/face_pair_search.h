@@ -6,6 +6,13 @@
 
 namespace cloth_sim {
 
+/// Boxes around the places that vertices and faces may take until the next search, larger by half
+/// of the distance up to which faces are near.
+struct SearchBoxes {
+  const std::vector<QuickBox>& corners;  ///< by vertex
+  const std::vector<QuickBox>& faces;    ///< by face
+};
+
 /// Finds the pairs of faces that may come nearer than a margin before the next search, while
 /// vertices and gradients are where its allowance lets them be.
 class FacePairSearch {
@@ -20,8 +27,7 @@ class FacePairSearch {
   /// Adds pairs with faces whose allowances were renewed. Pairs that are known stay.
   void findAround();
   const std::vector<FaceIds>& near() const { return near_; }
-  /// Boxes around the places that vertices may take, by vertex.
-  const std::vector<QuickBox>& corners() const { return corners_; }
+  SearchBoxes boxes() const { return {corners_, boxes_}; }
   Allowance& allowance() { return allowance_; }
   const Allowance& allowance() const { return allowance_; }
   const std::vector<MaterialTree>& trees() const { return trees_; }  ///< by cloth
@@ -36,8 +42,8 @@ class FacePairSearch {
   std::vector<MaterialTree> trees_;
   double margin_ = 0.0;
   Allowance allowance_;
-  std::vector<QuickBox> corners_;
-  std::vector<QuickBox> boxes_;  ///< by face
+  std::vector<QuickBox> corners_;  ///< see SearchBoxes
+  std::vector<QuickBox> boxes_;    ///< by face
   std::vector<FaceIds> near_;
   FacePairSet known_;  ///< these; empty until there is a search around a part
 };

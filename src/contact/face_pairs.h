@@ -29,6 +29,8 @@ class FacePairs {
   void append(const std::vector<FaceIds>& near, std::size_t first);
   void clear();
   std::size_t count() const { return watch_.count(); }
+  /// The faces of pairs, in the order in which they came in.
+  const std::vector<FaceId>& faces() const { return watch_.paired(); }
 
   /// Changes the motion of vertices so that no pair touches or passes through itself, neither at
   /// the end of the substep nor on the way there.

@@ -201,7 +201,7 @@ void LayerCandidates::clear() {
 /// first face, an edge as a side of its first face; so no contact is listed twice.
 /// \param isKnown  whether only contacts of vertices with the mark `isMoved_` are missing.
 void LayerCandidates::addPair(const FaceIds& ids, bool isKnown,
-                              const std::vector<QuickBox>& boxes) {
+                              const SearchBoxes& boxes) {
   const Face& f = corners_[ids.first];
   const Face& g = corners_[ids.second];
   const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };
@@ -209,15 +209,14 @@ void LayerCandidates::addPair(const FaceIds& ids, bool isKnown,
     return !isKnown || std::any_of(v.begin(), v.end(), isMoved);
   };
   const auto join = [&](VertexId a, VertexId b) {
-    QuickBox box = boxes[a];
-    box.add(boxes[b]);
+    QuickBox box = boxes.corners[a];
+    box.add(boxes.corners[b]);
     return box;
   };
   const auto addVertices = [&](FaceId from, const Face& corners, FaceId to, const Face& face) {
-    QuickBox box = join(face[0], face[1]);
-    box.add(boxes[face[2]]);
+    const QuickBox& box = boxes.faces[to];
     for (const VertexId p : corners) {
-      if (firstFace_[p] != from || contains(face, p) || !box.meets(boxes[p])) continue;
+      if (firstFace_[p] != from || contains(face, p) || !box.meets(boxes.corners[p])) continue;
       if (isMissing({p, face[0], face[1], face[2]})) faces_.ids.push_back({p, to});
     }
   };
@@ -240,7 +239,7 @@ void LayerCandidates::addPair(const FaceIds& ids, bool isKnown,
 }
 
 void LayerCandidates::extend(const std::vector<FaceIds>& near, std::size_t known,
-                             const Renewed& moved, const std::vector<QuickBox>& boxes) {
+                             const Renewed& moved, const SearchBoxes& boxes) {
   for (const VertexId v : moved.vertices) isMoved_[v] = 1;
   for (const FaceId f : moved.faces) isMovedFace_[f] = 1;
   for (std::size_t k = 0; k < known && !moved.vertices.empty(); ++k) {

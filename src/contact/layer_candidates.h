@@ -4,10 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "allowance.h"
 #include "cloth_sim/cloth/model.h"
 #include "cloth_sim/contact/layers.h"
-#include "face_pairs.h"
+#include "face_pair_search.h"
 #include "ridges.h"
 
 namespace cloth_sim {
@@ -43,10 +42,8 @@ class LayerCandidates {
   /// \param near   all pairs.
   /// \param known  number of those that have been listed; the others are new.
   /// \param moved  vertices with new boxes, and faces with such corners.
-  /// \param boxes  around the places that vertices may take until the next search, half of the
-  ///     thickness larger, by vertex.
   void extend(const std::vector<FaceIds>& near, std::size_t known, const Renewed& moved,
-              const std::vector<QuickBox>& boxes);
+              const SearchBoxes& boxes);
   bool empty() const { return edges_.ids.empty() && faces_.ids.empty(); }
   /// Follows the motion of a substep; what all vertices have in common does not count. Every few
   /// substeps it first finds the closest points, at the start of the substep, of what may come
@@ -65,7 +62,7 @@ class LayerCandidates {
     void clear();
   };
 
-  void addPair(const FaceIds& ids, bool isKnown, const std::vector<QuickBox>& boxes);
+  void addPair(const FaceIds& ids, bool isKnown, const SearchBoxes& boxes);
   void findClosest(const SubstepMotion& motion);
   template <typename Kind>
   void findDue(List& list, double farthest, const Kind& kind);

@@ -62,14 +62,14 @@ LayerContacts::Layers LayerContacts::layersOf(const Contact& contact) const {
   return {0.5 * (a.thickness + b.thickness), 0.5 * (a.friction + b.friction)};
 }
 
-void LayerContacts::assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes) {
+void LayerContacts::assign(const std::vector<FaceIds>& near, const SearchBoxes& boxes) {
   // The contacts of the last substep stay, for whoever asks, until the next one refreshes them.
   candidates_.clear();
   extend(near, 0, Renewed(), boxes);
 }
 
 void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
-                           const Renewed& moved, const std::vector<QuickBox>& boxes) {
+                           const Renewed& moved, const SearchBoxes& boxes) {
   candidates_.extend(near, known, moved, boxes);
 }
 

@@ -22,15 +22,13 @@ class LayerContacts {
   void build(const Model& model, const std::vector<LayerProperties>& byCloth);
   void clear();
   /// Lists what can come into contact, from pairs of faces near each other.
-  /// \param boxes  around the places that vertices may take until the next search, half of the
-  ///     thickness larger, by vertex.
-  void assign(const std::vector<FaceIds>& near, const std::vector<QuickBox>& boxes);
+  void assign(const std::vector<FaceIds>& near, const SearchBoxes& boxes);
   /// Follows a search around a part of the cloth.
   /// \param near   all pairs.
   /// \param known  number of those that have been listed; the others are new.
   /// \param moved  vertices with new boxes, and faces with such corners.
   void extend(const std::vector<FaceIds>& near, std::size_t known, const Renewed& moved,
-              const std::vector<QuickBox>& boxes);
+              const SearchBoxes& boxes);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
   void project(const SubstepMotion& motion, double h);
   /// Takes up what is left of the load, layer by layer away from what supports the cloth, with

@@ -124,7 +124,7 @@ void NearLayers::loadAll(const ParticleView& particles) {
 
 /// Loads the vertices of pairs: their ends, and the whole substep of all where there are new ones.
 void NearLayers::loadPairs(const ParticleView& particles) {
-  if (vertices_.size() == all_.size() || listed_ < search_.near().size()) {
+  if (vertices_.size() == all_.size() || listed_ < pairs_.faces().size()) {
     listVertices();
     load(particles);
   } else {
@@ -182,7 +182,7 @@ void NearLayers::search() {
   listed_ = 0;
   std::fill(isListed_.begin(), isListed_.end(), 0);
   pairs_.assign(search_.near(), faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(search_.near(), search_.corners());
+  contacts_.assign(search_.near(), search_.boxes());
   isFresh_ = true;
   ++report_.detections;
 }
@@ -195,7 +195,7 @@ bool NearLayers::searchAroundLeft(const ParticleView& particles) {
   if (!isFresh_ || !search_.allowance().renewLeft(particles, few, most_)) return false;
   search_.findAround();
   pairs_.append(search_.near(), known);
-  contacts_.extend(search_.near(), known, search_.allowance().renewed(), search_.corners());
+  contacts_.extend(search_.near(), known, search_.allowance().renewed(), search_.boxes());
   return true;
 }
 
@@ -207,10 +207,8 @@ void NearLayers::searchAll(const ParticleView& particles) {
 
 /// Lists the vertices of pairs: only these are loaded from now on.
 void NearLayers::listVertices() {
-  for (; listed_ < search_.near().size(); ++listed_) {
-    for (const FaceId f : {search_.near()[listed_].first, search_.near()[listed_].second}) {
-      for (const VertexId v : faces_[f]) isListed_[v] = 1;
-    }
+  for (; listed_ < pairs_.faces().size(); ++listed_) {
+    for (const VertexId v : faces_[pairs_.faces()[listed_]]) isListed_[v] = 1;
   }
   vertices_.clear();
   for (std::size_t v = 0; v < isListed_.size(); ++v) {

@@ -2,7 +2,7 @@
 /// \file Layers of cloth near each other: what a substep does about them.
 
 #include "cloth_sim/contact/layers.h"
-#include "face_pair_search.h"
+#include "face_pairs.h"
 #include "layer_contacts.h"
 
 namespace cloth_sim {
@@ -75,7 +75,7 @@ class NearLayers {
   std::vector<std::uint8_t> truncated_;  ///< by vertex
   std::vector<std::uint8_t> supported_;  ///< by vertex; see LayerContacts::settle
   std::vector<std::uint8_t> isListed_;   ///< by vertex: 1 if it belongs to a pair
-  std::size_t listed_ = 0;               ///< pairs whose vertices have that mark
+  std::size_t listed_ = 0;               ///< faces of pairs whose vertices have that mark
 };
 
 }  // namespace cloth_sim
