@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
 
+#include "spring_area.h"
+#include "spring_matches.h"
+
 namespace cloth_sim {
-
-/// A spring before an edit and the derived spring that continues it.
-struct SpringMatch {
-  std::int32_t slot = kNone;     ///< of the spring before; kNone: the derived one is new
-  std::int32_t derived = kNone;  ///< index of the derived spring; kNone: the old one is gone
-};
-
 namespace {
 
 /// A bend spring joins neighbours in the directions of a thread, if their cosines exceed this.
@@ -25,105 +20,6 @@ constexpr std::size_t kUsualSprings = 6;
 ThreadDirection directionOf(const TriangleMesh& mesh, VertexId a, VertexId b) {
   return threadDirection(mesh.material(b) - mesh.material(a));
 }
-
-/// The corner between the equally long bias edges of a face that an odd number of bisections made
-/// of one of a grid; kNone if it is another face.
-VertexId biasCorner(const TriangleMesh& mesh, FaceId f) {
-  constexpr double kEqualLengths = 1e-9;
-  if (mesh.generation(f) == 0) return kNone;
-  const Face& face = mesh.face(f);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec2& corner = mesh.material(face[k]);
-    const Vec2 ahead = mesh.material(face[(k + 1) % 3]) - corner;
-    const Vec2 behind = mesh.material(face[(k + 2) % 3]) - corner;
-    const bool isCorner = std::abs(ahead.norm() - behind.norm()) <= kEqualLengths * ahead.norm() &&
-                          threadDirection(ahead) == ThreadDirection::kBias &&
-                          threadDirection(behind) == ThreadDirection::kBias &&
-                          threadDirection(ahead - behind) != ThreadDirection::kBias;
-    if (isCorner) return face[k];
-  }
-  return kNone;
-}
-
-/// Returns how often the area of a face counts in a spring [-]. A face of a grid has two edges
-/// along threads and one bias edge. A face with two bias edges divides itself between these, counts
-/// for both threads on its third edge, and has no thread at the corner between them; docs/model.md
-/// has the derivation.
-double fractionOf(const TriangleMesh& mesh, FaceId f, const Spring& spring) {
-  const VertexId corner = biasCorner(mesh, f);
-  if (corner == kNone) return 1.0;
-  switch (spring.kind) {
-    case SpringKind::kStructural:
-      return 2.0;
-    case SpringKind::kShear:
-      return 0.5;
-    case SpringKind::kBend:
-      return corner == spring.support[0] ? 0.0 : 1.5;
-  }
-  return 1.0;
-}
-
-/// Returns the rest area that a spring represents [m^2].
-/// \param faces  those on its edge, or those around the vertex that it bridges.
-template <typename Faces>
-double representedArea(const TriangleMesh& mesh, const Faces& faces, const Spring& spring) {
-  double area = 0.0;
-  double whole = 0.0;
-  for (FaceId f : faces) {
-    area += fractionOf(mesh, f, spring) * mesh.restArea(f);
-    whole += mesh.restArea(f);
-  }
-  return area > 0.0 ? area : whole;
-}
-
-/// Identifies a spring by its support and its ends, each pair of vertices in one word and in
-/// ascending order.
-using SpringKey = std::array<std::uint64_t, 2>;
-
-std::uint64_t packPair(VertexId p, VertexId q) {
-  const auto low = static_cast<std::uint32_t>(std::min(p, q));
-  const auto high = static_cast<std::uint32_t>(std::max(p, q));
-  return (std::uint64_t{low} << 32U) | high;
-}
-
-SpringKey makeKey(VertexId s, VertexId t, VertexId a, VertexId b) {
-  return {packPair(s, t), packPair(a, b)};
-}
-
-SpringKey keyOf(const Spring& spring) {
-  return makeKey(spring.support[0], spring.support[1], spring.a, spring.b);
-}
-
-/// A spring, given by an index, and the key that it had before an edit.
-template <typename Index>
-struct Keyed {
-  SpringKey key;
-  Index value;
-  bool operator<(const Keyed& other) const {
-    if (key[0] != other.key[0]) return key[0] < other.key[0];
-    return key[1] != other.key[1] ? key[1] < other.key[1] : value < other.value;
-  }
-};
-
-/// Maps the copies of vertices that an edit made to the vertices that they are copies of.
-class Ancestors {
- public:
-  explicit Ancestors(const MeshChanges& changes) {
-    for (const VertexEdit& edit : changes.vertices) {
-      if (edit.kind == VertexEdit::Kind::kCopy) source_.emplace(edit.id, of(edit.from[0]));
-    }
-  }
-  VertexId of(VertexId v) const {
-    const auto found = source_.find(v);
-    return found == source_.end() ? v : found->second;
-  }
-  SpringKey key(const Spring& s) const {
-    return makeKey(of(s.support[0]), of(s.support[1]), of(s.a), of(s.b));
-  }
-
- private:
-  std::map<VertexId, VertexId> source_;
-};
 
 /// Lists the slots of the springs that each vertex supports, ascending, without spare capacity.
 IndexLists listSupported(const SpringSlots& slots) {
@@ -144,53 +40,6 @@ IndexLists listSupported(const SpringSlots& slots) {
     ++slot;
   }
   return supported;
-}
-
-/// Pairs old and derived springs of equal keys. Several derived springs have the key of one old
-/// spring where copies of its ends were made: the one with the lowest index continues it, which is
-/// the one that kept the original ends, if any did.
-/// \return every old and every derived spring once, ascending by key.
-std::vector<SpringMatch> matchByKey(std::vector<Keyed<std::int32_t>> old,
-                                    std::vector<Keyed<std::int32_t>> derived) {
-  std::sort(old.begin(), old.end());
-  std::sort(derived.begin(), derived.end());
-  std::vector<SpringMatch> matches;
-  matches.reserve(std::max(old.size(), derived.size()));
-  auto at = old.begin();
-  for (const auto& [key, k] : derived) {
-    for (; at != old.end() && at->key < key; ++at) matches.push_back({at->value, kNone});
-    const bool continues = at != old.end() && at->key == key;
-    matches.push_back({continues ? at->value : kNone, k});
-    if (continues) ++at;
-  }
-  for (; at != old.end(); ++at) matches.push_back({at->value, kNone});
-  return matches;
-}
-
-/// The ids that vertices have after a removal, by their ids before it; kNone for removed ones.
-std::vector<VertexId> newIdsAfter(const MeshChanges& changes, std::int32_t vertexCount) {
-  std::vector<VertexId> newId(static_cast<std::size_t>(vertexCount) + changes.vertices.size());
-  std::iota(newId.begin(), newId.end(), 0);
-  std::vector<VertexId> original = newId;  // by the id at the present edit
-  for (const VertexEdit& edit : changes.vertices) {
-    newId[original[edit.id]] = kNone;
-    if (edit.from[0] != edit.id) newId[original[edit.from[0]]] = edit.id;
-    original[edit.id] = original[edit.from[0]];
-  }
-  return newId;
-}
-
-/// The same spring between renumbered vertices; none if its first end was removed.
-Spring renumbered(Spring spring, const std::vector<VertexId>& newId) {
-  for (VertexId* v : {&spring.a, &spring.b, &spring.support[0], &spring.support[1]}) {
-    *v = *v == kNone ? kNone : newId[*v];
-  }
-  if (!spring.exists()) return spring;
-  if (spring.a > spring.b) std::swap(spring.a, spring.b);
-  if (spring.support[1] != kNone && spring.support[0] > spring.support[1]) {
-    std::swap(spring.support[0], spring.support[1]);
-  }
-  return spring;
 }
 
 }  // namespace
@@ -381,20 +230,10 @@ SpringChanges SpringNetwork::applyChanges(const TriangleMesh& mesh, const MeshCh
   for (std::size_t lists = supported().size(); lists < vertices; ++lists) supported_.addList();
   if (anyRaw_) rawFractions_.applyChanges(mesh, changes);
 
-  std::vector<Keyed<std::int32_t>> old;
-  for (std::int32_t slot : springsOnAny(changes.touched)) {
-    old.push_back({keyOf(slots_[slot]), slot});
-  }
   std::vector<Spring> derived;
   derived.reserve(kUsualSprings * changes.touched.size());
   deriveAroundAll(mesh, changes.touched, [&](const Spring& spring) { derived.push_back(spring); });
-  std::vector<Keyed<std::int32_t>> after;
-  after.reserve(derived.size());
-  const Ancestors ancestors(changes);
-  for (std::size_t k = 0; k < derived.size(); ++k) {
-    after.push_back({ancestors.key(derived[k]), static_cast<std::int32_t>(k)});
-  }
-  return update(matchByKey(std::move(old), std::move(after)), derived);
+  return update(matchSprings(slots_, springsOnAny(changes.touched), derived, changes), derived);
 }
 
 /// Stores derived springs in the slots of those that they continue, or in new ones; removes old
