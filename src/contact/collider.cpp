@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "feature_contacts.h"
+#include "feature_meeting.h"
 #include "support/rotation.h"
 
 namespace cloth_sim {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cloth_sim/contact/collider.h"
-#include "feature_contacts.h"
+#include "feature_search.h"
 
 namespace cloth_sim {
 namespace {

@@ -8,203 +8,17 @@
 namespace cloth_sim {
 namespace {
 
-constexpr FaceId kFaceBlock = 64;      // faces that are searched for together
 constexpr int kSweeps = 20;            // over all pairs, as long as any is pushed
-constexpr double kLeastAngle = 1e-3;   // sine of the least angle of two edges
-constexpr double kBeside = 1e-9;       // weights by which a point may be beside a face [-]
 constexpr double kMostLeverage = 4.0;  // displacement of a particle over that of the point [-]
 constexpr double kLeastPush = 1e-13;   // pushes below it are round-off [m]
 
-using Points = std::array<Vec3, 3>;     // of a face; an edge has two
-using Weights = std::array<double, 3>;  // sum 1
-
-/// A corner of the mesh and a face of the cloth.
-struct CornerAtFace {
-  static constexpr int kPoints = 3;
-  Vec3 point;  ///< [m]
-
-  /// Finds the unit normal of a face. \return false if it has no area.
-  static bool normal(const Points& x, Vec3& out) {
-    out = (x[1] - x[0]).cross(x[2] - x[0]);
-    const double size = out.norm();
-    out /= size;
-    return size > 0.0;
-  }
-  /// Six times the volume between the face and the corner [m^3]; its sign is the side.
-  double volume(const Points& x) const {
-    return (x[1] - x[0]).cross(x[2] - x[0]).dot(point - x[0]);
-  }
-  /// Finds the weights of the foot of the corner. \return whether it is in the face.
-  bool weigh(const Points& x, const Vec3& normal, Weights& weight) const {
-    const Vec3 foot = point - x[0];
-    const Vec3 a = x[1] - x[0];
-    const Vec3 b = x[2] - x[0];
-    const double area = normal.dot(a.cross(b));
-    weight[1] = normal.dot(foot.cross(b)) / area;
-    weight[2] = normal.dot(a.cross(foot)) / area;
-    weight[0] = 1.0 - weight[1] - weight[2];
-    return *std::min_element(weight.begin(), weight.end()) >= -kBeside;
-  }
-};
-
-/// An edge of the mesh and an edge of the cloth.
-struct EdgeAtEdge {
-  static constexpr int kPoints = 2;
-  Vec3 point;  ///< one end [m]
-  Vec3 along;  ///< from there to the other end [m]
-
-  /// Finds the unit vector normal to both. \return false if they are parallel.
-  bool normal(const Points& x, Vec3& out) const {
-    const Vec3 edge = x[1] - x[0];
-    out = along.cross(edge);
-    const double size = out.norm();
-    out /= size;
-    return size > kLeastAngle * along.norm() * edge.norm();
-  }
-  /// Six times the volume between both edges [m^3]; its sign is the side.
-  double volume(const Points& x) const { return along.cross(x[1] - x[0]).dot(point - x[0]); }
-  /// Finds the weights of the point of the cloth that is closest to the line of the edge.
-  /// \return whether the closest points of both lines are on the edges.
-  bool weigh(const Points& x, const Vec3& normal, Weights& weight) const {
-    const Vec3 edge = x[1] - x[0];
-    const double size = normal.dot(along.cross(edge));
-    const Vec3 apart = x[0] - point;
-    const double onMesh = normal.dot(apart.cross(edge)) / size;
-    weight[1] = normal.dot(apart.cross(along)) / size;
-    weight[0] = 1.0 - weight[1];
-    weight[2] = 0.0;
-    const auto isOn = [](double part) { return part >= -kBeside && part <= 1.0 + kBeside; };
-    return isOn(onMesh) && isOn(weight[1]);
-  }
-};
-
-/// Calls `function` with the feature in space.
-template <class Function>
-decltype(auto) visitFeature(const PlacedFeatures& placed, std::int32_t feature,
-                            Function&& function) {
-  const SharpFeature& it = placed.features[feature];
-  const Vec3 point = placed.position + placed.rotation * it.ends[0];
-  if (it.isCorner) return function(CornerAtFace{point});
-  return function(EdgeAtEdge{point, placed.rotation * (it.ends[1] - it.ends[0])});
-}
-
-// ---- search -------------------------------------------------------------------------------------
-
-/// A box that grows around points.
-struct PointBox {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-
-  void add(const Vec3& p) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-};
-
-/// Finds the pairs of one mesh and one cloth.
-class PairSearch {
- public:
-  PairSearch(const PlacedFeatures& placed, const TriangleMesh& mesh, const State& state,
-             const FeatureSearch& search, std::vector<std::int32_t>& scratch,
-             std::vector<FeaturePair>& out)
-      : placed_(placed), mesh_(mesh), state_(state), search_(search), found_(scratch), out_(out) {}
-
-  void run() {
-    for (FaceId first = 0; first < mesh_.faceCount(); first += kFaceBlock) {
-      const FaceId last = std::min(first + kFaceBlock, mesh_.faceCount());
-      if (!mayMeet(first, last)) continue;
-      for (FaceId f = first; f < last; ++f) search(mesh_.face(f));
-    }
-  }
-
- private:
-  /// Distance that a particle may move relative to the mesh [m].
-  double pathOf(VertexId v) const {
-    const double path = search_.dt * (state_.v[v] - search_.velocity).norm();
-    return path + search_.turn * ((state_.x[v] - placed_.position).norm() + path);
-  }
-  Vec3 localOf(VertexId v) const {
-    return placed_.rotation.transpose() * (state_.x[v] - placed_.position);
-  }
-
-  /// Tells whether a feature may be met by a block of faces, whose box is turned as a whole.
-  bool mayMeet(FaceId first, FaceId last) const {
-    PointBox world;
-    double path = 0.0;
-    for (FaceId f = first; f < last; ++f) {
-      for (const VertexId v : mesh_.face(f)) {
-        world.add(state_.x[v]);
-        path = std::max(path, pathOf(v));
-      }
-    }
-    const Vec3 centre =
-        placed_.rotation.transpose() * (0.5 * (world.low + world.high) - placed_.position);
-    const Vec3 half = placed_.rotation.transpose().cwiseAbs() * (0.5 * (world.high - world.low)) +
-                      Vec3::Constant(path + search_.reach);
-    return placed_.features.areIn(centre - half, centre + half);
-  }
-
-  void search(const Face& face) {
-    PointBox box;
-    double path = 0.0;
-    for (const VertexId v : face) {
-      box.add(localOf(v));
-      path = std::max(path, pathOf(v));
-    }
-    const Vec3 room = Vec3::Constant(path + search_.reach);
-    placed_.features.find(box.low - room, box.high + room, found_);
-    for (const std::int32_t feature : found_) {
-      if (placed_.features[feature].isCorner) {
-        add({feature, {face[0], face[1], face[2]}});
-        continue;
-      }
-      for (int k = 0; k < 3; ++k) {
-        const VertexId a = face[k];
-        const VertexId b = face[(k + 1) % 3];
-        // An edge between two faces runs up in one of them.
-        if (a > b && mesh_.facesOnEdge(a, b)[1] != kNone) continue;
-        add({feature, {a, b, kNone}});
-      }
-    }
-  }
-
-  void add(FeaturePair pair) {
-    pair.isPierced = placed_.surface.isClosed() && isPierced(pair);
-    out_.push_back(pair);
-  }
-
-  /// Tells whether the point of the cloth that is opposite to the feature is inside of the mesh.
-  bool isPierced(const FeaturePair& pair) const {
-    return visitFeature(placed_, pair.feature, [&](const auto& meeting) {
-      Points x{};
-      for (int k = 0; k < meeting.kPoints; ++k) x[k] = state_.x[pair.cloth[k]];
-      Vec3 normal;
-      Weights weight;
-      if (!meeting.normal(x, normal) || !meeting.weigh(x, normal, weight)) return false;
-      Vec3 point = Vec3::Zero();
-      for (int k = 0; k < meeting.kPoints; ++k) point += weight[k] * x[k];
-      return placed_.surface.distance(placed_.rotation.transpose() * (point - placed_.position)) <
-             0.0;
-    });
-  }
-
-  const PlacedFeatures& placed_;
-  const TriangleMesh& mesh_;
-  const State& state_;
-  const FeatureSearch& search_;
-  std::vector<std::int32_t>& found_;
-  std::vector<FeaturePair>& out_;
-};
-
-// ---- projection ---------------------------------------------------------------------------------
-
 /// The paths of the corners of a face, or of the ends of an edge, in the frame of the collider.
 struct ClothPaths {
-  Points start{};
-  Points end{};
+  MeetingPoints start{};
+  MeetingPoints end{};
 
-  Points at(double t) const {
-    Points x;
+  MeetingPoints at(double t) const {
+    MeetingPoints x;
     for (int k = 0; k < 3; ++k) x[k] = (1.0 - t) * start[k] + t * end[k];
     return x;
   }
@@ -212,7 +26,7 @@ struct ClothPaths {
 
 /// A point of the cloth that a feature stops.
 struct Stop {
-  Weights weight{};
+  MeetingWeights weight{};
   SweepHit hit;
 };
 
@@ -225,8 +39,8 @@ struct Limits {
 /// Finds the weights of the point of the cloth that is opposite to the feature at a time from 0
 /// to 1. \return false if there is none.
 template <class Meeting>
-bool weighAt(const Meeting& meeting, const ClothPaths& paths, double t, Weights& weight) {
-  const Points x = paths.at(t);
+bool weighAt(const Meeting& meeting, const ClothPaths& paths, double t, MeetingWeights& weight) {
+  const MeetingPoints x = paths.at(t);
   Vec3 normal;
   return meeting.normal(x, normal) && meeting.weigh(x, normal, weight);
 }
@@ -288,7 +102,7 @@ class Cubic {
 /// 1997: corners and edges of triangles on straight paths meet at roots of a cubic.) \return false
 /// if it does not.
 template <class Meeting>
-bool weighCrossing(const Meeting& meeting, const ClothPaths& paths, Weights& weight) {
+bool weighCrossing(const Meeting& meeting, const ClothPaths& paths, MeetingWeights& weight) {
   const Cubic volume({meeting.volume(paths.start), meeting.volume(paths.at(1.0 / 3.0)),
                       meeting.volume(paths.at(2.0 / 3.0)), meeting.volume(paths.end)});
   return volume.visitCrossings([&](double t) { return weighAt(meeting, paths, t, weight); });
@@ -370,7 +184,7 @@ class PairProjection {
 
   bool passes(const FeaturePair& pair) const {
     const ClothPaths paths = pathsOf(pair);
-    Weights weight;
+    MeetingWeights weight;
     return visitFeature(placed_, pair.feature,
                         [&](const auto& meeting) { return weighCrossing(meeting, paths, weight); });
   }
@@ -447,7 +261,7 @@ class PairProjection {
   }
 
   /// Moves the point of the cloth with these weights. \return false if nothing of it can move.
-  bool move(const FeaturePair& pair, const Weights& weight, const Vec3& by) {
+  bool move(const FeaturePair& pair, const MeetingWeights& weight, const Vec3& by) {
     std::array<double, 3> share{};  // of each particle in the displacement
     double sum = 0.0;
     for (int k = 0; k < countOf(pair); ++k) {
@@ -476,12 +290,6 @@ class PairProjection {
 };
 
 }  // namespace
-
-void collectPairs(const PlacedFeatures& placed, const TriangleMesh& mesh, const State& state,
-                  const FeatureSearch& search, std::vector<std::int32_t>& scratch,
-                  std::vector<FeaturePair>& out) {
-  PairSearch(placed, mesh, state, search, scratch, out).run();
-}
 
 Moments projectPairs(const PlacedFeatures& placed, const ColliderSubstep& substep, double margin,
                      const ParticleView& particles, std::vector<FeaturePair>& pairs) {

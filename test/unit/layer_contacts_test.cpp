@@ -36,9 +36,13 @@ TEST(LayerContacts, APushThrowsNoLightVertexBesideAHeldOne) {
   }
   LayerContacts contacts;
   contacts.build(model, {{0.001, 0.3}});
-  std::vector<QuickBox> boxes;
-  for (const Vec3& x : start) boxes.emplace_back(Box{x.array() - 0.0005, x.array() + 0.0005});
-  contacts.assign({{0, last}}, boxes);
+  std::vector<QuickBox> corners;
+  for (const Vec3& x : start) corners.emplace_back(Box{x.array() - 0.0005, x.array() + 0.0005});
+  std::vector<QuickBox> faces(model.mesh.faces().size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (const VertexId v : model.mesh.faces()[f]) faces[f].add(corners[v]);
+  }
+  contacts.assign({{0, last}}, {corners, faces});
   std::vector<VertexId> all(start.size());
   std::iota(all.begin(), all.end(), 0);
   contacts.project({start, end, mass, all}, 1e-3);
