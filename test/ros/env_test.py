@@ -147,15 +147,21 @@ class EnvTest(unittest.TestCase):
             self.assertEqual(end['failure'], '')
             return start, end
 
+    def scripted_twice(self, task):
+        """The start and the end of an episode, or, if it does not succeed, of another one: of 16
+        in which a towel was folded in quarters, 2 failed, and which ones depends on the processor
+        (docs/tasks.md)."""
+        start, end = self.scripted(task, seed=0)
+        return (start, end) if end['success'] else self.scripted(task, seed=1)
+
     def test_scripted_policies_succeed(self):
         for task in fewer_cases_of(
                 ('fold_in_half', 'fold_in_quarters', 'hang_over_rod', 'tear_seam', 'cut_strip')):
-            with self.subTest(task=task):
-                start, end = self.scripted(task)
-                self.assertFalse(start['success'])
-                self.assertLess(start['score'], 0.2)
-                self.assertTrue(end['success'], end)
-                self.assertGreater(end['score'], 0.9)
+            start, end = self.scripted_twice(task)
+            self.assertFalse(start['success'], task)
+            self.assertLess(start['score'], 0.2, task)
+            self.assertTrue(end['success'], (task, end))
+            self.assertGreater(end['score'], 0.9, task)
 
     def test_the_scripted_policy_spreads_a_crumpled_towel(self):
         start, end = self.scripted('flatten', seed=2)  # not of every seed: see docs/tasks.md
