@@ -51,8 +51,6 @@ class Allowance {
   const std::vector<Box>& motions() const { return motions_; }
   /// Gradients that faces may have, by face.
   const std::vector<GradientBall>& gradients() const { return balls_; }
-  /// By face: the inverse of its edges in the material plane [1/m].
-  const std::vector<Eigen::Matrix2d>& inverseRest() const { return inverseRest_; }
   /// Vertices and faces that `renewLeft` has renewed.
   const Renewed& renewed() const { return left_; }
 
@@ -71,9 +69,9 @@ class Allowance {
 
   Reach reach_;
   std::vector<Face> faces_;
-  std::vector<Eigen::Matrix2d> inverseRest_;
-  std::vector<std::int32_t> aroundStart_;  ///< by vertex
-  std::vector<FaceId> facesAround_;        ///< by the vertices that they have as corners
+  std::vector<Eigen::Matrix2d> inverseRest_;  ///< see inverseRestOf, by face [1/m]
+  std::vector<std::int32_t> aroundStart_;     ///< by vertex
+  std::vector<FaceId> facesAround_;           ///< by the vertices that they have as corners
   std::vector<Vec3> origin_;
   std::vector<Box> motions_;
   std::vector<GradientBall> balls_;

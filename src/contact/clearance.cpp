@@ -110,17 +110,11 @@ bool Clearance::addSheet(const Model& model, std::size_t cloth) {
   const ClothPart& part = model.cloths[cloth];
   if (!isAsItsGrid(model.mesh, part)) return false;
   const Grid& grid = *part.grid;
-  int columns = grid.columns - 1;
-  int rows = grid.rows - 1;
-  if (columns < kTileSide) return false;
+  if (grid.columns <= kTileSide) return false;
   Sheet& sheet = sheets_.emplace_back();
   sheet.firstTile = {part.firstVertex, 0, grid.columns, {grid.spacingU(), grid.spacingV()}};
-  sheet.levels.emplace_back().resize(columns, rows);
-  while (columns > 1 || rows > 1) {
-    columns = (columns + 1) / 2;
-    rows = (rows + 1) / 2;
-    sheet.levels.emplace_back().resize(columns, rows);
-  }
+  forLevels(grid.columns - 1, grid.rows - 1,
+            [&](int columns, int rows) { sheet.levels.emplace_back().resize(columns, rows); });
   const std::int32_t tiles = sheet.levels[kTileLevel].count();
   sheet.bounds.resize(tiles);
   sheet.lastBounds.resize(tiles);

@@ -30,7 +30,6 @@ class FacePairSearch {
   SearchBoxes boxes() const { return {corners_, boxes_}; }
   Allowance& allowance() { return allowance_; }
   const Allowance& allowance() const { return allowance_; }
-  const std::vector<MaterialTree>& trees() const { return trees_; }  ///< by cloth
 
  private:
   void boxCorner(VertexId v);
@@ -39,7 +38,7 @@ class FacePairSearch {
   void collectNew();
 
   std::vector<Face> faces_;
-  std::vector<MaterialTree> trees_;
+  std::vector<MaterialTree> trees_;  ///< by cloth
   double margin_ = 0.0;
   Allowance allowance_;
   std::vector<QuickBox> corners_;  ///< see SearchBoxes

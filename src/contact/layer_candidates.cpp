@@ -200,8 +200,7 @@ void LayerCandidates::clear() {
 /// Lists what may come into contact of a pair of faces. A vertex takes part as a corner of its
 /// first face, an edge as a side of its first face; so no contact is listed twice.
 /// \param isKnown  whether only contacts of vertices with the mark `isMoved_` are missing.
-void LayerCandidates::addPair(const FaceIds& ids, bool isKnown,
-                              const SearchBoxes& boxes) {
+void LayerCandidates::addPair(const FaceIds& ids, bool isKnown, const SearchBoxes& boxes) {
   const Face& f = corners_[ids.first];
   const Face& g = corners_[ids.second];
   const auto isMoved = [this](VertexId v) { return isMoved_[v] != 0; };

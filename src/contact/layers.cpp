@@ -26,7 +26,7 @@ class LayerContact::Impl {
   bool hasComeNear() const { return mode_ == Mode::kCameNear; }
   LayerReport report() const;
   /// Null if the cloth has never been near itself.
-  const NearLayers* near() const { return near_.get(); }
+  const NearLayers* nearOrNull() const { return near_.get(); }
   NearLayers& near();
 
  private:
@@ -59,7 +59,8 @@ void LayerContact::Impl::build(const Model& model) {
 
 NearLayers& LayerContact::Impl::near() {
   if (!near_) {
-    near_ = std::make_unique<NearLayers>(*model_, byCloth_);
+    near_ = std::make_unique<NearLayers>();
+    near_->build(*model_, byCloth_);
     near_->beginStep(part_);
   }
   return *near_;
@@ -165,19 +166,19 @@ bool LayerContact::hasComeNear() const { return impl_->hasComeNear(); }
 LayerReport LayerContact::report() const { return impl_->report(); }
 
 bool LayerContact::isBlocked(VertexId v) const {
-  const NearLayers* near = std::as_const(*impl_).near();
+  const NearLayers* near = impl_->nearOrNull();
   return near != nullptr && near->isBlocked(static_cast<std::size_t>(v));
 }
 
 bool LayerContact::carriesLoad() const {
-  const NearLayers* near = std::as_const(*impl_).near();
+  const NearLayers* near = impl_->nearOrNull();
   return near != nullptr && near->carriesLoad();
 }
 
 const std::vector<VertexId>& LayerContact::pushed() const { return impl_->near().pushed(); }
 
 std::vector<LayerContactPoint> LayerContact::contactPoints() const {
-  const NearLayers* near = std::as_const(*impl_).near();
+  const NearLayers* near = impl_->nearOrNull();
   return near == nullptr ? std::vector<LayerContactPoint>() : near->contactPoints();
 }
 

@@ -98,6 +98,18 @@ struct Place {
   int j = 0;      ///< row
 };
 
+/// Calls `visit(columns, rows)` for the levels of a tree over the material plane, that of the
+/// smallest nodes first. The last one has a single node.
+template <typename Visit>
+void forLevels(int columns, int rows, const Visit& visit) {
+  visit(columns, rows);
+  while (columns > 1 || rows > 1) {
+    columns = (columns + 1) / 2;
+    rows = (rows + 1) / 2;
+    visit(columns, rows);
+  }
+}
+
 /// Nodes of one size: rectangles of the material plane of a cloth, (columns * rows,), row by row.
 /// Each knows a box around its faces in the world, and a ball around the gradients in it.
 class MaterialLevel {

@@ -72,14 +72,9 @@ void MaterialTree::build(const Model& model, std::size_t cloth) {
   const Vec2 extent = all.high - all.low;
   constexpr double kMostBuckets = 2048.0;  // along a side
   size_ = size_.cwiseMax(extent / kMostBuckets);
-  int columns = std::max(1, static_cast<int>(std::ceil(extent.x() / size_.x() - kRounding)));
-  int rows = std::max(1, static_cast<int>(std::ceil(extent.y() / size_.y() - kRounding)));
-  addLevel(columns, rows);
-  while (columns > 1 || rows > 1) {
-    columns = (columns + 1) / 2;
-    rows = (rows + 1) / 2;
-    addLevel(columns, rows);
-  }
+  const int columns = std::max(1, static_cast<int>(std::ceil(extent.x() / size_.x() - kRounding)));
+  const int rows = std::max(1, static_cast<int>(std::ceil(extent.y() / size_.y() - kRounding)));
+  forLevels(columns, rows, [this](int across, int along) { addLevel(across, along); });
   placeFaces(model);
   findContributions(model);
   blockOpenBorders(model);

@@ -51,17 +51,6 @@ class MaterialTree {
  public:
   /// \param cloth  whose faces these are.
   void build(const Model& model, std::size_t cloth);
-  bool isEmpty() const { return faces_.empty(); }
-  /// Number of levels of nodes; level 0 are the buckets.
-  int levelCount() const { return static_cast<int>(levels_.size()); }
-  const MaterialLevel& level(int k) const { return levels_[k]; }
-  /// Faces of the model whose centre lies in a bucket.
-  IndexSpan owned(std::int32_t bucket) const { return {begin(bucket), end(bucket)}; }
-  /// Faces of the model with gradients that count for a bucket.
-  IndexSpan overlapping(std::int32_t bucket) const {
-    return {gradients_.data() + gradientStart_[bucket],
-            gradients_.data() + gradientStart_[bucket + 1]};
-  }
 
   /// Brings all nodes up to date; all count as changed.
   /// \param boxes      by face of the model.

@@ -36,10 +36,6 @@ double marginOf(const std::vector<LayerProperties>& byCloth) {
   return margin;
 }
 
-NearLayers::NearLayers(const Model& model, const std::vector<LayerProperties>& byCloth) {
-  build(model, byCloth);
-}
-
 void NearLayers::build(const Model& model, const std::vector<LayerProperties>& byCloth) {
   faces_ = model.mesh.faces();
   margin_ = marginOf(byCloth);
@@ -54,7 +50,6 @@ void NearLayers::build(const Model& model, const std::vector<LayerProperties>& b
   supported_.resize(vertices);
   isListed_.resize(vertices);
   contacts_.build(model, byCloth);
-  beginStep(StepPart::kWhole);
 }
 
 LayerOverlap NearLayers::overlapOf(const std::vector<Vec3>& x,
@@ -70,7 +65,6 @@ LayerOverlap NearLayers::overlapOf(const std::vector<Vec3>& x,
       for (const VertexId v : faces_[f]) overlap.place += x[v] / 6.0;
     }
   }
-  beginStep(StepPart::kWhole);
   return overlap;
 }
 

@@ -15,8 +15,7 @@ double marginOf(const std::vector<LayerProperties>& byCloth);
 /// to be far from itself.
 class NearLayers {
  public:
-  NearLayers(const Model& model, const std::vector<LayerProperties>& byCloth);
-  /// Follows an edit of the mesh.
+  /// Follows the mesh. A step has to begin before anything else.
   void build(const Model& model, const std::vector<LayerProperties>& byCloth);
   /// Finds faces that touch or intersect each other.
   /// \param isAsked  by face: 1 if pairs with it matter.
