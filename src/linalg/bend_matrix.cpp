@@ -163,6 +163,32 @@ struct BendMatrix::Kernel {
           moved.z[row] = x.z[row] - scale * ofZ;
         });
   }
+  CLOTH_SIM_VECTOR_CLONES
+  static void recur(const Rows& rows, double s, const double* w, ConstAxes y, ConstAxes x,
+                    const ImpulsePolynomial::Step& step, Axes before) {
+    const double residual = step.residual, current = step.current, last = step.before;
+    const auto next = [&](const auto& from, const auto& moved, const auto& at, const auto& old) {
+      return residual * (from - moved) + current * at - last * old;
+    };
+    multiplyAll(
+        rows, y,
+        [&](std::size_t row, const Lanes& ofX, const Lanes& ofY, const Lanes& ofZ) {
+          const Lanes scale = s * lanesAt(w + row);
+          const auto put = [&](const double* from, const Lanes& of, const double* at, double* to) {
+            lanesAt(to + row) =
+                next(lanesAt(from + row), scale * of, lanesAt(at + row), lanesAt(to + row));
+          };
+          put(x.x, ofX, y.x, before.x);
+          put(x.y, ofY, y.y, before.y);
+          put(x.z, ofZ, y.z, before.z);
+        },
+        [&](std::size_t row, double ofX, double ofY, double ofZ) {
+          const double scale = s * w[row];
+          before.x[row] = next(x.x[row], scale * ofX, y.x[row], before.x[row]);
+          before.y[row] = next(x.y[row], scale * ofY, y.y[row], before.y[row]);
+          before.z[row] = next(x.z[row], scale * ofZ, y.z[row], before.z[row]);
+        });
+  }
 };
 
 void BendMatrix::build(const Model& model, const Particles& particles) {
@@ -266,6 +292,13 @@ void BendMatrix::displace(double s, const ScalarArray& w, const VectorArray& y,
                           const VectorArray& x, VectorArray& moved) const {
   forRuns([&](const Kernel::Rows& rows) {
     Kernel::displace(rows, s, w.data(), axesAt(y, 0), axesAt(x, 0), axesAt(moved, 0));
+  });
+}
+
+void BendMatrix::recur(double s, const ScalarArray& w, const VectorArray& y, const VectorArray& x,
+                       const ImpulsePolynomial::Step& step, VectorArray& before) const {
+  forRuns([&](const Kernel::Rows& rows) {
+    Kernel::recur(rows, s, w.data(), axesAt(y, 0), axesAt(x, 0), step, axesAt(before, 0));
   });
 }
 

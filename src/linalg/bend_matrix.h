@@ -5,6 +5,7 @@
 
 #include "cloth_sim/cloth/model.h"
 #include "constraints/particles.h"
+#include "impulse_polynomial.h"
 
 namespace cloth_sim {
 
@@ -33,6 +34,10 @@ class BendMatrix {
   /// \param moved  neither `x` nor `y`; of the size of `x`.
   void displace(double s, const ScalarArray& w, const VectorArray& y, const VectorArray& x,
                 VectorArray& moved) const;
+  /// before = residual (x - s W K y) + current y - before `before`: a step of a recurrence, see
+  /// ImpulsePolynomial.
+  void recur(double s, const ScalarArray& w, const VectorArray& y, const VectorArray& x,
+             const ImpulsePolynomial::Step& step, VectorArray& before) const;
   /// The sum of K y in one row.
   Vec3 rowProduct(std::size_t row, const VectorArray& y) const;
   /// force -= K (x + retardation v) [N].

@@ -166,6 +166,13 @@ void AddedInertia::layOut(const Substep& now) {
   }
 }
 
+void AddedInertia::setStep(double h) {
+  const double before = std::exchange(step_, h);
+  if (before == 0.0 || h <= before) return;
+  const double growth = h * h / (before * before);
+  for (double& inertia : inertia_) inertia *= growth;
+}
+
 void AddedInertia::find(const Particles& p) {
   const std::size_t n = p.mass.size();
   inverse_.resize(n);
@@ -219,17 +226,17 @@ double AddedInertia::largestFraction(const ScalarArray& cancelled) const {
 
 bool AddedInertia::fits(std::size_t slots) const {
   const std::size_t n = inertia_.size();
-  return n <= slots && velocity_.x.size() == n && acceleration_.x.size() == n &&
+  return n <= slots && velocity_.x.size() == n && acceleration_.x.size() == n && step_ >= 0.0 &&
          std::all_of(inertia_.begin(), inertia_.end(), isNotNegative);
 }
 
 void AddedInertia::save(StateWriter& archive) const {
-  archive(inertia_, entriesOf(velocity_), entriesOf(acceleration_));
+  archive(step_, inertia_, entriesOf(velocity_), entriesOf(acceleration_));
 }
 
 void AddedInertia::load(StateReader& archive) {
   std::vector<Vec3> velocity, acceleration;
-  archive(inertia_, velocity, acceleration);
+  archive(step_, inertia_, velocity, acceleration);
   setEntries(velocity, velocity_);
   setEntries(acceleration, acceleration_);
 }

@@ -21,6 +21,9 @@ class AddedInertia {
  public:
   /// Follows the model: which particles there are, and their shortest springs.
   void layOut(const Substep& now);
+  /// Prepares for substeps of length h [s]. What a line displaces in vain grows with the square of
+  /// h, so longer ones begin with as much more inertia.
+  void setStep(double h);
   /// Finds the inertia of each particle; 0 if it is held.
   void find(const Particles& p);
   /// Updates the inertia that is needed, as far as it does not resist motion.
@@ -53,6 +56,7 @@ class AddedInertia {
   ScalarArray inertia_;       ///< by particle slot [kg]; below the mass: nothing is added
   VectorArray velocity_;      ///< by particle slot, at the last update [m/s]
   VectorArray acceleration_;  ///< by particle slot, averaged [m/s^2]
+  double step_ = 0.0;         ///< length of the substeps that it was found for [s]; 0: none
   ScalarArray shortest_;      ///< by particle slot: rest length [m]
   ScalarArray inverse_;
   ScalarArray whole_;

@@ -17,7 +17,9 @@ constexpr std::int32_t kJoltPatience = 600;  ///< calm steps before the next tri
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well
 /// Part of the goal from which on errors of positions count: they add up, and none is taken back.
 constexpr double kEarly = 0.5;
-constexpr double kJolt = 4.0;    ///< factor by which a jolt of the cloth raises its kinetic energy
+constexpr double kJolt = 4.0;  ///< factor by which a jolt of the cloth raises its kinetic energy
+constexpr double kFade =
+    0.9;  ///< factor by which the most kinetic energy of before fades in a step
 constexpr double kMargin = 0.8;  ///< part of the goal below which longer substeps are tried
 
 // Measured at 128 x 128 on an edge-pinned swing and a corner hang with 10 to 40 substeps, against
@@ -45,20 +47,22 @@ void ErrorControl::layOut(const Model& model) {
 }
 
 void ErrorControl::begin(const Particles& particles) {
-  if (isTrialStep() && elapsed_ == 0.0) speeds_ = squaredSpeeds(particles);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const auto slot = static_cast<std::size_t>(particles.slotOf[kEvery * i]);
     samples_[i].velocity = particles.v.at(slot);
   }
 }
 
-/// Returns the squares of the speeds of the samples in sum [m^2/s^2].
-double ErrorControl::squaredSpeeds(const Particles& particles) const {
-  double sum = 0.0;
+/// Takes note of the speeds at the end of a step.
+/// \return whether the kinetic energy of the samples has grown by `kJolt` over the most of before.
+bool ErrorControl::followSpeeds(const Particles& particles) {
+  double sum = 0.0;  // [m^2/s^2]
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     sum += particles.v.at(static_cast<std::size_t>(particles.slotOf[kEvery * i])).squaredNorm();
   }
-  return sum;
+  const bool hasJolted = sum > kJolt * liveliest_;
+  liveliest_ = std::max(sum, kFade * liveliest_);
+  return hasJolted;
 }
 
 /// Sums up the error of positions.
@@ -94,7 +98,8 @@ void ErrorControl::end(const Particles& particles, double h, double duration, bo
   dt_ = std::exchange(elapsed_, 0.0);
   if (goal_.error > 0.0) {
     if (estimate_.position > goal_.error) estimate_.sufficed = false;
-    chooseLevel(isTrialStep() && squaredSpeeds(particles) > kJolt * speeds_);
+    const bool hasJolted = followSpeeds(particles);
+    chooseLevel(hasJolted && sinceTrial_ == 0);
   }
   cancelled_ = 0.0;
 }
@@ -151,7 +156,8 @@ bool ErrorControl::isPlausible() const {
     if (count < 0 || count > kMost) return false;
   }
   const bool isLevel = level_ >= 0 && level_ <= kFinestLevel;
-  return isLevel && patience_ > 0 && patience_ <= kJoltPatience && dt_ >= 0.0 && elapsed_ >= 0.0;
+  return isLevel && patience_ > 0 && patience_ <= kJoltPatience && dt_ >= 0.0 && elapsed_ >= 0.0 &&
+         liveliest_ >= 0.0;
 }
 
 }  // namespace cloth_sim

@@ -30,8 +30,9 @@ struct ErrorGoal {
 /// The length of substeps is 1/1200 s over a power of the square root of two. It shrinks at once
 /// where an estimate exceeds the goal; longer substeps are tried after ten calm steps, and after
 /// twice as many whenever a trial has failed. Longer substeps make bending softer, so a cloth that
-/// rests under load, such as a fold, may jolt into another shape. Such a trial ends at once, and
-/// the next one comes much later: the cloth comes to rest. All that depends on the steps before
+/// rests under load, such as a fold, may jolt into another shape: be faster than it was in some ten
+/// steps before. Such a trial ends at once, and the next one comes much later: the cloth comes to
+/// rest. All that depends on the steps before
 /// alone, so bits do not depend on the machine.
 class ErrorControl {
  public:
@@ -60,8 +61,9 @@ class ErrorControl {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(samples_, cancelled_, level_, calm_, patience_, sinceTrial_, sinceRefined_, dt_,
-            elapsed_, goal_.budget, estimate_.strain, estimate_.position, estimate_.largestStrain,
-            estimate_.largestPosition, estimate_.sufficed, estimate_.budget);
+            elapsed_, liveliest_, goal_.budget, estimate_.strain, estimate_.position,
+            estimate_.largestStrain, estimate_.largestPosition, estimate_.sufficed,
+            estimate_.budget);
   }
 
  private:
@@ -80,9 +82,7 @@ class ErrorControl {
   };
 
   double followDrift(const Particles& particles, double h, double duration);
-  /// Tells whether this step is the first one with longer substeps.
-  bool isTrialStep() const { return sinceTrial_ == 0; }
-  double squaredSpeeds(const Particles& particles) const;
+  bool followSpeeds(const Particles& particles);
   void chooseLevel(bool hasJolted);
   void refine(std::int32_t levels);
   void endTrial();
@@ -99,7 +99,7 @@ class ErrorControl {
   std::int32_t sinceRefined_ = 1000;   ///< steps since they became shorter
   double dt_ = 0.0;                    ///< length of the last step [s]
   double elapsed_ = 0.0;               ///< of the step under way [s]
-  double speeds_ = 0.0;                ///< squares of the samples', as a trial began [m^2/s^2]
+  double liveliest_ = 0.0;             ///< the most, see `followSpeeds` [m^2/s^2]
   ErrorEstimate estimate_;
 };
 

@@ -38,8 +38,8 @@ class LineXpbd final : public SubstepMethod {
   void load(StateReader& archive, const Particles& particles) override;
 
  private:
-  /// Substeps from one measurement of the added inertia to the next, from the first one of a step;
-  /// while motion is quasi-static it is measured in every substep.
+  /// Substeps from one measurement of the displacements in vain to the next, from the first one of
+  /// a step; while motion is quasi-static they are measured in every substep.
   static constexpr int kMeasureEvery = 4;
 
   /// The memory that outlives a substep.
@@ -51,8 +51,12 @@ class LineXpbd final : public SubstepMethod {
 
   void layOut(Substep& now);
   void keepFall(Substep& now) const;
+  int bendInterval() const {
+    return bending_.empty() ? projection_.bendInterval() : bending_.interval();
+  }
   void bend(Substep& now);
   void projectLines(Substep& now);
+  bool measures(const Substep& now) const;
   void projectContacts(Substep& now);
   void updateInertia(const Substep& now);
   void passOnPull(Substep& now);
@@ -65,6 +69,7 @@ class LineXpbd final : public SubstepMethod {
   double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
   double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
   int substep_ = 0;                ///< of the step
+  int sinceMeasured_ = 0;          ///< substeps
   std::int32_t sinceBending_ = 0;  ///< substeps since bending has acted
   bool bends_ = false;             ///< whether it acts in this one
   Memory before_;                  ///< at the start of a part of a step that may be thrown away
@@ -94,12 +99,14 @@ void LineXpbd::begin(Substep& now) {
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
     bending_.setStep(now, projection_.bendInterval());
+    inertia_.setStep(now.h);
     preparedFor_ = now.h;
   }
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
   control_.begin(now.particles);
   substep_ = 0;
+  sinceMeasured_ = kMeasureEvery;
 }
 
 void LineXpbd::finish(Substep& now) {
@@ -132,14 +139,13 @@ void LineXpbd::layOut(Substep& now) {
 }
 
 void LineXpbd::advance(Substep& now) {
-  if (now.controls.quasiStatic || substep_ == 0 || substep_ % kMeasureEvery == 1) {
-    inertia_.find(now.particles);
-  }
+  if (substep_ == 0 || sinceMeasured_ == 0) inertia_.find(now.particles);
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
   now.placeKinematic();
   bend(now);
   projectLines(now);
+  ++substep_;
   passOnPull(now);
   projectContacts(now);
   if (now.controls.hasLoads()) findVelocities(now);  // they depend on velocities
@@ -157,22 +163,28 @@ void LineXpbd::keepFall(Substep& now) const {
 
 /// Decides whether bending acts in this substep, and projects the elements of a plate if it does.
 void LineXpbd::bend(Substep& now) {
-  const int interval = bending_.empty() ? projection_.bendInterval() : bending_.interval();
-  bends_ = ++sinceBending_ >= interval;
+  bends_ = ++sinceBending_ >= bendInterval();
   if (bends_) sinceBending_ = 0;
   if (bends_ && !bending_.empty()) bending_.project(inertia_.inverse(), now);
 }
 
 void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
-  const bool measures = now.controls.quasiStatic || substep_ % kMeasureEvery == 0;
-  ++substep_;
-  if (!measures) {
+  ++sinceMeasured_;
+  if (!measures(now)) {
     return projection_.project(lines_, inertia_.inverse(), bends_, p, pull_);
   }
+  sinceMeasured_ = 0;
   projection_.projectAndMeasure(lines_, inertia_.inverse(), bends_, p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
   updateInertia(now);
+}
+
+/// Tells whether displacements in vain are measured in this substep. If bending acts in every other
+/// one, with twice its impulse, lines displace more in vain then; that says nothing about the mean.
+bool LineXpbd::measures(const Substep& now) const {
+  if (now.controls.quasiStatic) return true;
+  return sinceMeasured_ >= kMeasureEvery && !(bends_ && bendInterval() > 1);
 }
 
 /// Contacts move particles by their inertia, as lines and bending do: the two sides of a contact

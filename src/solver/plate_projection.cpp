@@ -16,6 +16,13 @@ namespace {
 /// 2 - a (n + 1), whose eigenvalues are below one for a < 4 / (n + 2).
 constexpr double kStablePart = 0.8;
 
+/// Highest degree of the polynomial, whose cost is in proportion to it: on grids, and where single
+/// elements are stiffer, as beside cuts.
+constexpr int kMostDegree = 48;
+constexpr int kMostDegreeForFew = 12;
+/// Stiffness over the median of all elements up to which an element is no such single one.
+constexpr double kFew = 2.0;
+
 /// The shortest of the times 1/1200 s * 2^k, k an integer, that is no shorter than h [s]. What
 /// depends on that seldom changes as h does, and follows from h alone, not from those before.
 double powerOfTwoFrom(double h) {
@@ -26,13 +33,31 @@ double powerOfTwoFrom(double h) {
   return std::ldexp(kOne, exponent);
 }
 
-/// Returns the circles of Gershgorin of M^-1/2 K M^-1/2, which has the eigenvalues of M^-1 K: light
-/// particles at corners do not widen these. K is the stiffness matrix of bending, M the masses.
-/// \return by vertex [1/s^2].
-std::vector<double> circlesOf(const Model& model) {
+/// Returns the largest of the circles of Gershgorin at the vertices of each element, those of
+/// M^-1/2 K M^-1/2, which has the eigenvalues of M^-1 K: light particles at corners do not widen
+/// these. K is the stiffness matrix of bending, M the masses.
+/// \return by element [1/s^2].
+std::vector<double> largestCircles(const Model& model) {
   std::vector<double> scale;
   for (const double mass : model.mass.values()) scale.push_back(1.0 / std::sqrt(mass));
-  return bendingRowSums(model, scale);
+  const std::vector<double> circles = bendingRowSums(model, scale);
+  std::vector<double> largest;
+  for (const PlateElement& element : model.bending.elements()) {
+    double circle = 0.0;
+    for (int k = 0; k < element.count; ++k) {
+      const VertexId v = element.vertex[static_cast<std::size_t>(k)];
+      circle = std::max(circle, circles[static_cast<std::size_t>(v)]);
+    }
+    largest.push_back(circle);
+  }
+  return largest;
+}
+
+/// The lowest degree of a polynomial that is stable for an impulse, see `impulseOf`.
+int degreeFor(double impulse) {
+  int degree = 1;
+  while (degree < kMostDegree && impulse > ImpulsePolynomial(degree).limit()) ++degree;
+  return degree;
 }
 
 /// Largest stiffness over inertia of an element, times the square of the time between its impulses,
@@ -60,6 +85,11 @@ void PlateProjection::setStep(Substep& now, int longest) {
   const ScalarArray& w = now.particles.inverseMass;
   if (isNewSplit || now.isNewLayout) stiffest_ = stiff_.stiffest(w) + friction_.stiffest(w);
   if (areStable(longest)) step_.interval = longest;
+  degree_ = degreeFor(step_.interval == 1 ? impulseOf(softest_, now.h) : 0.0);
+  if (degree_ > 1) {
+    smooth_.resize(w.size());
+    before_.resize(w.size());
+  }
   stiff_.setStep(step_, w);
   friction_.findHeld(w);
   now.force.resize(w.size());
@@ -74,36 +104,40 @@ bool PlateProjection::isSplitFor(double h) const {
 /// Divides the elements into soft and stiff ones: those that are soft in a substep of h are so in
 /// shorter ones.
 void PlateProjection::split(const Substep& now, double h) {
-  const std::vector<PlateElement>& elements = now.model.bending.elements();
-  const std::vector<double> circles = circlesOf(now.model);
-  std::vector<std::uint8_t> isSoft(elements.size(), 0);
+  const std::vector<double> circles = largestCircles(now.model);
+  const double most = friction_.empty() ? softLimit(circles, h) : 0.0;
   softest_ = 0.0;
-  for (std::size_t e = 0; e < elements.size(); ++e) {
-    double largest = 0.0;
-    for (int k = 0; k < elements[e].count; ++k) {
-      const VertexId v = elements[e].vertex[static_cast<std::size_t>(k)];
-      largest = std::max(largest, circles[static_cast<std::size_t>(v)]);
-    }
-    if (!friction_.empty() || !isStable(largest, 1, h)) continue;
-    softest_ = std::max(softest_, largest);
-    isSoft[e] = 1;
+  for (const double circle : circles) {
+    if (circle <= most) softest_ = std::max(softest_, circle);
   }
-  soft_.build(now.model, now.particles, [&](std::size_t e) { return isSoft[e] != 0; });
-  stiff_.build(now.model.bending, now.particles, [&](std::size_t e) { return isSoft[e] == 0; });
+  soft_.build(now.model, now.particles, [&](std::size_t e) { return circles[e] <= most; });
+  stiff_.build(now.model.bending, now.particles, [&](std::size_t e) { return circles[e] > most; });
 }
 
-/// \param h  length of a substep [s].
-bool PlateProjection::isStable(double circle, int interval, double h) const {
-  const double impulse = interval * h * (h + step_.retardation) * circle;
-  return impulse <= kStablePart * 4.0 / (interval + 2.0);
+/// Returns the circle up to which elements are soft in substeps of h [1/s^2].
+double PlateProjection::softLimit(std::vector<double> circles, double h) const {
+  const auto circleOf = [&](int degree) {
+    return ImpulsePolynomial(degree).limit() / impulseOf(1.0, h);
+  };
+  const auto middle = circles.begin() + static_cast<std::ptrdiff_t>(circles.size() / 2);
+  std::nth_element(circles.begin(), middle, circles.end());
+  return std::clamp(kFew * *middle, circleOf(kMostDegreeForFew), circleOf(kMostDegree));
 }
 
+/// Returns the largest impulse of one substep of h [s], explicitly, of modes with this stiffness
+/// over mass [1/s^2], over their momentum.
+double PlateProjection::impulseOf(double circle, double h) const {
+  return h * (h + step_.retardation) * circle;
+}
+
+/// Tells whether impulses of `interval` substeps at once may be given explicitly.
 bool PlateProjection::areStable(int interval) const {
   const double period = interval * step_.h;
-  return isStable(softest_, interval, step_.h) && period * period * stiffest_ <= kSoft;
+  const double impulse = interval * impulseOf(softest_, step_.h);
+  return impulse <= kStablePart * 4.0 / (interval + 2.0) && period * period * stiffest_ <= kSoft;
 }
 
-void PlateProjection::project(const ScalarArray& inverseInertia, Substep& now) const {
+void PlateProjection::project(const ScalarArray& inverseInertia, Substep& now) {
   if (!soft_.empty()) displace(inverseInertia, now);
   const auto onHeld = [&](std::size_t slot, const Vec3& impulse) {
     now.kinematic.addImpulseAt(slot, impulse / now.h);
@@ -113,7 +147,7 @@ void PlateProjection::project(const ScalarArray& inverseInertia, Substep& now) c
 }
 
 /// Gives the impulses of the soft elements.
-void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) const {
+void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) {
   Particles& p = now.particles;
   const VectorArray* at = &p.x;
   if (step_.retardation > 0.0) {
@@ -121,12 +155,27 @@ void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) 
     addScaled(1.0, p.x, now.scratch);
     at = &now.scratch;
   }
+  if (degree_ > 1) at = &smooth(inverseInertia, *at);
   for (const std::int32_t held : now.kinematic.slots()) {
     const auto slot = static_cast<std::size_t>(held);
     now.kinematic.addImpulseAt(slot, -step_.interval * step_.h * soft_.rowProduct(slot, *at));
   }
   soft_.displace(step_.square(), inverseInertia, *at, p.x, now.force);
   std::swap(p.x, now.force);
+}
+
+/// Returns the positions whose explicit impulse is that of the polynomial at the positions `at`.
+const VectorArray& PlateProjection::smooth(const ScalarArray& inverseInertia,
+                                           const VectorArray& at) {
+  const ImpulsePolynomial polynomial(degree_);
+  const double square = step_.h * (step_.h + step_.retardation);
+  setZero(before_.x.size(), before_);
+  setDifference(at, before_, polynomial.first(), smooth_);
+  for (int j = 1; j < degree_; ++j) {
+    soft_.recur(square, inverseInertia, smooth_, at, polynomial.step(j), before_);
+    std::swap(smooth_, before_);
+  }
+  return smooth_;
 }
 
 }  // namespace cloth_sim

@@ -13,8 +13,11 @@ namespace cloth_sim {
 /// Where bending is soft, the impulses n h^2 W K y of all elements at the predicted positions y are
 /// given at once; K is their stiffness matrix, W the inverse inertia and n the number of substeps
 /// from one impulse to the next. That takes the forces of bending as they are, and is stable where
-/// it moves no mode by much more than its amplitude. Stiff elements, on fine grids and beside cuts,
-/// are projected one after the other with their compliance, which is stable for any stiffness.
+/// it moves no mode by much more than its amplitude. Where bending is stiffer, on fine grids, a
+/// polynomial of W K takes the place of W K (ImpulsePolynomial): the same for waves that are slower
+/// than a substep. Single elements that are stiffer still, beside cuts, and all where bending has
+/// friction, are projected one after the other with their compliance, which is stable for any
+/// stiffness, and too soft.
 class PlateProjection {
  public:
   bool empty() const { return !hasBending_; }
@@ -29,19 +32,24 @@ class PlateProjection {
   int interval() const { return step_.interval; }
   /// Gives the impulse, with friction if there is any, and adds what held particles bear.
   /// \param inverseInertia  of each particle [1/kg]; 0: held.
-  void project(const ScalarArray& inverseInertia, Substep& now) const;
+  void project(const ScalarArray& inverseInertia, Substep& now);
 
  private:
   bool isSplitFor(double h) const;
   void split(const Substep& now, double h);
-  bool isStable(double circle, int interval, double h) const;
+  double softLimit(std::vector<double> circles, double h) const;
+  double impulseOf(double circle, double h) const;
   bool areStable(int interval) const;
-  void displace(const ScalarArray& inverseInertia, Substep& now) const;
+  void displace(const ScalarArray& inverseInertia, Substep& now);
+  const VectorArray& smooth(const ScalarArray& inverseInertia, const VectorArray& at);
 
   BendMatrix soft_;
   BendProjection stiff_;
   BendFriction friction_;
   BendStep step_;           ///< that all are prepared for
+  int degree_ = 1;          ///< of the polynomial
+  VectorArray smooth_;      ///< of the recurrence, by slot
+  VectorArray before_;      ///< the step before it
   double softest_ = 0.0;    ///< largest circle of the elements of `soft_` [1/s^2]
   double stiffest_ = 0.0;   ///< of the other elements, stiffness over inertia [1/s^2]
   double splitStep_ = 0.0;  ///< longest substep that elements are divided for [s]; 0: none
