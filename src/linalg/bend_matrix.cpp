@@ -145,49 +145,42 @@ struct BendMatrix::Kernel {
           out.z[row] += s * ofZ;
         });
   }
-  CLOTH_SIM_VECTOR_CLONES
-  static void displace(const Rows& rows, double s, const double* w, ConstAxes y, ConstAxes x,
-                       Axes moved) {
-    multiplyAll(
-        rows, y,
-        [&](std::size_t row, const Lanes& ofX, const Lanes& ofY, const Lanes& ofZ) {
-          const Lanes scale = s * lanesAt(w + row);
-          lanesAt(moved.x + row) = lanesAt(x.x + row) - scale * ofX;
-          lanesAt(moved.y + row) = lanesAt(x.y + row) - scale * ofY;
-          lanesAt(moved.z + row) = lanesAt(x.z + row) - scale * ofZ;
-        },
-        [&](std::size_t row, double ofX, double ofY, double ofZ) {
-          const double scale = s * w[row];
-          moved.x[row] = x.x[row] - scale * ofX;
-          moved.y[row] = x.y[row] - scale * ofY;
-          moved.z[row] = x.z[row] - scale * ofZ;
-        });
-  }
-  CLOTH_SIM_VECTOR_CLONES
-  static void recur(const Rows& rows, double s, const double* w, ConstAxes y, ConstAxes x,
-                    const ImpulsePolynomial::Step& step, Axes before) {
-    const double residual = step.residual, current = step.current, last = step.before;
-    const auto next = [&](const auto& from, const auto& moved, const auto& at, const auto& old) {
-      return residual * (from - moved) + current * at - last * old;
-    };
+  /// out = next(x - s W K y, y, out), one coordinate after the other.
+  template <typename Next>
+  [[gnu::always_inline]] static void move(const Rows& rows, double s, const double* w, ConstAxes y,
+                                          ConstAxes x, Axes out, const Next& next) {
     multiplyAll(
         rows, y,
         [&](std::size_t row, const Lanes& ofX, const Lanes& ofY, const Lanes& ofZ) {
           const Lanes scale = s * lanesAt(w + row);
           const auto put = [&](const double* from, const Lanes& of, const double* at, double* to) {
             lanesAt(to + row) =
-                next(lanesAt(from + row), scale * of, lanesAt(at + row), lanesAt(to + row));
+                next(lanesAt(from + row) - scale * of, lanesAt(at + row), lanesAt(to + row));
           };
-          put(x.x, ofX, y.x, before.x);
-          put(x.y, ofY, y.y, before.y);
-          put(x.z, ofZ, y.z, before.z);
+          put(x.x, ofX, y.x, out.x);
+          put(x.y, ofY, y.y, out.y);
+          put(x.z, ofZ, y.z, out.z);
         },
         [&](std::size_t row, double ofX, double ofY, double ofZ) {
           const double scale = s * w[row];
-          before.x[row] = next(x.x[row], scale * ofX, y.x[row], before.x[row]);
-          before.y[row] = next(x.y[row], scale * ofY, y.y[row], before.y[row]);
-          before.z[row] = next(x.z[row], scale * ofZ, y.z[row], before.z[row]);
+          out.x[row] = next(x.x[row] - scale * ofX, y.x[row], out.x[row]);
+          out.y[row] = next(x.y[row] - scale * ofY, y.y[row], out.y[row]);
+          out.z[row] = next(x.z[row] - scale * ofZ, y.z[row], out.z[row]);
         });
+  }
+  CLOTH_SIM_VECTOR_CLONES
+  static void displace(const Rows& rows, double s, const double* w, ConstAxes y, ConstAxes x,
+                       Axes moved) {
+    move(rows, s, w, y, x, moved,
+         [](const auto& displaced, const auto& /*y*/, const auto& /*moved*/) { return displaced; });
+  }
+  CLOTH_SIM_VECTOR_CLONES
+  static void recur(const Rows& rows, double s, const double* w, ConstAxes y, ConstAxes x,
+                    const ImpulsePolynomial::Step& step, Axes before) {
+    move(rows, s, w, y, x, before,
+         [&](const auto& residual, const auto& current, const auto& last) {
+           return step.residual * residual + step.current * current - step.before * last;
+         });
   }
 };
 

@@ -167,8 +167,9 @@ void AddedInertia::layOut(const Substep& now) {
 }
 
 void AddedInertia::setStep(double h) {
+  if (h <= step_) return;
   const double before = std::exchange(step_, h);
-  if (before == 0.0 || h <= before) return;
+  if (before == 0.0) return;
   const double growth = h * h / (before * before);
   for (double& inertia : inertia_) inertia *= growth;
 }
@@ -189,6 +190,7 @@ void AddedInertia::find(const Particles& p) {
 void AddedInertia::update(double h, double duration, const Particles& p,
                           const ScalarArray& cancelled) {
   const Kernel::Update update = Kernel::updateOf(h, duration);
+  step_ = std::max(h, std::sqrt(update.fade) * step_);  // inertia that is not needed fades so
   forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
     forAxes(
         [&](const auto& x, const auto& start, auto& velocity, auto& acceleration) {
@@ -201,9 +203,9 @@ void AddedInertia::update(double h, double duration, const Particles& p,
   });
 }
 
-void AddedInertia::updateQuasiStatic(double duration, const Particles& p,
-                                     const ScalarArray& cancelled) {
-  const double rate = 1.0 - std::exp(-duration / Kernel::kQuasiStaticMemory);
+void AddedInertia::updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled) {
+  const double fade = std::exp(-h / Kernel::kQuasiStaticMemory), rate = 1.0 - fade;
+  step_ = std::max(h, std::sqrt(fade) * step_);
   forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
     Kernel::updateQuasiStatic(rate, Kernel::arraysAt(*this, p, cancelled, first), count);
   });

@@ -21,8 +21,8 @@ class AddedInertia {
  public:
   /// Follows the model: which particles there are, and their shortest springs.
   void layOut(const Substep& now);
-  /// Prepares for substeps of length h [s]. What a line displaces in vain grows with the square of
-  /// h, so longer ones begin with as much more inertia.
+  /// Prepares for substeps of length h [s]. The inertia that is needed grows with the square of h,
+  /// so longer ones than those that it was found for begin with as much more of it.
   void setStep(double h);
   /// Finds the inertia of each particle; 0 if it is held.
   void find(const Particles& p);
@@ -32,7 +32,8 @@ class AddedInertia {
   /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
   void update(double h, double duration, const Particles& p, const ScalarArray& cancelled);
   /// The same, while motion is quasi-static: inertia hardly resists it.
-  void updateQuasiStatic(double duration, const Particles& p, const ScalarArray& cancelled);
+  /// \param h  length of the substep, and time since the last update [s].
+  void updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled);
   /// Returns what is added to all particles, over their mass [-].
   double addedFraction(const Particles& p) const;
   /// The largest displacement in vain of a free particle over its shortest spring [-].
@@ -56,7 +57,7 @@ class AddedInertia {
   ScalarArray inertia_;       ///< by particle slot [kg]; below the mass: nothing is added
   VectorArray velocity_;      ///< by particle slot, at the last update [m/s]
   VectorArray acceleration_;  ///< by particle slot, averaged [m/s^2]
-  double step_ = 0.0;         ///< length of the substeps that it was found for [s]; 0: none
+  double step_ = 0.0;         ///< length of substeps that need it [s]; 0: none has been found
   ScalarArray shortest_;      ///< by particle slot: rest length [m]
   ScalarArray inverse_;
   ScalarArray whole_;

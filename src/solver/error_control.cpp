@@ -17,9 +17,8 @@ constexpr std::int32_t kJoltPatience = 600;  ///< calm steps before the next tri
 constexpr std::int32_t kTrial = 10;          ///< steps in which a trial fails or has gone well
 /// Part of the goal from which on errors of positions count: they add up, and none is taken back.
 constexpr double kEarly = 0.5;
-constexpr double kJolt = 4.0;  ///< factor by which a jolt of the cloth raises its kinetic energy
-constexpr double kFade =
-    0.9;  ///< factor by which the most kinetic energy of before fades in a step
+constexpr double kJolt = 4.0;    ///< factor by which a jolt of the cloth raises its kinetic energy
+constexpr double kFade = 0.9;    ///< factor by which the memory of kinetic energy fades in a step
 constexpr double kMargin = 0.8;  ///< part of the goal below which longer substeps are tried
 
 // Measured at 128 x 128 on an edge-pinned swing and a corner hang with 10 to 40 substeps, against
@@ -98,8 +97,7 @@ void ErrorControl::end(const Particles& particles, double h, double duration, bo
   dt_ = std::exchange(elapsed_, 0.0);
   if (goal_.error > 0.0) {
     if (estimate_.position > goal_.error) estimate_.sufficed = false;
-    const bool hasJolted = followSpeeds(particles);
-    chooseLevel(hasJolted && sinceTrial_ == 0);
+    chooseLevel(followSpeeds(particles) && sinceTrial_ == 0);
   }
   cancelled_ = 0.0;
 }

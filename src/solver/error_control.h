@@ -32,8 +32,7 @@ struct ErrorGoal {
 /// twice as many whenever a trial has failed. Longer substeps make bending softer, so a cloth that
 /// rests under load, such as a fold, may jolt into another shape: be faster than it was in some ten
 /// steps before. Such a trial ends at once, and the next one comes much later: the cloth comes to
-/// rest. All that depends on the steps before
-/// alone, so bits do not depend on the machine.
+/// rest. All that depends on the steps before alone, so bits do not depend on the machine.
 class ErrorControl {
  public:
   explicit ErrorControl(const ErrorGoal& goal);
@@ -99,7 +98,7 @@ class ErrorControl {
   std::int32_t sinceRefined_ = 1000;   ///< steps since they became shorter
   double dt_ = 0.0;                    ///< length of the last step [s]
   double elapsed_ = 0.0;               ///< of the step under way [s]
-  double liveliest_ = 0.0;             ///< the most, see `followSpeeds` [m^2/s^2]
+  double liveliest_ = 0.0;  ///< squares of the samples' speeds: the most, which fades [m^2/s^2]
   ErrorEstimate estimate_;
 };
 

@@ -53,11 +53,11 @@ std::vector<double> largestCircles(const Model& model) {
   return largest;
 }
 
-/// The lowest degree of a polynomial that is stable for an impulse, see `impulseOf`.
-int degreeFor(double impulse) {
+/// The polynomial of the lowest degree that is stable for an impulse, see `impulseOf`.
+ImpulsePolynomial polynomialFor(double impulse) {
   int degree = 1;
   while (degree < kMostDegree && impulse > ImpulsePolynomial(degree).limit()) ++degree;
-  return degree;
+  return ImpulsePolynomial(degree);
 }
 
 /// Largest stiffness over inertia of an element, times the square of the time between its impulses,
@@ -85,8 +85,8 @@ void PlateProjection::setStep(Substep& now, int longest) {
   const ScalarArray& w = now.particles.inverseMass;
   if (isNewSplit || now.isNewLayout) stiffest_ = stiff_.stiffest(w) + friction_.stiffest(w);
   if (areStable(longest)) step_.interval = longest;
-  degree_ = degreeFor(step_.interval == 1 ? impulseOf(softest_, now.h) : 0.0);
-  if (degree_ > 1) {
+  polynomial_ = polynomialFor(step_.interval == 1 ? impulseOf(softest_, now.h) : 0.0);
+  if (polynomial_.degree() > 1) {
     smooth_.resize(w.size());
     before_.resize(w.size());
   }
@@ -155,7 +155,7 @@ void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) 
     addScaled(1.0, p.x, now.scratch);
     at = &now.scratch;
   }
-  if (degree_ > 1) at = &smooth(inverseInertia, *at);
+  if (polynomial_.degree() > 1) at = &smooth(inverseInertia, *at);
   for (const std::int32_t held : now.kinematic.slots()) {
     const auto slot = static_cast<std::size_t>(held);
     now.kinematic.addImpulseAt(slot, -step_.interval * step_.h * soft_.rowProduct(slot, *at));
@@ -167,12 +167,11 @@ void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) 
 /// Returns the positions whose explicit impulse is that of the polynomial at the positions `at`.
 const VectorArray& PlateProjection::smooth(const ScalarArray& inverseInertia,
                                            const VectorArray& at) {
-  const ImpulsePolynomial polynomial(degree_);
   const double square = step_.h * (step_.h + step_.retardation);
   setZero(before_.x.size(), before_);
-  setDifference(at, before_, polynomial.first(), smooth_);
-  for (int j = 1; j < degree_; ++j) {
-    soft_.recur(square, inverseInertia, smooth_, at, polynomial.step(j), before_);
+  setDifference(at, before_, polynomial_.first(), smooth_);
+  for (int j = 1; j < polynomial_.degree(); ++j) {
+    soft_.recur(square, inverseInertia, smooth_, at, polynomial_.step(j), before_);
     std::swap(smooth_, before_);
   }
   return smooth_;

@@ -46,10 +46,10 @@ class PlateProjection {
   BendMatrix soft_;
   BendProjection stiff_;
   BendFriction friction_;
-  BendStep step_;           ///< that all are prepared for
-  int degree_ = 1;          ///< of the polynomial
-  VectorArray smooth_;      ///< of the recurrence, by slot
-  VectorArray before_;      ///< the step before it
+  BendStep step_;  ///< that all are prepared for
+  ImpulsePolynomial polynomial_{1};
+  VectorArray smooth_;      ///< z_j of its recurrence, by slot
+  VectorArray before_;      ///< z_{j-1}
   double softest_ = 0.0;    ///< largest circle of the elements of `soft_` [1/s^2]
   double stiffest_ = 0.0;   ///< of the other elements, stiffness over inertia [1/s^2]
   double splitStep_ = 0.0;  ///< longest substep that elements are divided for [s]; 0: none

@@ -119,7 +119,6 @@ class FoldedStrip {
     }
     simulation_.adopt(saveParts(parts));
   }
-  Simulation& operator*() { return simulation_; }
   Simulation* operator->() { return &simulation_; }
 
  private:
