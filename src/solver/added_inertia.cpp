@@ -47,6 +47,8 @@ struct AddedInertia::Kernel {
   static constexpr double kQuasiStaticMost = 1e4;
   /// Time over which inertia is averaged then [s].
   static constexpr double kQuasiStaticMemory = 0.02;
+  /// Least inertia of a particle over h^2 sum(T / l): h w is then the root of 2 over it.
+  static constexpr double kTight = 2.0;
 
   /// Of an update; see `AddedInertia::update`.
   struct Update {
@@ -63,13 +65,13 @@ struct AddedInertia::Kernel {
   }
   /// Arrays of the particles, from the first slot on.
   struct Arrays {
-    const double *mass, *inverse, *shortest, *cancelled;
+    const double *mass, *inverse, *shortest, *cancelled, *least;
     double* inertia;
   };
   static Arrays arraysAt(AddedInertia& of, const Particles& p, const ScalarArray& cancelled,
                          std::size_t first) {
-    return {p.mass.data() + first, of.inverse_.data() + first, of.shortest_.data() + first,
-            cancelled.data() + first, of.inertia_.data() + first};
+    return {p.mass.data() + first,    of.inverse_.data() + first, of.shortest_.data() + first,
+            cancelled.data() + first, of.least_.data() + first,   of.inertia_.data() + first};
   }
 
   [[gnu::always_inline]] static double lesser(double a, double b) { return b < a ? b : a; }
@@ -122,10 +124,10 @@ struct AddedInertia::Kernel {
     }
   }
   CLOTH_SIM_VECTOR_CLONES
-  static void updateQuasiStatic(double rate, Arrays m, std::size_t count) {
+  static void updateQuasiStatic(double rate, double tolerance, Arrays m, std::size_t count) {
     CLOTH_SIM_NO_ALIAS_LOOP
     for (std::size_t k = 0; k < count; ++k) {
-      const double needed = neededAt(m, k, kQuasiStaticTolerance, kQuasiStaticMost);
+      const double needed = greater(neededAt(m, k, tolerance, kQuasiStaticMost), m.least[k]);
       const double before = greater(m.inertia[k], m.mass[k]);
       const double after = before + rate * (needed - before);
       m.inertia[k] = m.inverse[k] == 0.0 ? m.inertia[k] : after;
@@ -150,28 +152,45 @@ struct AddedInertia::Kernel {
   }
 };
 
-void AddedInertia::layOut(const Substep& now) {
-  const std::size_t n = now.particles.mass.size();
+void AddedInertia::layOut(const Model& model, const Particles& p) {
+  const std::size_t n = p.mass.size();
   inertia_.resize(n, 0.0);
   velocity_.resize(n);
   acceleration_.resize(n);
   heavier_.reserve(n);
+  least_.resize(n, 0.0);
   shortest_.assign(n, std::numeric_limits<double>::infinity());
-  for (const Spring spring : now.model.springs.slots()) {
+  for (const Spring spring : model.springs.slots()) {
     if (!spring.exists() || spring.kind == SpringKind::kBend) continue;
     for (const VertexId v : {spring.a, spring.b}) {
-      double& shortest = shortest_[now.particles.slotOf[v]];
+      double& shortest = shortest_[p.slotOf[v]];
       shortest = std::min(shortest, spring.restLength);
     }
   }
 }
 
-void AddedInertia::setStep(double h) {
-  if (h <= step_) return;
+void AddedInertia::setStep(double h, bool isQuasiStatic) {
+  if (h <= step_ && !isQuasiStatic) return;
   const double before = std::exchange(step_, h);
   if (before == 0.0) return;
   const double growth = h * h / (before * before);
   for (double& inertia : inertia_) inertia *= growth;
+}
+
+void AddedInertia::followTension(const Model& model, const Particles& p, double h) {
+  std::fill(least_.begin(), least_.end(), 0.0);
+  for (const Spring spring : model.springs.slots()) {
+    if (!spring.exists()) continue;
+    const auto a = static_cast<std::size_t>(p.slotOf[spring.a]);
+    const auto b = static_cast<std::size_t>(p.slotOf[spring.b]);
+    const double length = (p.x.at(b) - p.x.at(a)).norm();
+    if (length <= spring.restLength) continue;
+    const double tension = spring.stiffness * (length - spring.restLength);
+    const double inertia = Kernel::kTight * h * h * tension / length;
+    least_[a] += inertia;
+    least_[b] += inertia;
+  }
+  for (std::size_t k = 0; k < least_.size(); ++k) inertia_[k] = std::max(inertia_[k], least_[k]);
 }
 
 void AddedInertia::find(const Particles& p) {
@@ -203,11 +222,14 @@ void AddedInertia::update(double h, double duration, const Particles& p,
   });
 }
 
-void AddedInertia::updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled) {
-  const double fade = std::exp(-h / Kernel::kQuasiStaticMemory), rate = 1.0 - fade;
+void AddedInertia::updateQuasiStatic(double h, bool isTorn, const Particles& p,
+                                     const ScalarArray& cancelled) {
+  const double fade = std::exp(-h / Kernel::kQuasiStaticMemory);
+  const double rate = isTorn ? 1.0 : 1.0 - fade;
+  const double tolerance = isTorn ? Kernel::kTolerance : Kernel::kQuasiStaticTolerance;
   step_ = std::max(h, std::sqrt(fade) * step_);
   forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
-    Kernel::updateQuasiStatic(rate, Kernel::arraysAt(*this, p, cancelled, first), count);
+    Kernel::updateQuasiStatic(rate, tolerance, Kernel::arraysAt(*this, p, cancelled, first), count);
   });
 }
 

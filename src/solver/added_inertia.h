@@ -20,10 +20,20 @@ namespace cloth_sim {
 class AddedInertia {
  public:
   /// Follows the model: which particles there are, and their shortest springs.
-  void layOut(const Substep& now);
+  void layOut(const Model& model, const Particles& p);
   /// Prepares for substeps of length h [s]. The inertia that is needed grows with the square of h,
-  /// so longer ones than those that it was found for begin with as much more of it.
-  void setStep(double h);
+  /// so longer ones than those that it was found for begin with as much more of it. While motion is
+  /// quasi-static, shorter ones begin with as much less.
+  void setStep(double h, bool isQuasiStatic);
+  /// Finds the least inertia of particles between tight threads, for substeps of length h [s] in
+  /// quasi-static motion.
+  ///
+  /// Threads pull in the directions that they have at the start of a projection. So transverse
+  /// vibration of angular frequency w is integrated explicitly: it is unstable at h w > 2, and
+  /// bending that acts in every other substep excites it at h w = pi / 2. Neighbours that move
+  /// against each other have w^2 = 2 sum(T / l) / m, over the tensions T and lengths l of the
+  /// springs at a particle. With this inertia h w is at most 1.
+  void followTension(const Model& model, const Particles& p, double h);
   /// Finds the inertia of each particle; 0 if it is held.
   void find(const Particles& p);
   /// Updates the inertia that is needed, as far as it does not resist motion.
@@ -32,8 +42,9 @@ class AddedInertia {
   /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
   void update(double h, double duration, const Particles& p, const ScalarArray& cancelled);
   /// The same, while motion is quasi-static: inertia hardly resists it.
-  /// \param h  length of the substep, and time since the last update [s].
-  void updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled);
+  /// \param h        length of the substep, and time since the last update [s].
+  /// \param isTorn   whether springs fail; what snaps back is not quasi-static.
+  void updateQuasiStatic(double h, bool isTorn, const Particles& p, const ScalarArray& cancelled);
   /// Returns what is added to all particles, over their mass [-].
   double addedFraction(const Particles& p) const;
   /// The largest displacement in vain of a free particle over its shortest spring [-].
@@ -58,6 +69,7 @@ class AddedInertia {
   VectorArray velocity_;      ///< by particle slot, at the last update [m/s]
   VectorArray acceleration_;  ///< by particle slot, averaged [m/s^2]
   double step_ = 0.0;         ///< length of substeps that need it [s]; 0: none has been found
+  ScalarArray least_;         ///< by particle slot, while motion is quasi-static [kg]
   ScalarArray shortest_;      ///< by particle slot: rest length [m]
   ScalarArray inverse_;
   ScalarArray whole_;
