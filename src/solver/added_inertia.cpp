@@ -170,7 +170,7 @@ void AddedInertia::layOut(const Model& model, const Particles& p) {
 }
 
 void AddedInertia::setStep(double h, bool isQuasiStatic) {
-  if (h <= step_ && !isQuasiStatic) return;
+  if (h == step_ || (h < step_ && !isQuasiStatic)) return;
   const double before = std::exchange(step_, h);
   if (before == 0.0) return;
   const double growth = h * h / (before * before);

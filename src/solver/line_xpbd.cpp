@@ -105,9 +105,9 @@ void LineXpbd::begin(Substep& now) {
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
     bending_.setStep(now, projection_.bendInterval());
-    inertia_.setStep(now.h, now.controls.quasiStatic);
     preparedFor_ = now.h;
   }
+  inertia_.setStep(now.h, now.controls.quasiStatic);
   if (now.controls.quasiStatic) inertia_.followTension(now.model, now.particles, now.h);
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
