@@ -260,7 +260,8 @@ SCENES_AT_SIZE = {'swing': 'A cloth swings from its edge',
                   'hang': 'A cloth falls into two pinned corners',
                   'drop': 'A cloth drapes over a ball',
                   'table': 'A cloth falls over the edge of a table',
-                  'towel': 'Two clamps lift a towel and shake it'}
+                  'towel': 'Two clamps lift a towel and shake it',
+                  'pull': 'Two clamps tear a notched cloth'}
 LEAST_ERROR = 1e-5  # smaller errors are drawn here
 GOALS = {'position_error': 'positions within 1 % of the side',
          'strain_error': 'largest strain within 0.01'}

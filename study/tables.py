@@ -12,6 +12,8 @@ ERRORS = {
     'rest_strain_error': ('largest strain at rest', False),
     'rest_elastic_error': ('elastic energy at rest', True),
     'rest_radius_error': ('radius at rest [m]', False),
+    'peak_force_error': ('peak force', True),
+    'separation_error': ('separation [s]', False),
 }
 
 
@@ -49,10 +51,13 @@ def is_peer(row):
 
 def judged_by(rows):
     """The columns of errors that say something about a scene: all that its reference has; only those
-    at rest and the positions, if it comes to rest."""
+    at rest and the positions, if it comes to rest; peak and separation instead of the force and the
+    energy, if it tears."""
     [reference] = [row for row in rows if row['status'] == 'reference'][:1]
     columns = [name for name in ERRORS if math.isfinite(float(reference[name]))]
     at_rest = [name for name in columns if name.startswith('rest_')]
+    if 'peak_force_error' in columns:
+        return ['position_error', 'strain_error', 'peak_force_error', 'separation_error']
     return ['position_error'] + at_rest if at_rest else columns
 
 

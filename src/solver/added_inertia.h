@@ -22,9 +22,8 @@ class AddedInertia {
   /// Follows the model: which particles there are, and their shortest springs.
   void layOut(const Model& model, const Particles& p);
   /// Prepares for substeps of length h [s]. The inertia that is needed grows with the square of h,
-  /// so longer ones than those that it was found for begin with as much more of it. While motion is
-  /// quasi-static, shorter ones begin with as much less.
-  void setStep(double h, bool isQuasiStatic);
+  /// so longer ones than those that it was found for begin with as much more of it.
+  void setStep(double h);
   /// Finds the least inertia of particles between tight threads, for substeps of length h [s] in
   /// quasi-static motion.
   ///
@@ -41,10 +40,10 @@ class AddedInertia {
   /// \param duration   since the last update [s].
   /// \param cancelled  displacement of each particle by lines in vain [m], by particle slot.
   void update(double h, double duration, const Particles& p, const ScalarArray& cancelled);
-  /// The same, while motion is quasi-static: inertia hardly resists it.
-  /// \param h        length of the substep, and time since the last update [s].
-  /// \param isTorn   whether springs fail; what snaps back is not quasi-static.
-  void updateQuasiStatic(double h, bool isTorn, const Particles& p, const ScalarArray& cancelled);
+  /// The same, while motion is quasi-static: inertia may resist it, and has the bound of tight
+  /// threads.
+  /// \param h  length of the substep, and time since the last update [s].
+  void updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled);
   /// Returns what is added to all particles, over their mass [-].
   double addedFraction(const Particles& p) const;
   /// The largest displacement in vain of a free particle over its shortest spring [-].

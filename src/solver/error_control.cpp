@@ -132,14 +132,6 @@ void ErrorControl::refine(std::int32_t levels) {
   level_ = std::min(level_ + levels, kFinestLevel);
 }
 
-void ErrorControl::takeBudget() {
-  if (goal_.error <= 0.0) return;
-  calm_ = 0;
-  sinceRefined_ = 0;
-  sinceTrial_ = kTrial;
-  while (level_ < kFinestLevel && substepsFor(dt_, 0) < goal_.budget) ++level_;
-}
-
 /// Takes back longer substeps that have made the cloth jolt.
 void ErrorControl::endTrial() {
   ++level_;

@@ -48,9 +48,6 @@ class ErrorControl {
   /// \param isWhole   the step has ended; otherwise another part follows.
   void end(const Particles& particles, double h, double duration, bool isWhole);
 
-  /// Takes as many substeps as the budget allows, from the next part of a step on.
-  void takeBudget();
-
   /// Substeps of a step of dt [s]; `configured` without a goal.
   int substepsFor(double dt, int configured) const;
   const ErrorEstimate& estimate() const { return estimate_; }

@@ -23,7 +23,7 @@ namespace {
 /// `AddedInertia` bounds it.
 class LineXpbd final : public SubstepMethod {
  public:
-  explicit LineXpbd(const ErrorGoal& goal) : control_(goal), before_{{}, control_} {}
+  explicit LineXpbd(const ErrorGoal& goal) : control_(goal), before_{{}, control_, 0} {}
 
   void begin(Substep& now) override;
   void advance(Substep& now) override;
@@ -41,15 +41,12 @@ class LineXpbd final : public SubstepMethod {
   /// Substeps from one measurement of the displacements in vain to the next, from the first one of
   /// a step; while motion is quasi-static they are measured in every substep.
   static constexpr int kMeasureEvery = 4;
-  /// A tear goes on until no spring has failed for so long [s].
-  static constexpr double kTear = 0.03;
 
   /// The memory that outlives a substep.
   struct Memory {
     AddedInertia inertia;
     ErrorControl control;
     std::int32_t sinceBending = 0;
-    double sinceFailure = 0.0;
   };
 
   void layOut(Substep& now);
@@ -62,7 +59,6 @@ class LineXpbd final : public SubstepMethod {
   bool measures(const Substep& now) const;
   void projectContacts(Substep& now);
   void updateInertia(const Substep& now);
-  void followTear(const Substep& now);
   void passOnPull(Substep& now);
 
   SpringLines lines_;
@@ -75,8 +71,7 @@ class LineXpbd final : public SubstepMethod {
   int substep_ = 0;                ///< of the step
   int sinceMeasured_ = 0;          ///< substeps
   std::int32_t sinceBending_ = 0;  ///< substeps since bending has acted
-  double sinceFailure_ = 1e3;      ///< since springs have failed last [s]
-  bool bends_ = false;             ///< whether bending acts in this substep
+  bool bends_ = false;             ///< whether it acts in this one
   Memory before_;                  ///< at the start of a part of a step that may be thrown away
   VectorArray pull_;
   ScalarArray cancelled_;
@@ -84,12 +79,12 @@ class LineXpbd final : public SubstepMethod {
 
 void LineXpbd::save(StateWriter& archive) const {
   inertia_.save(archive);
-  archive(control_, sinceBending_, sinceFailure_);
+  archive(control_, sinceBending_);
 }
 
 void LineXpbd::load(StateReader& archive, const Particles& particles) {
   inertia_.load(archive);
-  archive(control_, sinceBending_, sinceFailure_);
+  archive(control_, sinceBending_);
   const auto slots = static_cast<std::size_t>(particles.slots);
   if (!inertia_.fits(slots)) throw std::invalid_argument("inertia is added to no particle");
   if (!control_.isPlausible()) throw std::invalid_argument("the control of errors is in no state");
@@ -97,7 +92,6 @@ void LineXpbd::load(StateReader& archive, const Particles& particles) {
   if (sinceBending_ < 0 || sinceBending_ > kMost) {
     throw std::invalid_argument("bending has not acted for no time");
   }
-  if (!(sinceFailure_ >= 0.0)) throw std::invalid_argument("springs have failed at no time");
 }
 
 void LineXpbd::begin(Substep& now) {
@@ -105,9 +99,9 @@ void LineXpbd::begin(Substep& now) {
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
     bending_.setStep(now, projection_.bendInterval());
+    inertia_.setStep(now.h);
     preparedFor_ = now.h;
   }
-  inertia_.setStep(now.h, now.controls.quasiStatic);
   if (now.controls.quasiStatic) inertia_.followTension(now.model, now.particles, now.h);
   decay_ = std::exp(-now.controls.drag * now.h);
   beginPrediction(now);
@@ -120,28 +114,18 @@ void LineXpbd::finish(Substep& now) {
   findVelocities(now);
   now.addedMass = inertia_.addedFraction(now.particles);
   control_.end(now.particles, now.h, substep_ * now.h, now.fraction == 1.0);
-  followTear(now);
-}
-
-/// A cloth that tears snaps back, so that its motion is not quasi-static: it takes the shortest
-/// substeps, and as little inertia as in other motion.
-void LineXpbd::followTear(const Substep& now) {
-  sinceFailure_ = now.passedLimit ? 0.0 : sinceFailure_ + substep_ * now.h;
-  if (now.passedLimit && now.controls.quasiStatic) control_.takeBudget();
 }
 
 void LineXpbd::remember() {
   before_.inertia = inertia_;
   before_.control = control_;
   before_.sinceBending = sinceBending_;
-  before_.sinceFailure = sinceFailure_;
 }
 
 void LineXpbd::takeBack() {
   inertia_ = before_.inertia;
   control_ = before_.control;
   sinceBending_ = before_.sinceBending;
-  sinceFailure_ = before_.sinceFailure;
 }
 
 void LineXpbd::layOut(Substep& now) {
@@ -214,7 +198,7 @@ void LineXpbd::projectContacts(Substep& now) {
 
 void LineXpbd::updateInertia(const Substep& now) {
   if (now.controls.quasiStatic) {
-    inertia_.updateQuasiStatic(now.h, sinceFailure_ < kTear, now.particles, cancelled_);
+    inertia_.updateQuasiStatic(now.h, now.particles, cancelled_);
   } else {
     inertia_.update(now.h, kMeasureEvery * now.h, now.particles, cancelled_);
   }

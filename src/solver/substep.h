@@ -22,7 +22,6 @@ struct Substep {
   double time = 0.0;         ///< at the end of the substep [s]
   double before = 0.0;       ///< fraction of the step that has passed at its start
   double fraction = 0.0;     ///< fraction of the step that has passed at its end
-  bool passedLimit = false;  ///< springs are longer than they may be, and fail at its end
   bool isNewModel = false;   ///< the model is not that of the last step, if there was one
   bool isNewLayout = false;  ///< ... or other particles are kinematic
   int iterations = 0;        ///< of the method, over all substeps

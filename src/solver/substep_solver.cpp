@@ -111,6 +111,7 @@ void SubstepSolver::begin(Substep& now, double end, double dt) {
   kinematic_.keepOutOf(now.contacts, now.controls, end, dt);
   kinematic_.setVelocities(dt, particles_);
   loadLimits(now.controls);
+  report_.passedLimit = false;
   report_.substep = now.h;
   method_->begin(now);
 }
@@ -118,14 +119,13 @@ void SubstepSolver::begin(Substep& now, double end, double dt) {
 /// \return substeps done: all, or those up to the first in which a length limit is passed.
 int SubstepSolver::advance(Substep& now, const Division& division, double startTime) {
   int done = 0;
-  while (done < division.substeps && !now.passedLimit && !now.isOver()) {
+  while (done < division.substeps && !report_.passedLimit && !now.isOver()) {
     now.before = static_cast<double>(done) / division.substeps;
     now.fraction = static_cast<double>(++done) / division.substeps;
     now.time = startTime + now.fraction * division.dt;
     method_->advance(now);
-    now.passedLimit = isLimitPassed();
+    report_.passedLimit = isLimitPassed();
   }
-  report_.passedLimit = now.passedLimit;
   return done;
 }
 

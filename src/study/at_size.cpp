@@ -97,6 +97,7 @@ void writeAtSize(std::ostream& out, const std::vector<AtSizeRow>& rows) {
   out << "scene,particles,method,substeps,iterations,error,ms_per_frame,real_time_factor,"
          "position_error,strain_error,strain_error_999,force_error,energy_error,"
          "rest_strain_error,rest_elastic_error,rest_radius_error,"
+         "peak_force_error,separation_error,"
          "estimated_position,estimated_strain,status\n";
   for (const AtSizeRow& row : rows) {
     const MotionSetting& setting = row.setting;
@@ -106,7 +107,8 @@ void writeAtSize(std::ostream& out, const std::vector<AtSizeRow>& rows) {
         << 1.0 / (60.0 * row.cost) << ',' << errors.position << ',' << errors.strain << ','
         << errors.strain999 << ',' << errors.force << ',' << errors.energy << ','
         << errors.restStrain << ',' << errors.restElastic << ',' << errors.restRadius << ','
-        << row.estimatedPosition << ',' << row.estimatedStrain << ',' << row.status << '\n';
+        << errors.peakForce << ',' << errors.separation << ',' << row.estimatedPosition << ','
+        << row.estimatedStrain << ',' << row.status << '\n';
   }
 }
 

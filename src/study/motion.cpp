@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cloth_sim {
 namespace {
@@ -40,11 +41,26 @@ ClampSpec cornerClamp(const std::string& name, const ClothSpec& cloth, bool righ
   return clamp;
 }
 
-/// A phase that moves both clamps for a time, wherever they are at its end.
-PhaseSpec moveBoth(const std::string& name, const Vec3& by, double time) {
+/// A clamp at the middle of a side, open around it, that grasps 4 cm of the cloth.
+ClampSpec sideClamp(const std::string& name, const ClothSpec& cloth, bool right) {
+  const int reach = std::max(1, cloth.columns / 40);
+  const int column = right ? cloth.columns - 1 - reach : reach;
+  ClampSpec clamp;
+  clamp.name = name;
+  clamp.patch = ClampPatch{column, cloth.rows / 2, reach, 0};
+  clamp.pose.position = cloth.pose.position;
+  clamp.pose.position.x() += cloth.width * (column / (cloth.columns - 1.0) - 0.5);
+  clamp.gapOpen = 0.03;
+  clamp.closingSpeed = 1.0;
+  return clamp;
+}
+
+/// A phase that moves the clamps for a time, wherever they are at its end; they grasp if they do
+/// not move.
+PhaseSpec moveClamps(const std::string& name, const Vec3& left, const Vec3& right, double time) {
   PhaseSpec phase;
   phase.name = name;
-  for (const char* clamp : {"left", "right"}) {
+  for (const auto& [clamp, by] : {std::pair("left", left), std::pair("right", right)}) {
     ClampAction action;
     action.clamp = clamp;
     if (by.isZero()) action.grasp = true;
@@ -54,6 +70,10 @@ PhaseSpec moveBoth(const std::string& name, const Vec3& by, double time) {
   phase.timeout = time;
   phase.onTimeout = OnTimeout::kContinue;
   return phase;
+}
+
+PhaseSpec moveBoth(const std::string& name, const Vec3& by, double time) {
+  return moveClamps(name, by, by, time);
 }
 
 }  // namespace
@@ -106,9 +126,32 @@ Motion shakenTowel(int n) {
   return motion;
 }
 
+Motion seamPull(int n) {
+  Motion motion{"pull", cottonSquare(n), 1.2, false, true};
+  constexpr double kSpeed = 0.2;   // of each clamp [m/s]
+  constexpr double kNotch = 0.09;  // length [m]
+  constexpr double kRatio = 1.2;   // of springs that fail
+  Scene& scene = motion.scene;
+  const ClothSpec& cloth = scene.cloths[0];
+  scene.cloths[0].pose.position.z() = 1e-3;
+  scene.obstacles = {obstacle("table", PlaneShape(), Vec3::Zero())};
+  scene.clamps = {sideClamp("left", cloth, false), sideClamp("right", cloth, true)};
+  const double middle = cloth.width * (n / 2 - 0.5) / (n - 1);  // between two columns
+  scene.tearing.enabled = true;
+  scene.tearing.ratio.fill(kRatio);
+  scene.tearing.seam = Seam{{Vec2(middle, 0.0), Vec2(middle, cloth.height)}, 0.0};
+  const Vec3 away(0.5, 0.0, 0.0);
+  PhaseSpec pull = moveClamps("pull", -away, away, 1.1);
+  for (ClampAction& action : pull.clamps) action.speed = kSpeed;
+  pull.quasiStatic = true;
+  pull.notches = {{Vec2(middle, 0.0), Vec2(middle, kNotch)}};
+  scene.phases = {moveBoth("grasp", Vec3::Zero(), 0.1), pull};
+  return motion;
+}
+
 const std::vector<MotionMaker>& motionMakers() {
-  static const std::vector<MotionMaker> all = {edgeSwing, cornerHang, ballDrop, tableEdge,
-                                               shakenTowel};
+  static const std::vector<MotionMaker> all = {edgeSwing, cornerHang,  ballDrop,
+                                               tableEdge, shakenTowel, seamPull};
   return all;
 }
 

@@ -14,6 +14,7 @@ struct Motion {
   Scene scene;
   double duration = 0.0;    ///< [s]
   bool endsAtRest = false;  ///< whether the shape at the end is that of a cloth at rest
+  bool tears = false;       ///< whether two clamps pull it apart, of which the first one is watched
 };
 
 /// Makes a motion with a number of particles per side.
@@ -31,6 +32,9 @@ Motion tableEdge(int particles);
 /// A cloth that two clamps grasp by its corners, lift off the ground by 1.2 m and shake by 10 cm to
 /// both sides, for 1.5 s, with a drag of 4 /s. (With less, it folds in ways that nothing predicts.)
 Motion shakenTowel(int particles);
+/// A notched cloth on a table without friction that two clamps pull apart along its middle seam, as
+/// in the scene `tear_seam`: by the middles of two sides, at 0.2 m/s each, for 1.2 s.
+Motion seamPull(int particles);
 
 /// All of them.
 const std::vector<MotionMaker>& motionMakers();

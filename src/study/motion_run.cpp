@@ -18,7 +18,7 @@ namespace {
 constexpr double kReferenceMargin = 0.35;  ///< part of the longest stable step
 constexpr int kStepsPerSample = 3;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr MotionErrors kNoErrors{kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
+constexpr MotionErrors kNoErrors{kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
 
 Scene withSetting(const Scene& scene, const MotionSetting& setting) {
   const SolverInfo& method = findSolver(setting.method);
@@ -30,21 +30,25 @@ Scene withSetting(const Scene& scene, const MotionSetting& setting) {
 
 class SimulatedCloth final : public MovingCloth {
  public:
-  explicit SimulatedCloth(Scene scene) : simulation_(std::move(scene)) {}
+  SimulatedCloth(Scene scene, bool tears) : simulation_(std::move(scene)), tears_(tears) {}
 
   void step() override { simulation_.step(); }
   const Model& model() const override { return simulation_.model(); }
   const State& state() const override { return simulation_.state(); }
   Vec3 holdingForce() const override {
+    if (tears_) return simulation_.clamps()[0].wrench().force;
     Vec3 sum = Vec3::Zero();
     for (const Vec3& reaction : simulation_.lastReport().reactions) sum += reaction;
     return sum;
   }
+  int torn() const override { return simulation_.broken().torn; }
+  int pieces() const override { return simulation_.pieces(); }
   std::string failure() const override { return simulation_.failure(); }
   std::optional<ErrorEstimate> estimate() const override { return simulation_.lastReport().error; }
 
  private:
   Simulation simulation_;
+  bool tears_;
 };
 
 std::vector<double> strainsOf(const MovingCloth& cloth) {
@@ -77,7 +81,7 @@ double total(const Energies& energies) {
 void compareSamples(const Motion& motion, const MotionRecord& run, const MotionRecord& reference,
                     MotionErrors& errors) {
   double forces = 0.0, scale = 0.0;
-  for (std::size_t k = 0; k < reference.samples.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(run.samples.size(), reference.samples.size()); ++k) {
     const MotionSample& a = run.samples[k];
     const MotionSample& b = reference.samples[k];
     errors.strain = std::max(errors.strain, std::abs(largest(a.strains) - largest(b.strains)));
@@ -100,15 +104,31 @@ void compareAtRest(const MotionRecord& run, const MotionRecord& reference, Motio
                                borderRadius(reference.grid, reference.trajectory.positions.back()));
 }
 
+/// Adds the differences of the tears.
+void compareTears(const MotionRecord& run, const MotionRecord& reference, MotionErrors& errors) {
+  errors.peakForce = std::abs(run.peakForce / reference.peakForce - 1.0);
+  if (run.separation == 0.0 || reference.separation == 0.0) return;
+  errors.separation = std::abs(run.separation - reference.separation);
+}
+
+/// The first samples of a trajectory.
+Trajectory firstOf(const Trajectory& trajectory, std::size_t count) {
+  Trajectory first = trajectory;
+  first.times.resize(count);
+  first.positions.resize(count);
+  return first;
+}
+
 }  // namespace
 
 std::unique_ptr<MovingCloth> movingCloth(const Motion& motion, const MotionSetting& setting) {
-  return std::make_unique<SimulatedCloth>(withSetting(motion.scene, setting));
+  return std::make_unique<SimulatedCloth>(withSetting(motion.scene, setting), motion.tears);
 }
 
 MotionRun::MotionRun(const Motion& motion, std::unique_ptr<MovingCloth> cloth)
     : cloth_(std::move(cloth)),
       gravity_(motion.scene.gravity),
+      tears_(motion.tears),
       dt_(motion.scene.solver.dt),
       steps_(static_cast<int>(std::lround(motion.duration / dt_))) {
   record_.grid = *cloth_->model().cloths[0].grid;
@@ -119,7 +139,7 @@ bool MotionRun::advance() {
   if (done_ == next) return false;
   while (done_ < next && record_.failure.empty()) step();
   if (!record_.failure.empty()) return false;
-  sample();
+  if (cloth_->torn() == 0) sample();
   return done_ < steps_;
 }
 
@@ -130,6 +150,12 @@ void MotionRun::step() {
   record_.cost = cpuTime_ / ++done_;
   record_.failure = cloth_->failure();
   record_.estimate = cloth_->estimate();
+  if (tears_) followTear();
+}
+
+void MotionRun::followTear() {
+  record_.peakForce = std::max(record_.peakForce, cloth_->holdingForce().norm());
+  if (record_.separation == 0.0 && cloth_->pieces() > 1) record_.separation = done_ * dt_;
 }
 
 void MotionRun::sample() {
@@ -149,8 +175,12 @@ MotionErrors compareMotions(const Motion& motion, const MotionRecord& run,
                             const MotionRecord& reference) {
   MotionErrors errors = kNoErrors;
   if (!run.failure.empty()) return errors;
+  if (motion.tears) compareTears(run, reference, errors);
+  const std::size_t common = std::min(run.samples.size(), reference.samples.size());
+  if (common == 0) return errors;
   errors.position =
-      trajectoryError(run.trajectory, reference.trajectory, longestSide(motion.scene.cloths));
+      trajectoryError(firstOf(run.trajectory, common), firstOf(reference.trajectory, common),
+                      longestSide(motion.scene.cloths));
   errors.strain = errors.strain999 = errors.energy = 0.0;
   compareSamples(motion, run, reference, errors);
   if (motion.endsAtRest) compareAtRest(run, reference, errors);

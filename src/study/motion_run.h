@@ -26,8 +26,12 @@ class MovingCloth {
   virtual void step() = 0;
   virtual const Model& model() const = 0;
   virtual const State& state() const = 0;
-  /// The force on all holders together, mean over the last step [N].
+  /// The force on all holders together, or on the first clamp if the motion tears the cloth, mean
+  /// over the last step [N].
   virtual Vec3 holdingForce() const = 0;
+  /// Springs that have failed by tears.
+  virtual int torn() const { return 0; }
+  virtual int pieces() const { return 1; }
   /// Why it failed; "" if it has not.
   virtual std::string failure() const { return ""; }
   virtual std::optional<ErrorEstimate> estimate() const { return std::nullopt; }
@@ -39,16 +43,18 @@ std::unique_ptr<MovingCloth> movingCloth(const Motion& motion, const MotionSetti
 /// The cloth at one time, but for its positions.
 struct MotionSample {
   std::vector<double> strains;  ///< of structural and shear springs [-]
-  Vec3 force = Vec3::Zero();    ///< on all holders [N]
+  Vec3 force = Vec3::Zero();    ///< see `MovingCloth::holdingForce` [N]
   Energies energies;
 };
 
 /// Record of a run.
 struct MotionRecord {
-  Grid grid;  ///< of the cloth
-  Trajectory trajectory;
+  Grid grid;                          ///< of the cloth
+  Trajectory trajectory;              ///< until the first spring fails
   std::vector<MotionSample> samples;  ///< at the times of the trajectory
   double cost = 0.0;                  ///< CPU time of the calling thread per step [s]
+  double peakForce = 0.0;             ///< largest holding force in a step [N]
+  double separation = 0.0;            ///< when it came apart [s]; 0: it has not
   std::string failure;                ///< "" if it ended well
   std::optional<ErrorEstimate> estimate;
 };
@@ -64,9 +70,11 @@ class MotionRun {
  private:
   void step();
   void sample();
+  void followTear();
 
   std::unique_ptr<MovingCloth> cloth_;
   Vec3 gravity_;
+  bool tears_;
   double dt_;
   int steps_;
   int done_ = 0;
@@ -88,6 +96,9 @@ struct MotionErrors {
   double restStrain = 0.0;   ///< difference of the largest strain [-]
   double restElastic = 0.0;  ///< relative difference of the elastic energy [-]
   double restRadius = 0.0;   ///< difference of the mean distance of the border from the z axis [m]
+  // Of a cloth that tears; NaN for others. The errors above are those until it begins to, then.
+  double peakForce = 0.0;   ///< relative difference of the peak force [-]
+  double separation = 0.0;  ///< difference of the times at which the cloth comes apart [s]
 };
 
 /// Compares a run with a reference. All errors of a run that failed are NaN.

@@ -85,6 +85,21 @@ TEST(AtSize, ClampsLiftTheTowelOffTheGroundAndShakeIt) {
   EXPECT_LT(errorsOf(motion, {"line_xpbd", 40, 0, 0.0}, reference).position, 0.02);
 }
 
+TEST(AtSize, TheSeamTearsAtTheForceOfTheReference) {
+  const Motion motion = seamPull(24);
+  const MotionReference reference = makeReference(motion);
+  const MotionRecord& record = reference.record;
+  EXPECT_GT(record.peakForce, 100.0);
+  EXPECT_GT(record.separation, record.trajectory.times.back()) << "samples end as the tear begins";
+  EXPECT_LT(record.separation, 0.8);
+  const MotionErrors errors = errorsOf(motion, {"line_xpbd", 0, 0, 0.01}, reference);
+  EXPECT_LT(errors.peakForce, 0.05);
+  EXPECT_LT(errors.force, 0.02);
+  EXPECT_LT(errors.strain, 0.01);
+  EXPECT_TRUE(std::isfinite(errors.separation)) << "it comes apart";
+  EXPECT_GT(errorsOf(motion, {"xpbd", 20, 0, 0.0}, reference).peakForce, 0.5) << "is too soft";
+}
+
 TEST(AtSize, TheTableHasAColumnForEachError) {
   std::ostringstream out;
   writeAtSize(out, {AtSizeRow()});
@@ -92,6 +107,7 @@ TEST(AtSize, TheTableHasAColumnForEachError) {
             "scene,particles,method,substeps,iterations,error,ms_per_frame,real_time_factor,"
             "position_error,strain_error,strain_error_999,force_error,energy_error,"
             "rest_strain_error,rest_elastic_error,rest_radius_error,"
+            "peak_force_error,separation_error,"
             "estimated_position,estimated_strain,status");
 }
 

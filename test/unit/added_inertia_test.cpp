@@ -38,9 +38,9 @@ Particles twoParticles() {
   return particles;
 }
 
-ScalarArray wholeAt(double h, bool isQuasiStatic = false) {
+ScalarArray wholeAt(double h) {
   AddedInertia inertia = foundInertia();
-  inertia.setStep(h, isQuasiStatic);
+  inertia.setStep(h);
   inertia.find(twoParticles());
   return inertia.whole();
 }
@@ -55,8 +55,8 @@ TEST(AddedInertia, GrowsWithTheSquareOfLongerSubsteps) {
 TEST(AddedInertia, DoesNotGrowBeyondWhatItWasFoundFor) {
   // A few shorter substeps, as the step guard takes, hardly let it fade.
   AddedInertia inertia = foundInertia();
-  inertia.setStep(1.0 / 9600.0, false);
-  inertia.setStep(1.0 / 2400.0, false);
+  inertia.setStep(1.0 / 9600.0);
+  inertia.setStep(1.0 / 2400.0);
   inertia.find(twoParticles());
   EXPECT_EQ(inertia.whole(), (ScalarArray{3.0 * kMass, kMass}));
 }
@@ -64,12 +64,6 @@ TEST(AddedInertia, DoesNotGrowBeyondWhatItWasFoundFor) {
 TEST(AddedInertia, StaysForShorterSubsteps) {
   EXPECT_EQ(wholeAt(1.0 / 4800.0), (ScalarArray{3.0 * kMass, kMass}));
   EXPECT_EQ(wholeAt(1.0 / 2400.0), (ScalarArray{3.0 * kMass, kMass}));
-}
-
-TEST(AddedInertia, FollowsShorterSubstepsInQuasiStaticMotion) {
-  const ScalarArray whole = wholeAt(1.0 / 3600.0, true);
-  EXPECT_NEAR(whole[0], 3.0 / 2.25 * kMass, 1e-12);
-  EXPECT_EQ(whole[1], kMass);
 }
 
 /// A cloth that is stretched along x, with the inertia for substeps of 1/1200 s.
