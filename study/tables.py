@@ -66,6 +66,13 @@ def short(value):
     return f'{value:.1e}' if 0.0 < abs(value) < 1e-5 else significant(value)
 
 
+def shown_error(row, column):
+    value = float(row[column])
+    if not math.isfinite(value):
+        return '-'
+    return short(100.0 * value) + ' %' if ERRORS[column][1] else short(value)
+
+
 def setting_of(row):
     if float(row['error']) > 0.0:
         return f"`error: {float(row['error']):g}`"
@@ -79,8 +86,7 @@ def errors_table(rows):
     for row in rows:
         is_reference = row['status'] == 'reference'
         name = 'reference' if is_reference else row['method'] if is_peer(row) else f"`{row['method']}`"
-        errors = [short(100.0 * float(row[column])) + ' %' if ERRORS[column][1]
-                  else short(float(row[column])) for column in columns]
+        errors = [shown_error(row, column) for column in columns]
         if row['status'] not in ('ok', 'reference'):
             errors = ['failed'] + [''] * (len(columns) - 1)
         lines.append([name, setting_of(row), significant(float(row['ms_per_frame']), 3)] + errors)

@@ -96,7 +96,8 @@ struct MotionErrors {
   double restStrain = 0.0;   ///< difference of the largest strain [-]
   double restElastic = 0.0;  ///< relative difference of the elastic energy [-]
   double restRadius = 0.0;   ///< difference of the mean distance of the border from the z axis [m]
-  // Of a cloth that tears; NaN for others. The errors above are those until it begins to, then.
+  // Of a cloth that tears; NaN for others. The errors above are those until it begins to, and NaN
+  // if it does so long before the reference.
   double peakForce = 0.0;   ///< relative difference of the peak force [-]
   double separation = 0.0;  ///< difference of the times at which the cloth comes apart [s]
 };

@@ -98,6 +98,9 @@ TEST(AtSize, TheSeamTearsAtTheForceOfTheReference) {
   EXPECT_LT(errors.strain, 0.01);
   EXPECT_TRUE(std::isfinite(errors.separation)) << "it comes apart";
   EXPECT_GT(errorsOf(motion, {"xpbd", 20, 0, 0.0}, reference).peakForce, 0.5) << "is too soft";
+  MotionRecord early = record;
+  early.samples.resize(2);
+  EXPECT_TRUE(std::isnan(compareMotions(motion, early, record).position)) << "it tears too early";
 }
 
 TEST(AtSize, TheTableHasAColumnForEachError) {
