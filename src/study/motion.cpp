@@ -132,11 +132,12 @@ Motion seamPull(int n) {
   constexpr double kNotch = 0.09;  // length [m]
   constexpr double kRatio = 1.2;   // of springs that fail
   Scene& scene = motion.scene;
-  const ClothSpec& cloth = scene.cloths[0];
-  scene.cloths[0].pose.position.z() = 1e-3;
+  ClothSpec& cloth = scene.cloths[0];
+  cloth.pose.position.z() = 1e-3;
   scene.obstacles = {obstacle("table", PlaneShape(), Vec3::Zero())};
   scene.clamps = {sideClamp("left", cloth, false), sideClamp("right", cloth, true)};
-  const double middle = cloth.width * (n / 2 - 0.5) / (n - 1);  // between two columns
+  const int left = n / 2 - 1;  // the column beside the seam
+  const double middle = cloth.width * (left + 0.5) / (n - 1);
   scene.tearing.enabled = true;
   scene.tearing.ratio.fill(kRatio);
   scene.tearing.seam = Seam{{Vec2(middle, 0.0), Vec2(middle, cloth.height)}, 0.0};
