@@ -44,6 +44,7 @@ struct AddedInertia::Kernel {
   static constexpr double kMemory = 0.0275;
   /// The values of `kTolerance` and `kMost` while motion is declared to be quasi-static.
   static constexpr double kQuasiStaticTolerance = 0.01;
+  static constexpr double kLayersTolerance = 0.002;  ///< where layers may touch
   static constexpr double kQuasiStaticMost = 1e4;
   /// Time over which inertia is averaged then [s].
   static constexpr double kQuasiStaticMemory = 0.02;
@@ -124,11 +125,10 @@ struct AddedInertia::Kernel {
     }
   }
   CLOTH_SIM_VECTOR_CLONES
-  static void updateQuasiStatic(double rate, Arrays m, std::size_t count) {
+  static void updateQuasiStatic(double rate, double tolerance, Arrays m, std::size_t count) {
     CLOTH_SIM_NO_ALIAS_LOOP
     for (std::size_t k = 0; k < count; ++k) {
-      const double needed =
-          greater(neededAt(m, k, kQuasiStaticTolerance, kQuasiStaticMost), m.least[k]);
+      const double needed = greater(neededAt(m, k, tolerance, kQuasiStaticMost), m.least[k]);
       const double before = greater(m.inertia[k], m.mass[k]);
       const double after = before + rate * (needed - before);
       m.inertia[k] = m.inverse[k] == 0.0 ? m.inertia[k] : after;
@@ -223,11 +223,13 @@ void AddedInertia::update(double h, double duration, const Particles& p,
   });
 }
 
-void AddedInertia::updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled) {
+void AddedInertia::updateQuasiStatic(double h, bool hasLayers, const Particles& p,
+                                     const ScalarArray& cancelled) {
+  const double tolerance = hasLayers ? Kernel::kLayersTolerance : Kernel::kQuasiStaticTolerance;
   const double fade = std::exp(-h / Kernel::kQuasiStaticMemory), rate = 1.0 - fade;
   step_ = std::max(h, std::sqrt(fade) * step_);
   forParts(inverse_.size(), [&](std::size_t first, std::size_t count) {
-    Kernel::updateQuasiStatic(rate, Kernel::arraysAt(*this, p, cancelled, first), count);
+    Kernel::updateQuasiStatic(rate, tolerance, Kernel::arraysAt(*this, p, cancelled, first), count);
   });
 }
 

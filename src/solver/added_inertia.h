@@ -42,8 +42,11 @@ class AddedInertia {
   void update(double h, double duration, const Particles& p, const ScalarArray& cancelled);
   /// The same, while motion is quasi-static: inertia may resist it, and has the bound of tight
   /// threads.
-  /// \param h  length of the substep, and time since the last update [s].
-  void updateQuasiStatic(double h, const Particles& p, const ScalarArray& cancelled);
+  /// \param h          length of the substep, and time since the last update [s].
+  /// \param hasLayers  whether layers may touch: what they displace in vain is not in `cancelled`,
+  ///                   so that more inertia is needed.
+  void updateQuasiStatic(double h, bool hasLayers, const Particles& p,
+                         const ScalarArray& cancelled);
   /// Returns what is added to all particles, over their mass [-].
   double addedFraction(const Particles& p) const;
   /// The largest displacement in vain of a free particle over its shortest spring [-].

@@ -198,7 +198,8 @@ void LineXpbd::projectContacts(Substep& now) {
 
 void LineXpbd::updateInertia(const Substep& now) {
   if (now.controls.quasiStatic) {
-    inertia_.updateQuasiStatic(now.h, now.particles, cancelled_);
+    const bool hasLayers = now.contacts.layers != nullptr;
+    inertia_.updateQuasiStatic(now.h, hasLayers, now.particles, cancelled_);
   } else {
     inertia_.update(now.h, kMeasureEvery * now.h, now.particles, cancelled_);
   }
