@@ -27,32 +27,34 @@ Obstacle obstacle(const std::string& name, const Shape& shape, const Vec3& posit
   return result;
 }
 
-/// A clamp at a corner of the upper edge, open around it, that grasps 5 cm of the cloth.
-ClampSpec cornerClamp(const std::string& name, const ClothSpec& cloth, bool right) {
-  const int reach = std::max(1, cloth.columns / 32);
+/// A clamp that is open around its patch. \param place  relative to the middle of the cloth [m].
+ClampSpec openClamp(const std::string& name, const ClampPatch& patch, const ClothSpec& cloth,
+                    const Vec3& place) {
   ClampSpec clamp;
   clamp.name = name;
-  clamp.patch = ClampPatch{right ? cloth.columns - 1 : 0, cloth.rows - 1, reach, 0};
-  clamp.pose.position = cloth.pose.position + Vec3(right ? 0.5 : -0.5, 0.5, 0.0);
+  clamp.patch = patch;
+  clamp.pose.position = cloth.pose.position + place;
   clamp.gapOpen = 0.03;
   clamp.closingSpeed = 1.0;
+  return clamp;
+}
+
+/// A clamp at a corner of the upper edge that grasps 5 cm of the cloth.
+ClampSpec cornerClamp(const std::string& name, const ClothSpec& cloth, bool right) {
+  const int reach = std::max(1, cloth.columns / 32);
+  const ClampPatch patch{right ? cloth.columns - 1 : 0, cloth.rows - 1, reach, 0};
+  ClampSpec clamp = openClamp(name, patch, cloth, Vec3(right ? 0.5 : -0.5, 0.5, 0.0));
   clamp.maxLinearSpeed = 2.0;
   clamp.maxLinearAcceleration = 20.0;
   return clamp;
 }
 
-/// A clamp at the middle of a side, open around it, that grasps 4 cm of the cloth.
+/// A clamp at the middle of a side that grasps 4 cm of the cloth.
 ClampSpec sideClamp(const std::string& name, const ClothSpec& cloth, bool right) {
   const int reach = std::max(1, cloth.columns / 40);
   const int column = right ? cloth.columns - 1 - reach : reach;
-  ClampSpec clamp;
-  clamp.name = name;
-  clamp.patch = ClampPatch{column, cloth.rows / 2, reach, 0};
-  clamp.pose.position = cloth.pose.position;
-  clamp.pose.position.x() += cloth.width * (column / (cloth.columns - 1.0) - 0.5);
-  clamp.gapOpen = 0.03;
-  clamp.closingSpeed = 1.0;
-  return clamp;
+  const double x = cloth.width * (column / (cloth.columns - 1.0) - 0.5);
+  return openClamp(name, ClampPatch{column, cloth.rows / 2, reach, 0}, cloth, Vec3(x, 0.0, 0.0));
 }
 
 /// A phase that moves the clamps for a time, wherever they are at its end; they grasp if they do

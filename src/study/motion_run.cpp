@@ -128,7 +128,6 @@ std::unique_ptr<MovingCloth> movingCloth(const Motion& motion, const MotionSetti
 MotionRun::MotionRun(const Motion& motion, std::unique_ptr<MovingCloth> cloth)
     : cloth_(std::move(cloth)),
       gravity_(motion.scene.gravity),
-      tears_(motion.tears),
       dt_(motion.scene.solver.dt),
       steps_(static_cast<int>(std::lround(motion.duration / dt_))) {
   record_.grid = *cloth_->model().cloths[0].grid;
@@ -150,10 +149,6 @@ void MotionRun::step() {
   record_.cost = cpuTime_ / ++done_;
   record_.failure = cloth_->failure();
   record_.estimate = cloth_->estimate();
-  if (tears_) followTear();
-}
-
-void MotionRun::followTear() {
   record_.peakForce = std::max(record_.peakForce, cloth_->holdingForce().norm());
   if (record_.separation == 0.0 && cloth_->pieces() > 1) record_.separation = done_ * dt_;
 }

@@ -70,11 +70,9 @@ class MotionRun {
  private:
   void step();
   void sample();
-  void followTear();
 
   std::unique_ptr<MovingCloth> cloth_;
   Vec3 gravity_;
-  bool tears_;
   double dt_;
   int steps_;
   int done_ = 0;
