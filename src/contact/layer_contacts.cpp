@@ -62,15 +62,14 @@ LayerContacts::Layers LayerContacts::layersOf(const Contact& contact) const {
   return {0.5 * (a.thickness + b.thickness), 0.5 * (a.friction + b.friction)};
 }
 
-void LayerContacts::assign(const std::vector<FaceIds>& near, const SearchBoxes& boxes) {
+void LayerContacts::assign(const NearFaces& near) {
   // The contacts of the last substep stay, for whoever asks, until the next one refreshes them.
   candidates_.clear();
-  extend(near, 0, Renewed(), boxes);
+  extend(near, 0, Renewed());
 }
 
-void LayerContacts::extend(const std::vector<FaceIds>& near, std::size_t known,
-                           const Renewed& moved, const SearchBoxes& boxes) {
-  candidates_.extend(near, known, moved, boxes);
+void LayerContacts::extend(const NearFaces& near, std::size_t known, const Renewed& moved) {
+  candidates_.extend(near, known, moved);
 }
 
 /// Tells whether closest points can carry a contact.
@@ -164,14 +163,10 @@ bool LayerContacts::isListed(std::size_t first, std::size_t at) const {
   return false;
 }
 
-void LayerContacts::project(const SubstepMotion& motion, double h) {
+void LayerContacts::project(const SubstepMotion& motion, double h, const NearFaces& near) {
   active_ = 0;
   substep_ = h;
-  if (candidates_.empty()) {
-    touching_.clear();
-    return;
-  }
-  if (candidates_.follow(motion)) listContacts(motion.start);
+  if (candidates_.follow(motion, near)) listContacts(motion.start);
   for (const VertexId v : motion.vertices) {
     inverseMass_[v] = motion.mass[v] > 0.0 ? 1.0 / motion.mass[v] : 0.0;
   }

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "cloth_sim/contact/layers.h"
 #include "layer_candidates.h"
 
 namespace cloth_sim {
@@ -22,15 +23,14 @@ class LayerContacts {
   void build(const Model& model, const std::vector<LayerProperties>& byCloth);
   void clear();
   /// Lists what can come into contact, from pairs of faces near each other.
-  void assign(const std::vector<FaceIds>& near, const SearchBoxes& boxes);
+  void assign(const NearFaces& near);
   /// Follows a search around a part of the cloth.
-  /// \param near   all pairs.
-  /// \param known  number of those that have been listed; the others are new.
+  /// \param known  number of pairs that have been listed; the others are new.
   /// \param moved  vertices with new boxes, and faces with such corners.
-  void extend(const std::vector<FaceIds>& near, std::size_t known, const Renewed& moved,
-              const SearchBoxes& boxes);
+  void extend(const NearFaces& near, std::size_t known, const Renewed& moved);
   /// Moves vertices apart that are nearer than the thickness at the end of the substep.
-  void project(const SubstepMotion& motion, double h);
+  /// \param near  that was listed last.
+  void project(const SubstepMotion& motion, double h, const NearFaces& near);
   /// Takes up what is left of the load, layer by layer away from what supports the cloth, with
   /// layers that are supported at rest (shock propagation: Guendelman et al. 2003). Without it a
   /// stack sinks into itself and creeps on slopes, because sweeps carry a load by one layer each.

@@ -176,7 +176,7 @@ void NearLayers::search() {
   listed_ = 0;
   std::fill(isListed_.begin(), isListed_.end(), 0);
   pairs_.assign(search_.near(), faces_, kLeastShare * 2.0 * margin_);
-  contacts_.assign(search_.near(), search_.boxes());
+  contacts_.assign(nearFaces());
   isFresh_ = true;
   ++report_.detections;
 }
@@ -189,7 +189,7 @@ bool NearLayers::searchAroundLeft(const ParticleView& particles) {
   if (!isFresh_ || !search_.allowance().renewLeft(particles, few, most_)) return false;
   search_.findAround();
   pairs_.append(search_.near(), known);
-  contacts_.extend(search_.near(), known, search_.allowance().renewed(), search_.boxes());
+  contacts_.extend(nearFaces(), known, search_.allowance().renewed());
   return true;
 }
 
@@ -218,7 +218,7 @@ void NearLayers::project(const ParticleView& particles, double h) {
   if (!(farthestMotion() <= most_)) return;
   if (!isFresh_) searchAll(particles);
   if (pairs_.count() == 0) return;
-  contacts_.project(motion(), h);
+  contacts_.project(motion(), h, nearFaces());
   report_.contacts = contacts_.active();
   storePushed(particles);
 }

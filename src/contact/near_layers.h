@@ -49,6 +49,7 @@ class NearLayers {
   double farthestMotion();
   void giveUp(const ParticleView& particles);
   void stop(const ParticleView& particles);
+  NearFaces nearFaces() const { return {search_.near(), pairs_.faces(), search_.boxes()}; }
   SubstepMotion motion() { return {start_, end_, mass_, vertices_}; }
   bool isHeldBack(std::size_t v) const { return truncated_[v] != 0 && mass_[v] == 0.0; }
   void search();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "threads/parallel_for.h"
+
 namespace cloth_sim {
 namespace {
 
@@ -27,33 +29,47 @@ void Ridges::build(const TriangleMesh& mesh) {
       if (other != kNone && other < f) continue;
       const VertexId beyond = other == kNone ? kNone : mesh.oppositeVertex(other, a, b);
       ownedBy_[f][k] = static_cast<EdgeId>(edges_.size());
-      edges_.push_back({{a, b}, {face[(k + 2) % 3], beyond}});
+      edges_.push_back({{a, b}, {face[(k + 2) % 3], beyond}, f});
     }
   }
   count_ = 0;
   loadedFor_.assign(static_cast<std::size_t>(mesh.vertexCount()), count_);
   watched_.clear();
-  state_.assign(edges_.size(), kUnwatched);
+  risen_.clear();
+  isFolded_.assign(edges_.size(), 0);
+  past_.assign(edges_.size(), Past::kUnwatched);
 }
 
-void Ridges::watch(EdgeId edge) {
-  if (state_[edge] != kUnwatched) return;
-  state_[edge] = kFolded;
-  watched_.push_back(edge);
+void Ridges::watch(FaceId face) {
+  for (const EdgeId edge : ownedBy_[face]) {
+    if (edge == kNone || past_[edge] != Past::kUnwatched) continue;
+    past_[edge] = Past::kFlat;
+    watched_.push_back(edge);
+  }
 }
 
 void Ridges::clear() {
-  for (const EdgeId edge : watched_) state_[edge] = kUnwatched;
+  for (const EdgeId edge : watched_) past_[edge] = Past::kUnwatched;
   watched_.clear();
+  risen_.clear();
 }
 
 void Ridges::follow(const SubstepMotion& motion, const std::vector<double>& halfThickness,
                     double ahead) {
+  constexpr std::int32_t kGrain = 2048;
   ++count_;
   for (const VertexId v : motion.vertices) loadedFor_[v] = count_;
-  for (const EdgeId edge : watched_) {
+  parallelForEach(watched_.size(), kGrain, [&](std::int32_t n) {
+    const EdgeId edge = watched_[n];
     const double slack = kFlatShare * 2.0 * halfThickness[edges_[edge].end[0]];
-    state_[edge] = staysFlat(edges_[edge], motion, slack, ahead) ? kFlat : kFolded;
+    isFolded_[edge] = staysFlat(edges_[edge], motion, slack, ahead) ? 0 : 1;
+  });
+  for (const EdgeId edge : risen_) past_[edge] = Past::kRidge;
+  risen_.clear();
+  for (const EdgeId edge : watched_) {
+    if (past_[edge] != Past::kFlat || !isFolded(edge)) continue;
+    past_[edge] = Past::kRisen;
+    risen_.push_back(edge);
   }
 }
 

@@ -19,6 +19,7 @@ class Ridges {
   struct Edge {
     std::array<VertexId, 2> end{};
     std::array<VertexId, 2> wing{};  ///< opposite corners of the faces beside it; kNone: no face
+    FaceId owner = kNone;            ///< its first face
   };
 
   /// Two faces count as flat if the corner of one is off the plane of the other by no more than
@@ -31,8 +32,8 @@ class Ridges {
   const Edge& operator[](EdgeId edge) const { return edges_[edge]; }
   /// The edges that `face` is the first face of; kNone in place of others.
   const std::array<EdgeId, 3>& ownedBy(FaceId face) const { return ownedBy_[face]; }
-  /// Has an edge followed.
-  void watch(EdgeId edge);
+  /// Has the edges followed that a face owns.
+  void watch(FaceId face);
   /// Follows no edge any more.
   void clear();
   /// Finds along which edges the cloth may be folded soon.
@@ -41,10 +42,21 @@ class Ridges {
   void follow(const SubstepMotion& motion, const std::vector<double>& halfThickness, double ahead);
   /// Tells whether the cloth may be folded along an edge that is followed: not if both faces beside
   /// it were loaded, and are flat.
-  bool isFolded(EdgeId edge) const { return state_[edge] != kFlat; }
+  bool isFolded(EdgeId edge) const { return isFolded_[edge] != 0; }
+  /// Edges along which it may be, for the first time since they are followed.
+  const std::vector<EdgeId>& risen() const { return risen_; }
+  bool isRisen(EdgeId edge) const { return past_[edge] == Past::kRisen; }
+  /// Tells whether it may be now, or might have been since the edge is followed.
+  bool isRidge(EdgeId edge) const { return past_[edge] >= Past::kRisen; }
 
  private:
-  enum State : std::uint8_t { kUnwatched, kFolded, kFlat };
+  /// The course of an edge so far.
+  enum class Past : std::uint8_t {
+    kUnwatched,
+    kFlat,   ///< whenever it was looked at
+    kRisen,  ///< until the last time, when it might be folded
+    kRidge,  ///< until some time before
+  };
 
   bool isLoaded(VertexId v) const { return v != kNone && loadedFor_[v] == count_; }
   bool staysFlat(const Edge& edge, const SubstepMotion& motion, double slack, double ahead) const;
@@ -52,7 +64,9 @@ class Ridges {
   std::vector<Edge> edges_;                     ///< by their first face
   std::vector<std::array<EdgeId, 3>> ownedBy_;  ///< by face
   std::vector<EdgeId> watched_;
-  std::vector<State> state_;              ///< by edge
+  std::vector<std::uint8_t> isFolded_;    ///< by edge
+  std::vector<Past> past_;                ///< by edge
+  std::vector<EdgeId> risen_;             ///< edges with the past kRisen
   std::vector<std::uint32_t> loadedFor_;  ///< by vertex: the last time that it was followed
   std::uint32_t count_ = 0;               ///< of the times that it was
 };

@@ -42,10 +42,13 @@ TEST(LayerContacts, APushThrowsNoLightVertexBesideAHeldOne) {
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (const VertexId v : model.mesh.faces()[f]) faces[f].add(corners[v]);
   }
-  contacts.assign({{0, last}}, {corners, faces});
+  const std::vector<FaceIds> pairs{{0, last}};
+  const std::vector<FaceId> paired{0, last};
+  const NearFaces near{pairs, paired, {corners, faces}};
+  contacts.assign(near);
   std::vector<VertexId> all(start.size());
   std::iota(all.begin(), all.end(), 0);
-  contacts.project({start, end, mass, all}, 1e-3);
+  contacts.project({start, end, mass, all}, 1e-3, near);
   EXPECT_GT(contacts.active(), 0);
   EXPECT_LT((end[below[1]] - start[below[1]]).norm(), 0.02);
 }

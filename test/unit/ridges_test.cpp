@@ -35,10 +35,9 @@ class FollowedEdges : public testing::Test {
     halfThickness_.assign(start_.size(), 0.5 * kThickness);
     ridges_.build(model_.mesh);
     for (FaceId f = 0; f < model_.mesh.faceCount(); ++f) {
+      ridges_.watch(f);
       for (const Ridges::EdgeId e : ridges_.ownedBy(f)) {
-        if (e == kNone) continue;
-        ridges_.watch(e);
-        edges_.push_back(e);
+        if (e != kNone) edges_.push_back(e);
       }
     }
   }
@@ -104,6 +103,26 @@ TEST_F(FollowedEdges, WhatWillSoonBeFoldedCounts) {
   end_[kMiddle].z() = 0.9 * kSlack;  // still flat at the end of the substep
   follow();
   EXPECT_EQ(foldedInside(), edgesThatMiddleFolds());
+}
+
+TEST_F(FollowedEdges, AnEdgeRisesOnceAndStaysARidge) {
+  follow();
+  const std::size_t border = ridges_.risen().size();
+  EXPECT_EQ(border, 16U) << "which counts as folded";
+  start_[kMiddle].z() = end_[kMiddle].z() = 10.0 * kSlack;
+  follow();
+  EXPECT_EQ(static_cast<int>(ridges_.risen().size()), edgesThatMiddleFolds());
+  for (const Ridges::EdgeId e : ridges_.risen()) EXPECT_TRUE(ridges_.isRisen(e));
+  follow();
+  EXPECT_TRUE(ridges_.risen().empty());
+  start_[kMiddle].z() = end_[kMiddle].z() = 0.0;
+  follow();
+  EXPECT_EQ(foldedInside(), 0);
+  int ridges = 0;
+  for (const Ridges::EdgeId e : edges_) ridges += ridges_.isRidge(e) ? 1 : 0;
+  EXPECT_EQ(ridges, static_cast<int>(border) + edgesThatMiddleFolds());
+  ridges_.clear();
+  for (const Ridges::EdgeId e : edges_) EXPECT_FALSE(ridges_.isRidge(e));
 }
 
 TEST_F(FollowedEdges, MotionInCommonFoldsNothing) {
