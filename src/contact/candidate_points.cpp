@@ -4,7 +4,6 @@
 
 #include "closest_lanes.h"
 #include "support/vector_clones.h"
-#include "threads/parallel_for.h"
 
 namespace cloth_sim {
 namespace {
@@ -13,8 +12,6 @@ namespace {
 constexpr double kNever = 1e300;
 /// Candidates that are looked at together: a multiple of the lanes.
 constexpr std::int32_t kLaneBlock = 256;
-/// Blocks of candidates that a thread takes at a time.
-constexpr std::size_t kBlocksOfPart = 16;
 
 /// Consecutive candidates, `count` of them, of the same kind.
 struct CandidateBlock {
@@ -134,19 +131,30 @@ ClosestPoints pointsOf(const BlockPoints& points, std::size_t at) {
   return closest;
 }
 
-/// Appends the closest points of a block that may touch before the next time.
+/// Appends the closest points of the candidates that may touch before the next time.
 template <typename Kind>
-void appendFound(const CandidateBlock& block, const CandidateMotion& motion, const Kind& kind,
-                 std::vector<ClosestPoints>& found) {
+void findDue(CandidateList& list, const CandidateMotion& motion, const Kind& kind,
+             std::vector<ClosestPoints>& found) {
+  // The last group of lanes is filled up with the last candidate.
+  const std::size_t count = list.due.size();
+  while (list.ids.size() % kLanes != 0) list.ids.push_back(list.ids.back());
+  list.due.resize(list.ids.size(), kNever);
   BlockPoints points;
-  findInBlock(block, motion, kind, points);
-  for (std::int32_t k = 0; k < block.count; ++k) {
-    if (points.isDue[k] == 0) continue;
-    ClosestPoints closest = pointsOf(points, static_cast<std::size_t>(k));
-    closest.v = kind.cornersOf(block.ids[k]);
-    closest.face = Kind::faceOf(block.ids[k]);
-    if (Kind::counts(closest)) found.push_back(closest);
+  for (std::size_t first = 0; first < count; first += kLaneBlock) {
+    const std::size_t last = std::min<std::size_t>(count, first + kLaneBlock);
+    findInBlock(
+        {list.ids.data() + first, list.due.data() + first, static_cast<std::int32_t>(last - first)},
+        motion, kind, points);
+    for (std::size_t k = first; k < last; ++k) {
+      if (points.isDue[k - first] == 0) continue;
+      ClosestPoints closest = pointsOf(points, k - first);
+      closest.v = kind.cornersOf(list.ids[k]);
+      closest.face = Kind::faceOf(list.ids[k]);
+      if (Kind::counts(closest)) found.push_back(closest);
+    }
   }
+  list.ids.resize(count);
+  list.due.resize(count);
 }
 
 }  // namespace
@@ -156,46 +164,19 @@ void CandidateList::clear() {
   due.clear();
 }
 
-void CandidateList::append(const std::vector<CandidateIds>& more) {
-  ids.insert(ids.end(), more.begin(), more.end());
-  due.resize(ids.size(), -kNever);
+void CandidateList::add(const CandidateIds& candidate) {
+  ids.push_back(candidate);
+  due.push_back(-kNever);
 }
 
-template <typename Kind>
-void CandidatePoints::find(CandidateList& list, const CandidateMotion& motion, const Kind& kind,
-                           std::vector<ClosestPoints>& found) {
-  constexpr std::size_t kPart = kBlocksOfPart * kLaneBlock;
-  // The last group of lanes is filled up with the last candidate.
-  const std::size_t count = list.due.size();
-  while (list.ids.size() % kLanes != 0) list.ids.push_back(list.ids.back());
-  list.due.resize(list.ids.size(), kNever);
-  const std::size_t parts = (count + kPart - 1) / kPart;
-  parts_.resize(std::max(parts_.size(), parts));
-  parallelForEach(parts, [&](std::size_t part) {
-    parts_[part].clear();
-    const std::size_t end = std::min(count, (part + 1) * kPart);
-    for (std::size_t first = part * kPart; first < end; first += kLaneBlock) {
-      const auto size = static_cast<std::int32_t>(std::min<std::size_t>(kLaneBlock, end - first));
-      appendFound({list.ids.data() + first, list.due.data() + first, size}, motion, kind,
-                  parts_[part]);
-    }
-  });
-  for (std::size_t part = 0; part < parts; ++part) {
-    found.insert(found.end(), parts_[part].begin(), parts_[part].end());
-  }
-  list.ids.resize(count);
-  list.due.resize(count);
+void findClosest(CandidateList& list, const CandidateMotion& motion,
+                 const std::vector<Face>& corners, std::vector<ClosestPoints>& found) {
+  findDue(list, motion, FaceKind{corners}, found);
 }
 
-void CandidatePoints::findFaces(CandidateList& list, const CandidateMotion& motion,
-                                const std::vector<Face>& corners,
-                                std::vector<ClosestPoints>& found) {
-  find(list, motion, FaceKind{corners}, found);
-}
-
-void CandidatePoints::findEdges(CandidateList& list, const CandidateMotion& motion,
-                                const Ridges& ridges, std::vector<ClosestPoints>& found) {
-  find(list, motion, EdgeKind{ridges}, found);
+void findClosest(CandidateList& list, const CandidateMotion& motion, const Ridges& ridges,
+                 std::vector<ClosestPoints>& found) {
+  findDue(list, motion, EdgeKind{ridges}, found);
 }
 
 }  // namespace cloth_sim

@@ -34,8 +34,8 @@ struct CandidateList {
   std::vector<double> due;  ///< sum of the travel of their vertices from which they may touch [m]
 
   void clear();
-  /// Appends candidates, which are due.
-  void append(const std::vector<CandidateIds>& more);
+  /// Appends a candidate, which is due.
+  void add(const CandidateIds& candidate);
 };
 
 /// Motion of the vertices of candidates.
@@ -47,23 +47,13 @@ struct CandidateMotion {
   double farthest;              ///< largest outlook [m]
 };
 
-/// Finds the closest points of the candidates that are due, and when they are due again.
-class CandidatePoints {
- public:
-  /// Appends the closest points of vertices and faces that may touch before the next time.
-  /// \param corners  by face.
-  void findFaces(CandidateList& list, const CandidateMotion& motion,
+/// Finds the closest points of the vertices and faces that are due, and when they are due again;
+/// appends those that may touch before the next time.
+/// \param corners  by face.
+void findClosest(CandidateList& list, const CandidateMotion& motion,
                  const std::vector<Face>& corners, std::vector<ClosestPoints>& found);
-  /// Appends those of edges along one of which the cloth may be folded.
-  void findEdges(CandidateList& list, const CandidateMotion& motion, const Ridges& ridges,
+/// The same for edges along one of which the cloth may be folded.
+void findClosest(CandidateList& list, const CandidateMotion& motion, const Ridges& ridges,
                  std::vector<ClosestPoints>& found);
-
- private:
-  template <typename Kind>
-  void find(CandidateList& list, const CandidateMotion& motion, const Kind& kind,
-            std::vector<ClosestPoints>& found);
-
-  std::vector<std::vector<ClosestPoints>> parts_;  ///< scratch: by part of the list
-};
 
 }  // namespace cloth_sim

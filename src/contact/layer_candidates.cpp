@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "threads/parallel_for.h"
-
 namespace cloth_sim {
 namespace {
 
@@ -14,8 +12,6 @@ constexpr int kFindEvery = 6;
 constexpr double kAhead = 1.5 * kFindEvery;
 /// The same of a vertex at rest [m].
 constexpr double kLeastAhead = 2.5e-5;
-/// Pairs of faces that a thread takes at a time.
-constexpr std::size_t kPairsOfPart = 4096;
 
 /// Motion that vertices have in common, which brings nothing together [m]: their mean, or none if
 /// most are at rest.
@@ -63,38 +59,18 @@ void LayerCandidates::clear() {
   sinceFound_ = 0;
 }
 
-/// Lists candidates of the pairs of faces [first, last). \param listOf  adds those of a pair, by
-/// its number.
-template <typename ListOf>
-void LayerCandidates::listPairs(std::size_t first, std::size_t last, const ListOf& listOf) {
-  const std::size_t parts = (last - first + kPairsOfPart - 1) / kPairsOfPart;
-  parts_.resize(std::max(parts_.size(), parts));
-  parallelForEach(parts, [&](std::size_t n) {
-    Part& part = parts_[n];
-    part.faces.clear();
-    part.edges.clear();
-    const std::size_t begin = first + n * kPairsOfPart;
-    for (std::size_t k = begin; k < std::min(last, begin + kPairsOfPart); ++k) listOf(k, part);
-  });
-  for (std::size_t n = 0; n < parts; ++n) {
-    faces_.append(parts_[n].faces);
-    edges_.append(parts_[n].edges);
-  }
-}
-
 /// Lists the vertices of each of two faces near the other one. A vertex takes part as a corner of
 /// its first face, so no candidate is listed twice.
 /// \param isMissing  by the four vertices of a candidate.
 template <typename IsMissing>
 void LayerCandidates::listVertices(const FaceIds& ids, const SearchBoxes& boxes,
-                                   const IsMissing& isMissing,
-                                   std::vector<CandidateIds>& list) const {
+                                   const IsMissing& isMissing) {
   const auto listCorners = [&](FaceId from, FaceId to) {
     const Face& face = corners_[to];
     const QuickBox& box = boxes.faces[to];
     for (const VertexId p : corners_[from]) {
       if (firstFace_[p] != from || contains(face, p) || !box.meets(boxes.corners[p])) continue;
-      if (isMissing({p, face[0], face[1], face[2]})) list.push_back({p, to});
+      if (isMissing({p, face[0], face[1], face[2]})) faces_.add({p, to});
     }
   };
   listCorners(ids.first, ids.second);
@@ -105,7 +81,7 @@ void LayerCandidates::listVertices(const FaceIds& ids, const SearchBoxes& boxes,
 /// \param isMissing  by two edges.
 template <typename IsMissing>
 void LayerCandidates::listEdges(const FaceIds& ids, const SearchBoxes& boxes,
-                                const IsMissing& isMissing, std::vector<CandidateIds>& list) const {
+                                const IsMissing& isMissing) {
   const auto boxOf = [&](const std::array<VertexId, 2>& end) {
     QuickBox box = boxes.corners[end[0]];
     box.add(boxes.corners[end[1]]);
@@ -117,7 +93,7 @@ void LayerCandidates::listEdges(const FaceIds& ids, const SearchBoxes& boxes,
       const std::array<VertexId, 2>& a = ridges_[first].end;
       const std::array<VertexId, 2>& b = ridges_[second].end;
       if (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1]) continue;
-      if (boxOf(a).meets(boxOf(b))) list.push_back({first, second});
+      if (boxOf(a).meets(boxOf(b))) edges_.add({first, second});
     }
   }
 }
@@ -129,10 +105,10 @@ void LayerCandidates::extend(const NearFaces& near, std::size_t known, const Ren
   const auto isAtRidge = [this](Ridges::EdgeId a, Ridges::EdgeId b) {
     return ridges_.isRidge(a) || ridges_.isRidge(b);
   };
-  listPairs(known, near.pairs.size(), [&](std::size_t k, Part& part) {
-    listVertices(near.pairs[k], near.boxes, isAny, part.faces);
-    listEdges(near.pairs[k], near.boxes, isAtRidge, part.edges);
-  });
+  for (std::size_t k = known; k < near.pairs.size(); ++k) {
+    listVertices(near.pairs[k], near.boxes, isAny);
+    listEdges(near.pairs[k], near.boxes, isAtRidge);
+  }
 }
 
 /// Lists candidates of known pairs which have a vertex with a new box: it may meet others.
@@ -149,11 +125,11 @@ void LayerCandidates::listMoved(const NearFaces& near, std::size_t known, const 
     const std::array<VertexId, 2>& second = ridges_[b].end;
     return isMoved(first[0]) || isMoved(first[1]) || isMoved(second[0]) || isMoved(second[1]);
   };
-  listPairs(0, known, [&](std::size_t k, Part& part) {
-    if ((isMarked_[near.pairs[k].first] | isMarked_[near.pairs[k].second]) == 0) return;
-    listVertices(near.pairs[k], near.boxes, isVertexMoved, part.faces);
-    listEdges(near.pairs[k], near.boxes, isEdgeMoved, part.edges);
-  });
+  for (std::size_t k = 0; k < known; ++k) {
+    if ((isMarked_[near.pairs[k].first] | isMarked_[near.pairs[k].second]) == 0) continue;
+    listVertices(near.pairs[k], near.boxes, isVertexMoved);
+    listEdges(near.pairs[k], near.boxes, isEdgeMoved);
+  }
   for (const FaceId f : moved.faces) isMarked_[f] = 0;
   for (const VertexId v : moved.vertices) isMoved_[v] = 0;
 }
@@ -168,10 +144,11 @@ void LayerCandidates::listNewRidges(const NearFaces& near) {
         (ridges_.isRidge(a) && !ridges_.isRisen(a)) || (ridges_.isRidge(b) && !ridges_.isRisen(b));
     return isNew && !isKnown;
   };
-  listPairs(0, near.pairs.size(), [&](std::size_t k, Part& part) {
-    if ((isMarked_[near.pairs[k].first] | isMarked_[near.pairs[k].second]) == 0) return;
-    listEdges(near.pairs[k], near.boxes, isMissing, part.edges);
-  });
+  for (const FaceIds& pair : near.pairs) {
+    if ((isMarked_[pair.first] | isMarked_[pair.second]) != 0) {
+      listEdges(pair, near.boxes, isMissing);
+    }
+  }
   for (const Ridges::EdgeId edge : ridges_.risen()) isMarked_[ridges_[edge].owner] = 0;
 }
 
@@ -181,12 +158,12 @@ bool LayerCandidates::follow(const SubstepMotion& motion, const NearFaces& near)
     step_[v] = (motion.end[v] - motion.start[v] - common).norm();
   }
   const bool find = sinceFound_++ % kFindEvery == 0;
-  if (find) findClosest(motion, near);
+  if (find) findTouching(motion, near);
   for (const VertexId v : motion.vertices) travel_[v] += step_[v];
   return find;
 }
 
-void LayerCandidates::findClosest(const SubstepMotion& motion, const NearFaces& near) {
+void LayerCandidates::findTouching(const SubstepMotion& motion, const NearFaces& near) {
   double farthest = 0.0;
   for (const VertexId v : motion.vertices) {
     outlook_[v] = travel_[v] + kAhead * step_[v] + kLeastAhead;
@@ -198,8 +175,8 @@ void LayerCandidates::findClosest(const SubstepMotion& motion, const NearFaces& 
   const CandidateMotion ahead{axesAt(std::as_const(start_), 0), travel_.data(), outlook_.data(),
                               halfThickness_.data(), farthest};
   found_.clear();
-  points_.findFaces(faces_, ahead, corners_, found_);
-  points_.findEdges(edges_, ahead, ridges_, found_);
+  findClosest(faces_, ahead, corners_, found_);
+  findClosest(edges_, ahead, ridges_, found_);
 }
 
 }  // namespace cloth_sim

@@ -40,23 +40,13 @@ class LayerCandidates {
   const std::vector<ClosestPoints>& found() const { return found_; }
 
  private:
-  /// Candidates of consecutive pairs of faces.
-  struct Part {
-    std::vector<CandidateIds> faces;
-    std::vector<CandidateIds> edges;
-  };
-
-  template <typename ListOf>
-  void listPairs(std::size_t first, std::size_t last, const ListOf& listOf);
   template <typename IsMissing>
-  void listVertices(const FaceIds& ids, const SearchBoxes& boxes, const IsMissing& isMissing,
-                    std::vector<CandidateIds>& list) const;
+  void listVertices(const FaceIds& ids, const SearchBoxes& boxes, const IsMissing& isMissing);
   template <typename IsMissing>
-  void listEdges(const FaceIds& ids, const SearchBoxes& boxes, const IsMissing& isMissing,
-                 std::vector<CandidateIds>& list) const;
+  void listEdges(const FaceIds& ids, const SearchBoxes& boxes, const IsMissing& isMissing);
   void listMoved(const NearFaces& near, std::size_t known, const Renewed& moved);
   void listNewRidges(const NearFaces& near);
-  void findClosest(const SubstepMotion& motion, const NearFaces& near);
+  void findTouching(const SubstepMotion& motion, const NearFaces& near);
 
   std::vector<Face> corners_;          ///< by face
   std::vector<double> halfThickness_;  ///< by vertex [m]
@@ -65,14 +55,12 @@ class LayerCandidates {
   std::size_t watched_ = 0;  ///< faces of pairs whose edges are followed
   CandidateList faces_;
   CandidateList edges_;
-  std::vector<Part> parts_;             ///< scratch
   std::vector<std::uint8_t> isMoved_;   ///< scratch: by vertex
   std::vector<std::uint8_t> isMarked_;  ///< scratch: by face
   VectorArray start_;                   ///< scratch: positions, by vertex [m]
   std::vector<double> step_;            ///< how far a vertex moves in the substep, by vertex [m]
   std::vector<double> travel_;          ///< how far it has moved since `clear`, by vertex [m]
   std::vector<double> outlook_;  ///< how far it may have until closest points are found again [m]
-  CandidatePoints points_;
   std::vector<ClosestPoints> found_;
   int sinceFound_ = 0;  ///< substeps
 };

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "threads/parallel_for.h"
-
 namespace cloth_sim {
 namespace {
 
@@ -56,17 +54,13 @@ void Ridges::clear() {
 
 void Ridges::follow(const SubstepMotion& motion, const std::vector<double>& halfThickness,
                     double ahead) {
-  constexpr std::int32_t kGrain = 2048;
   ++count_;
   for (const VertexId v : motion.vertices) loadedFor_[v] = count_;
-  parallelForEach(watched_.size(), kGrain, [&](std::int32_t n) {
-    const EdgeId edge = watched_[n];
-    const double slack = kFlatShare * 2.0 * halfThickness[edges_[edge].end[0]];
-    isFolded_[edge] = staysFlat(edges_[edge], motion, slack, ahead) ? 0 : 1;
-  });
   for (const EdgeId edge : risen_) past_[edge] = Past::kRidge;
   risen_.clear();
   for (const EdgeId edge : watched_) {
+    const double slack = kFlatShare * 2.0 * halfThickness[edges_[edge].end[0]];
+    isFolded_[edge] = staysFlat(edges_[edge], motion, slack, ahead) ? 0 : 1;
     if (past_[edge] != Past::kFlat || !isFolded(edge)) continue;
     past_[edge] = Past::kRisen;
     risen_.push_back(edge);
