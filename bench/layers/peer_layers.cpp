@@ -233,6 +233,9 @@ void measure(const Settings& settings) {
   const std::string size = std::to_string(settings.particles);
   const LayersTask hanging{Start::kHanging, settings.particles};
   printRace("A hanging cloth, " + size + " x " + size, race(hanging, settings), settings);
+  const LayersTask hemmed{Start::kHemmed, settings.particles};
+  printRace("A cloth with a quarter in contact, " + size + " x " + size, race(hemmed, settings),
+            settings);
   std::string growth;
   for (const int n : settings.sizes) {
     const LayersTask folded{Start::kFolded, n};
@@ -257,7 +260,8 @@ int main(int argc, char** argv) {
   using namespace cloth_sim::bench;
   Settings settings;
   CLI::App app{"Measures contact between layers of cloth, beside Bullet: CPU time and memory."};
-  app.add_option("--particles", settings.particles, "along each side of the hanging cloth, even")
+  app.add_option("--particles", settings.particles,
+                 "along each side of the hanging and the hemmed cloth, even")
       ->check(CLI::Range(16, 512))
       ->capture_default_str();
   app.add_option("--sizes", settings.sizes, "particles along each side of folded cloths, even")

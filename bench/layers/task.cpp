@@ -43,10 +43,18 @@ Profile profileAt(int steps, double cell, bool upper) {
   return {along * down + cell * (steps - down), gap + cell - fall * down};
 }
 
-Vec3 foldedAt(int column, int row, int n) {
+/// The first column of the upper layer.
+int foldOf(const LayersTask& task) {
+  const int n = task.particles;
+  return task.start == Start::kHemmed ? n - n / 8 : n / 2;
+}
+
+Vec3 foldedAt(int column, int row, const LayersTask& task) {
+  const int n = task.particles;
   const double cell = kSide / (n - 1);
-  const bool upper = column >= n / 2;
-  const Profile p = profileAt(upper ? column - n / 2 : n / 2 - 1 - column, cell, upper);
+  const int fold = foldOf(task);
+  const bool upper = column >= fold;
+  const Profile p = profileAt(upper ? column - fold : fold - 1 - column, cell, upper);
   return Vec3(-p.across, (row - 0.5 * (n - 1)) * cell, p.height);
 }
 
@@ -93,7 +101,7 @@ std::vector<Vec3> startOf(const LayersTask& task) {
   for (int row = 0; row < n; ++row) {
     for (int column = 0; column < n; ++column) {
       x[vertexOf(task, column, row)] =
-          task.start == Start::kHanging ? hangingAt(column, row, n) : foldedAt(column, row, n);
+          task.start == Start::kHanging ? hangingAt(column, row, n) : foldedAt(column, row, task);
     }
   }
   return x;
@@ -103,10 +111,11 @@ std::vector<double> gapsOf(const LayersTask& task, const std::vector<Vec3>& x) {
   std::vector<double> gaps;
   if (task.start == Start::kHanging) return gaps;
   const int n = task.particles;
+  const int fold = foldOf(task);
   for (int row = 0; row < n; ++row) {
-    for (int column = 0; column < n / 2 - std::max(kRamp, n / 20); ++column) {
-      gaps.push_back(x[vertexOf(task, n - 1 - column, row)].z() -
-                     x[vertexOf(task, column, row)].z());
+    for (int steps = std::max(kRamp, n / 20); fold + steps < n; ++steps) {
+      gaps.push_back(x[vertexOf(task, fold + steps, row)].z() -
+                     x[vertexOf(task, fold - 1 - steps, row)].z());
     }
   }
   return gaps;

@@ -11,6 +11,7 @@ namespace cloth_sim::bench {
 
 enum class Start {
   kHanging,   ///< a cloth hangs from its two upper corners, nowhere near itself
+  kHemmed,    ///< a cloth lies on a table, an eighth of it on the next: a quarter touches itself
   kFolded,    ///< a cloth lies on a table, folded once
   kTwoHalves  ///< its two halves lie there on each other, as two cloths
 };
@@ -30,7 +31,7 @@ Scene sceneOf(const LayersTask& task, bool layers);
 /// stretched along its rows and columns; its layers are a little more than the thickness apart.
 std::vector<Vec3> startOf(const LayersTask& task);
 
-/// The height of each particle of the upper half over its partner in the lower half [m], except
+/// The height of each particle of the upper layer over its partner in the lower one [m], except
 /// within 5 % of the side from the fold and for folded cloths only.
 /// \param x  by vertex [m].
 std::vector<double> gapsOf(const LayersTask& task, const std::vector<Vec3>& x);
