@@ -48,6 +48,7 @@ void ErrorControl::layOut(const Model& model) {
 void ErrorControl::begin(const Particles& particles) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const auto slot = static_cast<std::size_t>(particles.slotOf[kEvery * i]);
+    samples_[i].place = particles.x.at(slot);
     samples_[i].velocity = particles.v.at(slot);
   }
 }
@@ -81,6 +82,10 @@ double ErrorControl::followDrift(const Particles& particles, double h, double du
     it.acceleration = acceleration;
     it.isKnown = true;
     it.drift *= fade;
+    // The mean velocity vanishes where a motion turns; its change does not.
+    const double speed = ((particles.x.at(slot) - it.place) / duration).norm() +
+                         0.5 * duration * acceleration.norm();
+    if (it.drift.squaredNorm() > speed * speed) it.drift *= speed / it.drift.norm();
     it.error = fade * (it.error + duration * it.drift);
     sum += it.error.squaredNorm();
   }

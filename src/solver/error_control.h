@@ -21,7 +21,8 @@ struct ErrorGoal {
 /// (x_{n+1} - 2 x_n + x_{n-1}) / h^2 = a(x_{n+1}). Central differences would be of second order
 /// with a(x_n), so accelerations are wrong by h da/dt, and positions by the double integral of that
 /// over time. It is summed up here for every fourth particle, with a memory of a second. In free
-/// fall and at rest it is zero.
+/// fall and at rest it is zero. A particle that has landed is at rest as well, though gravity no
+/// longer accelerates it: the error of a velocity is never larger than the velocity.
 ///
 /// **Strain.** Lines that are projected one after the other displace a particle in vain where they
 /// bear against each other (see LineProjection::projectAndMeasure). The largest of these
@@ -68,7 +69,8 @@ class ErrorControl {
  private:
   /// Motion and error of a sampled particle.
   struct Sample {
-    Vec3 velocity = Vec3::Zero();      ///< at the start of the part of the step [m/s]
+    Vec3 place = Vec3::Zero();         ///< at the start of the part of the step [m]
+    Vec3 velocity = Vec3::Zero();      ///< there [m/s]
     Vec3 acceleration = Vec3::Zero();  ///< in the last part [m/s^2]
     Vec3 drift = Vec3::Zero();         ///< error of the velocity [m/s]
     Vec3 error = Vec3::Zero();         ///< of the position [m]
