@@ -139,10 +139,8 @@ void LayerCandidates::listNewRidges(const NearFaces& near) {
   if (ridges_.risen().empty()) return;
   for (const Ridges::EdgeId edge : ridges_.risen()) isMarked_[ridges_[edge].owner] = 1;
   const auto isMissing = [this](Ridges::EdgeId a, Ridges::EdgeId b) {
-    const bool isNew = ridges_.isRisen(a) || ridges_.isRisen(b);
-    const bool isKnown =
-        (ridges_.isRidge(a) && !ridges_.isRisen(a)) || (ridges_.isRidge(b) && !ridges_.isRisen(b));
-    return isNew && !isKnown;
+    const bool isKnown = ridges_.isOldRidge(a) || ridges_.isOldRidge(b);
+    return !isKnown && (ridges_.isRisen(a) || ridges_.isRisen(b));
   };
   for (const FaceIds& pair : near.pairs) {
     if ((isMarked_[pair.first] | isMarked_[pair.second]) != 0) {

@@ -46,8 +46,10 @@ class Ridges {
   /// Edges along which it may be, for the first time since they are followed.
   const std::vector<EdgeId>& risen() const { return risen_; }
   bool isRisen(EdgeId edge) const { return past_[edge] == Past::kRisen; }
+  /// Tells whether it might be before the last `follow`.
+  bool isOldRidge(EdgeId edge) const { return past_[edge] == Past::kRidge; }
   /// Tells whether it may be now, or might have been since the edge is followed.
-  bool isRidge(EdgeId edge) const { return past_[edge] >= Past::kRisen; }
+  bool isRidge(EdgeId edge) const { return isRisen(edge) || isOldRidge(edge); }
 
  private:
   /// The course of an edge so far.
