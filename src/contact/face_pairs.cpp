@@ -8,8 +8,10 @@
 namespace cloth_sim {
 namespace {
 
-/// Passes of the certificate: at first vertices slide, after that motion is shortened.
+/// Passes of the certificate: at first vertices slide, then motion is shortened towards that of
+/// zones, and at last towards where it starts, which cannot fail.
 constexpr int kPassesOfSliding = 20;
+constexpr int kPassesOfZones = 40;
 constexpr int kPassesInAll = 60;
 static_assert(kPassesOfFree < kPassesOfSliding);
 
@@ -115,22 +117,44 @@ PairOutcome FacePairs::keepApart(Truncation now) {
   watch_.listDue(listed_);
   for (const std::uint32_t k : listed_) pairAt(k).isFixed = false;
   for (int pass = 0; pass < kPassesInAll; ++pass) {
+    if (pass == kPassesOfZones) freePairs();
     if (pass > 0) listAgain(now);
     now.pass = static_cast<std::uint8_t>(pass + 1);
     findFailing(motion);
     if (failing_.empty()) return outcome;
+    if (pass == 0) startZones(now);
     outcome.changed = true;
     for (const std::uint32_t k : failing_) {
-      FacePair& pair = pairAt(k);
-      const bool areSliding = pass < kPassesOfSliding;
-      if (areSliding && slide(pair, least_, now)) continue;
-      if (!shorten(pair, least_, now)) ++outcome.unproven;
-      // Where others may slide, what stays now may be moved again.
-      pair.isFixed = !areSliding;
+      if (!giveWay(pairAt(k), pass, now)) ++outcome.unproven;
     }
+    if (pass >= kPassesOfSliding && pass < kPassesOfZones) zones_.restoreMomentum(now);
   }
   stop(now);
   return outcome;
+}
+
+void FacePairs::startZones(const Truncation& now) {
+  wanted_.resize(now.motion.end.size());
+  for (const VertexId v : now.motion.vertices) wanted_[v] = now.motion.end[v];
+  zones_.begin(wanted_.size());
+}
+
+/// Pairs that were kept apart within zones are looked at again, as motion is not kept by zones from
+/// now on.
+void FacePairs::freePairs() {
+  for (FacePair& pair : pairs_) pair.isFixed = false;
+}
+
+/// Changes the motion of a pair that would not stay apart.
+/// \return whether it was apart at the start.
+bool FacePairs::giveWay(FacePair& pair, int pass, Truncation now) {
+  if (pass < kPassesOfSliding) {
+    // Where others may slide, what stays now may be moved again.
+    return slide(pair, least_, now) || shorten(pair, least_, now);
+  }
+  if (pass < kPassesOfZones) now.common = zones_.join(pair, wanted_, now);
+  pair.isFixed = true;
+  return shorten(pair, least_, now);
 }
 
 void FacePairs::stop(const Truncation& now) {

@@ -1,8 +1,8 @@
 #pragma once
 /// \file Pairs of faces that are kept apart: the certificate that no two faces intersect.
 
+#include "impact_zones.h"
 #include "pair_watch.h"
-#include "truncation.h"
 
 namespace cloth_sim {
 
@@ -43,6 +43,9 @@ class FacePairs {
   void listAgain(const Truncation& last);
   void indexPairs();
   void findFailing(const SubstepMotion& motion);
+  void startZones(const Truncation& now);
+  void freePairs();
+  bool giveWay(FacePair& pair, int pass, Truncation now);
 
   PairWatch watch_;
   std::vector<std::int32_t> placeOf_;   ///< in `pairs_`, by pair; kNone for most
@@ -54,7 +57,9 @@ class FacePairs {
   std::size_t indexed_ = 0;
   std::vector<double> slack_;           ///< scratch: see `slackOf`, in the order of `listed_` [m]
   std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven, ascending
-  double least_ = 0.0;                  ///< see `assign` [m]
+  std::vector<Vec3> wanted_;            ///< ends before any was changed, by vertex [m]
+  ImpactZones zones_;
+  double least_ = 0.0;  ///< see `assign` [m]
 };
 
 }  // namespace cloth_sim

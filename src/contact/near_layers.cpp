@@ -85,12 +85,18 @@ void NearLayers::forgetPairs() {
 
 void NearLayers::load(const ParticleView& particles) {
   if (std::exchange(mayGoOn_, false) && !goesOn(particles)) forgetPairs();
+  std::fill(supported_.begin(), supported_.end(), 0);
+  loadMotion(particles);
+}
+
+/// Loads both ends of the substep.
+void NearLayers::loadMotion(const ParticleView& particles) {
   for (const VertexId v : vertices_) {
     const std::int32_t k = particles.slot(v);
     start_[v] = particles.startAt(k);
     end_[v] = particles.at(k);
     mass_[v] = particles.mass[k];
-    supported_[v] = mass_[v] == 0.0 ? 1 : 0;
+    if (mass_[v] == 0.0) supported_[v] = 1;
   }
 }
 
@@ -113,14 +119,14 @@ void NearLayers::loadSupported(const ParticleView& particles) {
 /// Loads both ends of the substep of all vertices.
 void NearLayers::loadAll(const ParticleView& particles) {
   vertices_ = all_;
-  load(particles);
+  loadMotion(particles);
 }
 
 /// Loads the vertices of pairs: their ends, and the whole substep of all where there are new ones.
 void NearLayers::loadPairs(const ParticleView& particles) {
   if (vertices_.size() == all_.size() || listed_ < pairs_.faces().size()) {
     listVertices();
-    load(particles);
+    loadMotion(particles);
   } else {
     for (const VertexId v : vertices_) end_[v] = particles.at(particles.slot(v));
   }
@@ -254,7 +260,7 @@ void NearLayers::certify(const ParticleView& particles) {
   constexpr int kMostSearches = 8;
   for (int searches = 0; searches < kMostSearches; ++searches) {
     if (!isAllowed && (searches == 0 || !searchAroundLeft(particles))) searchAll(particles);
-    const PairOutcome outcome = pairs_.keepApart({motion(), truncated_});
+    const PairOutcome outcome = pairs_.keepApart({motion(), truncated_, supported_});
     report_.unproven += outcome.unproven;
     if (outcome.changed) store(particles);
     isAllowed = !outcome.changed || search_.allowance().isKept(particles);
@@ -273,7 +279,7 @@ void NearLayers::certify(const ParticleView& particles) {
 /// Takes all motion of the substep back.
 void NearLayers::stop(const ParticleView& particles) {
   loadAll(particles);
-  pairs_.stop({motion(), truncated_});
+  pairs_.stop({motion(), truncated_, supported_});
   store(particles);
 }
 

@@ -40,6 +40,7 @@ class NearLayers {
  private:
   bool goesOn(const ParticleView& particles) const;
   void forgetPairs();
+  void loadMotion(const ParticleView& particles);
   void loadSupported(const ParticleView& particles);
   void loadAll(const ParticleView& particles);
   void loadPairs(const ParticleView& particles);

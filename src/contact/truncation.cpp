@@ -1,6 +1,7 @@
 #include "truncation.h"
 
 #include <algorithm>
+#include <array>
 
 namespace cloth_sim {
 namespace {
@@ -18,7 +19,7 @@ constexpr double kKeep = 0.05;
 /// shortening its motion.
 void keepBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
   const double from = n.dot(now.motion.start[v]);
-  const double to = n.dot(now.motion.end[v]);
+  const double to = n.dot(now.motion.end[v] - now.common);
   if (to < bound && to < from) moveBack(v, (from - bound) / (from - to), now);
 }
 
@@ -31,43 +32,72 @@ bool maySlide(VertexId v, double distance, const Truncation& now) {
          distance * distance <= (motion.end[v] - motion.start[v]).squaredNorm();
 }
 
-void slideBy(VertexId v, const Vec3& way, const Truncation& now) {
-  now.motion.end[v] += way;
-  now.truncated[v] = now.pass;
-}
-
-/// Makes a vertex end at least at `bound` along `n` [m], if it may slide so far. \return how far it
-/// would still have to [m].
-double slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
+/// Makes a vertex end at least at `bound` along `n` [m], if it may slide so far.
+void slideBeyond(VertexId v, const Vec3& n, double bound, const Truncation& now) {
   const double missing = bound - n.dot(now.motion.end[v]);
-  if (!(missing > 0.0)) return 0.0;
-  if (!maySlide(v, missing, now)) return missing;
-  slideBy(v, missing * n, now);
-  return 0.0;
+  if (missing > 0.0 && maySlide(v, missing, now)) moveBy(v, missing * n, now);
 }
 
-/// Moves a free corner that two faces share where another corner would have to give way and is
-/// held: otherwise a clamp may never pull cloth out of a fold.
-void slideShared(VertexId v, const Vec3& way, const Truncation& now) {
-  if (way.isZero(0.0) || now.motion.mass[v] == 0.0) return;
-  slideBy(v, way, now);
+/// The mass of the corners of a face from number `first` on [kg]; 0 if one has prescribed motion.
+double massOf(const Face& face, int first, const std::vector<double>& mass) {
+  double sum = 0.0;
+  for (int k = first; k < 3; ++k) {
+    if (mass[face[k]] == 0.0) return 0.0;
+    sum += mass[face[k]];
+  }
+  return sum;
 }
 
-/// The share of b in moving two faces apart: by their masses, and none if its motion is prescribed.
-double shareOf(const FacePair& pair, const std::vector<double>& mass) {
-  const auto massOf = [&](const Face& face) {
+/// Parts a corner along `way` [m] from those that both faces share, by their masses. A held one
+/// gives way where it may not slide: otherwise a clamp may never pull cloth out of a fold.
+void partFromShared(VertexId v, const FacePair& pair, const Vec3& way, const Truncation& now) {
+  const int first = 3 - pair.shared;
+  const double own = now.motion.mass[v];
+  const double others = massOf(pair.a, first, now.motion.mass);
+  double share = others == 0.0 ? 1.0 : others / (own + others);
+  if (own == 0.0) share = maySlide(v, way.norm(), now) ? 1.0 : 0.0;
+  if (share > 0.0) moveBy(v, share * way, now);
+  if (share == 1.0 || others == 0.0) return;
+  for (int k = first; k < 3; ++k) moveBy(pair.a[k], (share - 1.0) * way, now);
+}
+
+/// Returns where along `n` the middle of two faces lies that slide apart to the distance `keep` and
+/// conserve momentum [m]. Corners of a have to end at half of it above, those of b below.
+double middleOf(const FacePair& pair, const Vec3& n, double keep, const SubstepMotion& motion) {
+  std::array<double, 3> a, b;  // where corners touch the middle
+  std::array<double, 6> touching;
+  for (int k = 0; k < 3; ++k) {
+    a[k] = touching[k] = n.dot(motion.end[pair.a[k]]) - 0.5 * keep;
+    b[k] = touching[k + 3] = n.dot(motion.end[pair.b[k]]) + 0.5 * keep;
+  }
+  std::sort(touching.begin(), touching.end());
+  // The momentum that both sides gain, which grows with the middle, and linearly between corners.
+  const auto gain = [&](double middle) {
     double sum = 0.0;
-    for (const VertexId v : face) {
-      if (mass[v] == 0.0) return 0.0;
-      sum += mass[v];
+    for (int k = 0; k < 3; ++k) {
+      sum += motion.mass[pair.a[k]] * std::max(0.0, middle - a[k]);
+      sum -= motion.mass[pair.b[k]] * std::max(0.0, b[k] - middle);
     }
     return sum;
   };
-  const double a = massOf(pair.a);
-  const double b = massOf(pair.b);
-  if (a == 0.0 && b == 0.0) return 0.5;
-  if (a == 0.0) return 1.0;
-  return b == 0.0 ? 0.0 : a / (a + b);
+  double low = touching[0];
+  double atLow = gain(low);
+  for (const double high : touching) {
+    const double atHigh = gain(high);
+    if (atHigh >= 0.0 && atHigh > atLow) return low + (high - low) * atLow / (atLow - atHigh);
+    low = high;
+    atLow = atHigh;
+  }
+  return low;
+}
+
+/// The same where corners are held: a side with one stays where it is, unless both have.
+double middleOfHeld(const FacePair& pair, const Vec3& n, double keep, const SubstepMotion& motion) {
+  const bool isHeldA = massOf(pair.a, 0, motion.mass) == 0.0;
+  const bool isHeldB = massOf(pair.b, 0, motion.mass) == 0.0;
+  const double high = leastOf(pair.a, n, motion.end) - 0.5 * keep;
+  const double low = mostOf(pair.b, n, motion.end) + 0.5 * keep;
+  return isHeldA && isHeldB ? 0.5 * (low + high) : isHeldA ? high : low;
 }
 
 /// Lets shared corners move little along the direction of the pair, and the others approach them by
@@ -96,8 +126,9 @@ void shortenApart(const FacePair& pair, double least, const Truncation& now) {
   const double high = leastOf(pair.a, n, now.motion.start);
   const double low = mostOf(pair.b, n, now.motion.start);
   const double keep = std::max(kKeep * (high - low), 0.5 * std::min(high - low, least));
-  const double approachA = std::max(0.0, high - leastOf(pair.a, n, now.motion.end));
-  const double approachB = std::max(0.0, mostOf(pair.b, n, now.motion.end) - low);
+  const double common = n.dot(now.common);
+  const double approachA = std::max(0.0, high - (leastOf(pair.a, n, now.motion.end) - common));
+  const double approachB = std::max(0.0, mostOf(pair.b, n, now.motion.end) - common - low);
   const double all = approachA + approachB;
   const double plane = low + keep + (high - low - 2.0 * keep) * (all > 0.0 ? approachB / all : 0.5);
   for (const VertexId v : pair.a) keepBeyond(v, n, plane + keep, now);
@@ -106,10 +137,16 @@ void shortenApart(const FacePair& pair, double least, const Truncation& now) {
 
 }  // namespace
 
+void moveBy(VertexId v, const Vec3& way, const Truncation& now) {
+  now.motion.end[v] += way;
+  now.truncated[v] = now.pass;
+}
+
 void moveBack(VertexId v, double t, const Truncation& now) {
   if (!(t < 1.0)) return;
   const SubstepMotion& motion = now.motion;
-  motion.end[v] = motion.start[v] + std::max(0.0, t) * (motion.end[v] - motion.start[v]);
+  const Vec3 kept = motion.start[v] + now.common;
+  motion.end[v] = kept + std::max(0.0, t) * (motion.end[v] - kept);
   now.truncated[v] = now.pass;
 }
 
@@ -121,26 +158,25 @@ bool slide(const FacePair& pair, double least, const Truncation& now) {
   const double keep =
       std::max({kKeepSliding * before.distance, std::min(before.distance, least), kLeast});
   if (pair.shared == 0) {
-    const double high = leastOf(pair.a, n, end);
-    const double low = mostOf(pair.b, n, end);
-    const double push = keep - (high - low);
-    const double share = shareOf(pair, now.motion.mass);
-    for (const VertexId v : pair.a) slideBeyond(v, n, high + (1.0 - share) * push, now);
-    for (const VertexId v : pair.b) slideBeyond(v, -n, share * push - low, now);
+    const std::vector<double>& mass = now.motion.mass;
+    const bool isHeld = massOf(pair.a, 0, mass) == 0.0 || massOf(pair.b, 0, mass) == 0.0;
+    const double middle =
+        isHeld ? middleOfHeld(pair, n, keep, now.motion) : middleOf(pair, n, keep, now.motion);
+    for (const VertexId v : pair.a) slideBeyond(v, n, middle + 0.5 * keep, now);
+    for (const VertexId v : pair.b) slideBeyond(v, -n, 0.5 * keep - middle, now);
     return true;
   }
-  double top = n.dot(end[pair.a[2]]);  // of the shared corners
-  double bottom = top;
-  if (pair.shared == 2) {
-    const double other = n.dot(end[pair.a[1]]);
-    const double tilt = std::abs(top - other);
-    top = std::max(top, other) + tilt;
-    bottom = std::min(bottom, other) - tilt;
-  }
   for (int k = 0; k < 3 - pair.shared; ++k) {
-    const double missingA = slideBeyond(pair.a[k], n, top + keep, now);
-    const double missingB = slideBeyond(pair.b[k], -n, keep - bottom, now);
-    if (pair.shared == 1) slideShared(pair.a[2], (missingB - missingA) * n, now);
+    for (const double side : {1.0, -1.0}) {
+      const VertexId v = side > 0.0 ? pair.a[k] : pair.b[k];
+      double top = side * n.dot(end[pair.a[2]]);  // of the shared corners
+      if (pair.shared == 2) {
+        const double other = side * n.dot(end[pair.a[1]]);
+        top = std::max(top, other) + std::abs(top - other);
+      }
+      const double missing = top + keep - side * n.dot(end[v]);
+      if (missing > 0.0) partFromShared(v, pair, side * missing * n, now);
+    }
   }
   return true;
 }

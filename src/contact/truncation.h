@@ -16,10 +16,15 @@ constexpr int kPassesOfFree = 12;
 struct Truncation {
   SubstepMotion motion;
   std::vector<std::uint8_t>& truncated;  ///< by vertex: set to `pass` if its motion is changed
-  std::uint8_t pass = 1;                 ///< from 1 on
+  /// By vertex: 1 if an obstacle or a holder has stopped it.
+  const std::vector<std::uint8_t>& stopped;
+  std::uint8_t pass = 1;       ///< from 1 on
+  Vec3 common = Vec3::Zero();  ///< motion that is not shortened [m]
 };
 
-/// Shortens the motion of a vertex to the fraction `t` of what it is.
+/// Adds to the motion of a vertex [m].
+void moveBy(VertexId v, const Vec3& way, const Truncation& now);
+/// Shortens the motion of a vertex, but for the common one, to the fraction `t` of what it is.
 void moveBack(VertexId v, double t, const Truncation& now);
 /// Moves the vertices of a pair that would not stay apart to where it does, along its direction;
 /// they keep the motion that they have in common. Other pairs may fail then, or this one again.

@@ -32,6 +32,9 @@ MovingPair movingPair(int shared, RandomPoints& random) {
   return pair;
 }
 
+/// No vertex is stopped by an obstacle or a holder.
+const std::vector<std::uint8_t> kNobody(6, 0);
+
 class Certificate : public testing::TestWithParam<int> {};
 
 TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
@@ -46,7 +49,8 @@ TEST_P(Certificate, FacesDoNotMeetAtAnyTimeOfTheSubstep) {
     std::vector<std::uint8_t> truncated(6, 0);
     const std::vector<VertexId> all{0, 1, 2, 3, 4, 5};
     const std::vector<Vec3> wanted = pair.end;
-    const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
+    const PairOutcome outcome =
+        pairs.keepApart({{pair.start, pair.end, mass, all}, truncated, kNobody});
     EXPECT_EQ(outcome.unproven, 0);
     changed += outcome.changed ? 1 : 0;
     if (!outcome.changed) {
@@ -79,11 +83,12 @@ TEST_P(Certificate, MotionThatIsTakenBackDoesNotCount) {
     for (int v = 0; v < 3; ++v) fromBToA += pair.start[pair.a[v]] - pair.start[pair.b[v]];
     pair.end = pair.start;
     for (int v = GetParam(); v < 3; ++v) pair.end[pair.a[v]] += 100.0 * fromBToA.normalized();
-    pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
-    pairs.stop({{pair.start, pair.end, mass, all}, truncated});
+    pairs.keepApart({{pair.start, pair.end, mass, all}, truncated, kNobody});
+    pairs.stop({{pair.start, pair.end, mass, all}, truncated, kNobody});
     EXPECT_EQ(pair.end, pair.start);
     pair.end = wanted;
-    changed += pairs.keepApart({{pair.start, pair.end, mass, all}, truncated}).changed ? 1 : 0;
+    changed +=
+        pairs.keepApart({{pair.start, pair.end, mass, all}, truncated, kNobody}).changed ? 1 : 0;
     ASSERT_FALSE(meet(pair.a, pair.b, pair.end)) << k;
   }
   EXPECT_GT(changed, 20);
@@ -109,7 +114,8 @@ TEST_P(Certificate, FacesThatArePressedTogetherCanBeToldApartForEver) {
         pair.end[pair.a[v]] = pair.start[pair.a[v]] - push;
         pair.end[pair.b[v]] = pair.start[pair.b[v]] + push;
       }
-      const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end, held, all}, truncated});
+      const PairOutcome outcome =
+          pairs.keepApart({{pair.start, pair.end, held, all}, truncated, kNobody});
       ASSERT_EQ(outcome.unproven, 0) << k << " in " << substep;
       ASSERT_FALSE(meet(pair.a, pair.b, pair.end)) << k << " in " << substep;
       pair.start = pair.end;
@@ -117,7 +123,7 @@ TEST_P(Certificate, FacesThatArePressedTogetherCanBeToldApartForEver) {
     for (Vec3& x : pair.end) x.x() += 1.0;
     const std::vector<Vec3> wanted = pair.end;
     const std::vector<double> mass(6, 1.0);
-    pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
+    pairs.keepApart({{pair.start, pair.end, mass, all}, truncated, kNobody});
     for (const VertexId v : all) EXPECT_NEAR(pair.end[v].x(), wanted[v].x(), 1e-6) << k;
   }
 }
@@ -135,7 +141,8 @@ TEST_P(Certificate, FacesThatWanderForManySubstepsDoNotMeet) {
     pairs.assign({{0, 1}}, {pair.a, pair.b}, 0.01);
     for (int substep = 0; substep < 100; ++substep) {
       for (const VertexId v : all) pair.end[v] = pair.start[v] + 0.1 * random.point();
-      const PairOutcome outcome = pairs.keepApart({{pair.start, pair.end, mass, all}, truncated});
+      const PairOutcome outcome =
+          pairs.keepApart({{pair.start, pair.end, mass, all}, truncated, kNobody});
       ASSERT_EQ(outcome.unproven, 0) << k << " in " << substep;
       changed += outcome.changed ? 1 : 0;
       ASSERT_FALSE(meet(pair.a, pair.b, pair.end)) << k << " in " << substep;
@@ -168,7 +175,7 @@ TEST(FacePairs, AFoldGivesWayToACornerThatIsHeld) {
     std::vector<std::uint8_t> truncated(5, 0);
     FacePairs pairs;
     pairs.assign({{0, 1}}, faces, 1e-4);
-    pairs.keepApart({{start, end, mass, all}, truncated});
+    pairs.keepApart({{start, end, mass, all}, truncated, kNobody});
     if ((end[2] - wanted).norm() > 0.5 * (wanted - start[2]).norm()) ++stopped;
   }
   EXPECT_LT(stopped, 5);  // 12, where the common corner never moved
