@@ -122,7 +122,7 @@ PairOutcome FacePairs::keepApart(Truncation now) {
     now.pass = static_cast<std::uint8_t>(pass + 1);
     findFailing(motion);
     if (failing_.empty()) return outcome;
-    if (pass == 0) startZones(now);
+    if (pass == kPassesOfSliding) zones_.begin(motion.end.size());
     outcome.changed = true;
     for (const std::uint32_t k : failing_) {
       if (!giveWay(pairAt(k), pass, now)) ++outcome.unproven;
@@ -131,12 +131,6 @@ PairOutcome FacePairs::keepApart(Truncation now) {
   }
   stop(now);
   return outcome;
-}
-
-void FacePairs::startZones(const Truncation& now) {
-  wanted_.resize(now.motion.end.size());
-  for (const VertexId v : now.motion.vertices) wanted_[v] = now.motion.end[v];
-  zones_.begin(wanted_.size());
 }
 
 /// Pairs that were kept apart within zones are looked at again, as motion is not kept by zones from
@@ -152,7 +146,7 @@ bool FacePairs::giveWay(FacePair& pair, int pass, Truncation now) {
     // Where others may slide, what stays now may be moved again.
     return slide(pair, least_, now) || shorten(pair, least_, now);
   }
-  if (pass < kPassesOfZones) now.common = zones_.join(pair, wanted_, now);
+  if (pass < kPassesOfZones) now.common = zones_.join(pair, now);
   pair.isFixed = true;
   return shorten(pair, least_, now);
 }

@@ -43,7 +43,6 @@ class FacePairs {
   void listAgain(const Truncation& last);
   void indexPairs();
   void findFailing(const SubstepMotion& motion);
-  void startZones(const Truncation& now);
   void freePairs();
   bool giveWay(FacePair& pair, int pass, Truncation now);
 
@@ -57,7 +56,6 @@ class FacePairs {
   std::size_t indexed_ = 0;
   std::vector<double> slack_;           ///< scratch: see `slackOf`, in the order of `listed_` [m]
   std::vector<std::uint32_t> failing_;  ///< scratch: pairs that are not proven, ascending
-  std::vector<Vec3> wanted_;            ///< ends before any was changed, by vertex [m]
   ImpactZones zones_;
   double least_ = 0.0;  ///< see `assign` [m]
 };

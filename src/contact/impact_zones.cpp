@@ -10,12 +10,11 @@ void ImpactZones::begin(std::size_t vertices) {
   count_ = 0;
 }
 
-Vec3 ImpactZones::join(const FacePair& pair, const std::vector<Vec3>& wanted,
-                       const Truncation& now) {
+Vec3 ImpactZones::join(const FacePair& pair, const Truncation& now) {
   parts_.clear();
   for (const Face* face : {&pair.a, &pair.b}) {
     for (const VertexId v : *face) {
-      const std::size_t zone = zoneWith(v, wanted, now);
+      const std::size_t zone = zoneWith(v, now);
       if (std::find(parts_.begin(), parts_.end(), zone) == parts_.end()) parts_.push_back(zone);
     }
   }
@@ -33,15 +32,14 @@ Vec3 ImpactZones::join(const FacePair& pair, const std::vector<Vec3>& wanted,
 }
 
 /// The number of the zone that a vertex belongs to; a new one if there is none.
-std::size_t ImpactZones::zoneWith(VertexId v, const std::vector<Vec3>& wanted,
-                                  const Truncation& now) {
+std::size_t ImpactZones::zoneWith(VertexId v, const Truncation& now) {
   if (zoneOf_[v] != kNone) return static_cast<std::size_t>(zoneOf_[v]);
   zoneOf_[v] = static_cast<std::int32_t>(count_);
   if (count_ == zones_.size()) zones_.emplace_back();
   Zone& zone = zones_[count_];
   zone.vertices.assign(1, v);
   zone.mass = now.motion.mass[v];
-  zone.moment = zone.mass * (wanted[v] - now.motion.start[v]);
+  zone.moment = zone.mass * (now.motion.end[v] - now.motion.start[v]);
   zone.motion = Vec3::Zero();
   zone.isJoined = false;
   zone.isStopped = zone.mass == 0.0 || now.stopped[v] != 0;

@@ -20,9 +20,8 @@ class ImpactZones {
   void begin(std::size_t vertices);
   /// Puts the corners of a pair, and the zones that they belong to, into one zone. Zones that were
   /// there before move on with it; corners that belonged to none move as before.
-  /// \param wanted  ends of the substep before any was changed, by vertex [m].
   /// \return what the zone moves alike [m].
-  Vec3 join(const FacePair& pair, const std::vector<Vec3>& wanted, const Truncation& now);
+  Vec3 join(const FacePair& pair, const Truncation& now);
   /// Gives zones that were joined since the last call the momentum back that they have lost.
   void restoreMomentum(const Truncation& now);
 
@@ -30,13 +29,13 @@ class ImpactZones {
   struct Zone {
     std::vector<VertexId> vertices;
     double mass = 0.0;           ///< [kg]
-    Vec3 moment = Vec3::Zero();  ///< masses times wanted motions [kg m]
+    Vec3 moment = Vec3::Zero();  ///< masses times motions [kg m]
     Vec3 motion = Vec3::Zero();  ///< that its vertices have alike [m]
     bool isStopped = false;
     bool isJoined = false;  ///< since its momentum was restored
   };
 
-  std::size_t zoneWith(VertexId v, const std::vector<Vec3>& wanted, const Truncation& now);
+  std::size_t zoneWith(VertexId v, const Truncation& now);
   void moveVertices(std::size_t from, std::size_t into);
   static void setMotion(const Vec3& motion, const Truncation& now, Zone& zone);
 

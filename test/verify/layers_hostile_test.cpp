@@ -97,22 +97,18 @@ Collision collide(double speed, int steps) {
   return result;
 }
 
+/// Fast cloths are kept apart by the certificate as well.
 TEST(HostileLayers, ACollisionInFreeSpaceChangesNoMomentum) {
-  // At 3 m/s the certificate changes motions: the next test.
-  for (const double speed : {0.1, 0.3, 1.0}) {
-    const Collision collision = collide(speed, 12);
+  for (const double speed : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+    const Collision collision = collide(speed, speed > 1.0 ? 5 : 12);
     EXPECT_GT(collision.contacts, 5) << speed;
-    EXPECT_EQ(collision.truncated, 0) << speed;
     EXPECT_LT(collision.drift, 1e-10) << speed;
-  }
-}
-
-TEST(HostileLayers, TheCertificateChangesLittleMomentum) {
-  for (const double speed : {3.0, 10.0}) {
-    const Collision collision = collide(speed, 5);
-    EXPECT_GT(collision.truncated, 50) << speed;
-    EXPECT_LT(collision.drift, 0.05) << speed;
-    record("drift_" + std::to_string(static_cast<int>(speed)), collision.drift);
+    if (speed > 1.0) {
+      EXPECT_GT(collision.truncated, 50) << speed;
+    } else {
+      EXPECT_EQ(collision.truncated, 0) << speed;
+    }
+    record("drift_" + std::to_string(speed).substr(0, 4), collision.drift);
   }
 }
 
