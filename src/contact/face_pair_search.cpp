@@ -1,17 +1,50 @@
 #include "face_pair_search.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "threads/parallel_for.h"
 
 namespace cloth_sim {
+namespace {
+
+/// Share of all faces from which on a piece has a tree of its own.
+constexpr double kLargePiece = 1.0 / 64.0;
+
+/// The faces of each tree. Faces on both sides of a tear lie in the same part of the material
+/// plane, but once they have come apart a box around both meets everything between. So large pieces
+/// have a tree each, and all others of a cloth one.
+std::vector<std::vector<FaceId>> facesOfTrees(const Model& model) {
+  const ConnectedComponents pieces = connectedComponents(model.mesh);
+  std::vector<std::int32_t> sizes(static_cast<std::size_t>(pieces.count), 0);
+  for (const std::int32_t piece : pieces.ofFace) ++sizes[piece];
+  const double large = kLargePiece * static_cast<double>(pieces.ofFace.size());
+  std::vector<std::vector<FaceId>> trees(model.cloths.size());
+  std::vector<std::size_t> treeOf(sizes.size(), 0);  // by large piece; 0: none yet
+  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
+    const std::int32_t piece = pieces.ofFace[f];
+    std::size_t tree = model.clothOf(model.mesh.face(f)[0]);
+    if (sizes[piece] >= large) {
+      if (treeOf[piece] == 0) {
+        treeOf[piece] = trees.size();
+        trees.emplace_back();
+      }
+      tree = treeOf[piece];
+    }
+    trees[tree].push_back(f);
+  }
+  return trees;
+}
+
+}  // namespace
 
 void FacePairSearch::build(const Model& model, double margin) {
   margin_ = margin;
   faces_ = model.mesh.faces();
   allowance_.build(model);
-  trees_.resize(model.cloths.size());
-  for (std::size_t k = 0; k < trees_.size(); ++k) trees_[k].build(model, k);
+  std::vector<std::vector<FaceId>> faces = facesOfTrees(model);
+  trees_.resize(faces.size());
+  for (std::size_t k = 0; k < faces.size(); ++k) trees_[k].build(model, std::move(faces[k]));
   corners_.resize(static_cast<std::size_t>(model.particleCount()));
   boxes_.resize(faces_.size());
 }

@@ -38,7 +38,7 @@ class FacePairSearch {
   void collectNew();
 
   std::vector<Face> faces_;
-  std::vector<MaterialTree> trees_;  ///< by cloth
+  std::vector<MaterialTree> trees_;  ///< of each large piece, and of the rest of each cloth
   double margin_ = 0.0;
   Allowance allowance_;
   std::vector<QuickBox> corners_;  ///< see SearchBoxes

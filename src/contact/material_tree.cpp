@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "threads/parallel_for.h"
 
@@ -52,26 +53,27 @@ void sortByBucket(const std::vector<std::pair<std::int32_t, FaceId>>& entries, s
 
 }  // namespace
 
-void MaterialTree::build(const Model& model, std::size_t cloth) {
-  faces_.clear();
-  for (FaceId f = 0; f < model.mesh.faceCount(); ++f) {
-    if (model.clothOf(model.mesh.face(f)[0]) == cloth) faces_.push_back(f);
-  }
+void MaterialTree::build(const Model& model, std::vector<FaceId> faces) {
+  faces_ = std::move(faces);
   levels_.clear();
   if (faces_.empty()) return;
-  const std::optional<Grid>& grid = model.cloths[cloth].grid;
+  const ClothPart& cloth = model.cloths[model.clothOf(model.mesh.face(faces_[0])[0])];
   MaterialBox all;
   double area = 0.0;
   for (const FaceId f : faces_) {
     for (const VertexId v : model.mesh.face(f)) all.add(model.mesh.material(v));
     area += model.mesh.restArea(f);
   }
-  origin_ = all.low;
   const double cell = std::sqrt(2.0 * area / static_cast<double>(faces_.size()));
-  size_ = kCells * (grid ? Vec2(grid->spacingU(), grid->spacingV()) : Vec2(cell, cell));
-  const Vec2 extent = all.high - all.low;
+  size_ = kCells *
+          (cloth.grid ? Vec2(cloth.grid->spacingU(), cloth.grid->spacingV()) : Vec2(cell, cell));
   constexpr double kMostBuckets = 2048.0;  // along a side
-  size_ = size_.cwiseMax(extent / kMostBuckets);
+  size_ = size_.cwiseMax((all.high - all.low) / kMostBuckets);
+  // Buckets are cells of the grid also where a piece begins within one.
+  const Vec2 corner(cloth.materialOffset, 0.0);
+  const Vec2 skipped = (all.low - corner).cwiseQuotient(size_) + Vec2::Constant(kRounding);
+  origin_ = corner + Vec2(skipped.array().floor()).cwiseProduct(size_);
+  const Vec2 extent = all.high - origin_;
   const int columns = std::max(1, static_cast<int>(std::ceil(extent.x() / size_.x() - kRounding)));
   const int rows = std::max(1, static_cast<int>(std::ceil(extent.y() / size_.y() - kRounding)));
   forLevels(columns, rows, [this](int across, int along) { addLevel(across, along); });

@@ -1,6 +1,6 @@
 #pragma once
-/// \file The faces of one cloth in a tree over the material plane, and the pairs of faces in it
-/// that nothing rules out from touching.
+/// \file Faces of one cloth in a tree over the material plane, and the pairs of faces in it that
+/// nothing rules out from touching.
 
 #include <atomic>
 #include <limits>
@@ -49,15 +49,15 @@ struct NearPairs {
 /// node knows a box around its faces in the world, and a ball around their gradients.
 class MaterialTree {
  public:
-  /// \param cloth  whose faces these are.
-  void build(const Model& model, std::size_t cloth);
+  /// \param faces  of one cloth, ascending.
+  void build(const Model& model, std::vector<FaceId> faces);
 
   /// Brings all nodes up to date; all count as changed.
   /// \param boxes      by face of the model.
   /// \param gradients  by face of the model.
   void refit(const std::vector<QuickBox>& boxes, const std::vector<GradientBall>& gradients);
   /// Brings the nodes above some faces up to date; only these count as changed.
-  /// \param faces  of the model; those of other cloths are passed over.
+  /// \param faces  of the model; those of other trees are passed over.
   void refit(const std::vector<FaceId>& faces, const std::vector<QuickBox>& boxes,
              const std::vector<GradientBall>& gradients);
 
@@ -66,7 +66,7 @@ class MaterialTree {
   /// refit of some faces: only pairs that the changes may have brought in, among them some that are
   /// known already.
   void collectOwn(const NearPairs& near);
-  /// The same for the faces of two cloths.
+  /// The same for the faces of two trees.
   static void collectBetween(const MaterialTree& a, const MaterialTree& b, const NearPairs& near);
 
  private:
@@ -121,7 +121,7 @@ class MaterialTree {
   const FaceId* begin(int bucket) const { return owned_.data() + ownedStart_[bucket]; }
   const FaceId* end(int bucket) const { return owned_.data() + ownedStart_[bucket + 1]; }
 
-  std::vector<FaceId> faces_;   ///< of the cloth, ascending
+  std::vector<FaceId> faces_;   ///< ascending
   Vec2 origin_ = Vec2::Zero();  ///< of the buckets in the material plane [m]
   Vec2 size_ = Vec2::Ones();    ///< of a bucket [m]
   double overhang_ = 0.0;       ///< by which faces reach beyond the bucket that owns them [m]

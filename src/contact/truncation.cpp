@@ -100,6 +100,33 @@ double middleOfHeld(const FacePair& pair, const Vec3& n, double keep, const Subs
   return isHeldA && isHeldB ? 0.5 * (low + high) : isHeldA ? high : low;
 }
 
+/// Slides two faces without a common corner apart along `n`, to the distance `keep` [m].
+void slideApart(const FacePair& pair, const Vec3& n, double keep, const Truncation& now) {
+  const std::vector<double>& mass = now.motion.mass;
+  const bool isHeld = massOf(pair.a, 0, mass) == 0.0 || massOf(pair.b, 0, mass) == 0.0;
+  const double middle =
+      isHeld ? middleOfHeld(pair, n, keep, now.motion) : middleOf(pair, n, keep, now.motion);
+  for (const VertexId v : pair.a) slideBeyond(v, n, middle + 0.5 * keep, now);
+  for (const VertexId v : pair.b) slideBeyond(v, -n, 0.5 * keep - middle, now);
+}
+
+/// Slides the corners of two faces along `n` to the distance `keep` from those that both share [m].
+void slideFromShared(const FacePair& pair, const Vec3& n, double keep, const Truncation& now) {
+  const std::vector<Vec3>& end = now.motion.end;
+  for (int k = 0; k < 3 - pair.shared; ++k) {
+    for (const double side : {1.0, -1.0}) {
+      const VertexId v = side > 0.0 ? pair.a[k] : pair.b[k];
+      double top = side * n.dot(end[pair.a[2]]);  // of the shared corners
+      if (pair.shared == 2) {
+        const double other = side * n.dot(end[pair.a[1]]);
+        top = std::max(top, other) + std::abs(top - other);
+      }
+      const double missing = top + keep - side * n.dot(end[v]);
+      if (missing > 0.0) partFromShared(v, pair, side * missing * n, now);
+    }
+  }
+}
+
 /// Lets shared corners move little along the direction of the pair, and the others approach them by
 /// less than half of their distance.
 /// \param apart  least distance of the other corners from the shared ones along the direction [m].
@@ -153,30 +180,13 @@ void moveBack(VertexId v, double t, const Truncation& now) {
 bool slide(const FacePair& pair, double least, const Truncation& now) {
   const SeparatingDirection before = bestDirection(pair, now.motion.start);
   if (!(before.distance > 0.0)) return false;
-  const std::vector<Vec3>& end = now.motion.end;
-  const Vec3 n = endDirection(pair, before.direction, end);
+  const Vec3 n = endDirection(pair, before.direction, now.motion.end);
   const double keep =
       std::max({kKeepSliding * before.distance, std::min(before.distance, least), kLeast});
   if (pair.shared == 0) {
-    const std::vector<double>& mass = now.motion.mass;
-    const bool isHeld = massOf(pair.a, 0, mass) == 0.0 || massOf(pair.b, 0, mass) == 0.0;
-    const double middle =
-        isHeld ? middleOfHeld(pair, n, keep, now.motion) : middleOf(pair, n, keep, now.motion);
-    for (const VertexId v : pair.a) slideBeyond(v, n, middle + 0.5 * keep, now);
-    for (const VertexId v : pair.b) slideBeyond(v, -n, 0.5 * keep - middle, now);
-    return true;
-  }
-  for (int k = 0; k < 3 - pair.shared; ++k) {
-    for (const double side : {1.0, -1.0}) {
-      const VertexId v = side > 0.0 ? pair.a[k] : pair.b[k];
-      double top = side * n.dot(end[pair.a[2]]);  // of the shared corners
-      if (pair.shared == 2) {
-        const double other = side * n.dot(end[pair.a[1]]);
-        top = std::max(top, other) + std::abs(top - other);
-      }
-      const double missing = top + keep - side * n.dot(end[v]);
-      if (missing > 0.0) partFromShared(v, pair, side * missing * n, now);
-    }
+    slideApart(pair, n, keep, now);
+  } else {
+    slideFromShared(pair, n, keep, now);
   }
   return true;
 }

@@ -27,7 +27,8 @@ void moveBy(VertexId v, const Vec3& way, const Truncation& now);
 /// Shortens the motion of a vertex, but for the common one, to the fraction `t` of what it is.
 void moveBack(VertexId v, double t, const Truncation& now);
 /// Moves the vertices of a pair that would not stay apart to where it does, along its direction;
-/// they keep the motion that they have in common. Other pairs may fail then, or this one again.
+/// they keep the motion that they have in common, and their momentum unless some are held. Other
+/// pairs may fail then, or this one again.
 /// \param least  distance below which the faces do not come nearer [m].
 /// \return whether they were apart at the start; if not, nothing moves.
 bool slide(const FacePair& pair, double least, const Truncation& now);

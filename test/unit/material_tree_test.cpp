@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -52,9 +53,15 @@ FaceBounds boundsOf(const Model& model, const State& state) {
   return bounds;
 }
 
+std::vector<FaceId> allFaces(const Model& model) {
+  std::vector<FaceId> faces(static_cast<std::size_t>(model.mesh.faceCount()));
+  std::iota(faces.begin(), faces.end(), 0);
+  return faces;
+}
+
 std::vector<FaceIds> searchPairs(const Model& model, const FaceBounds& bounds) {
   MaterialTree tree;
-  tree.build(model, 0);
+  tree.build(model, allFaces(model));
   tree.refit(bounds.boxes, bounds.balls);
   std::vector<FaceIds> pairs;
   tree.collectOwn({bounds.boxes, pairs});
@@ -93,7 +100,7 @@ TEST(MaterialTree, FindsEveryPairThatMeetsAndNoneInASmoothSheet) {
 class RepeatedSearch {
  public:
   RepeatedSearch(const Model& model, const FaceBounds& bounds) : model_(model), bounds_(bounds) {
-    tree_.build(model, 0);
+    tree_.build(model, allFaces(model));
     tree_.refit(bounds.boxes, bounds.balls);
     collect();
   }
@@ -179,7 +186,7 @@ TEST(MaterialTree, ASearchEndsWhenThereAreEnoughPairs) {
   for (GradientBall& ball : bounds.balls) ball.radius = 2.0;  // nothing is proven
   const std::vector<FaceIds> all = searchPairs(model, bounds);
   MaterialTree tree;
-  tree.build(model, 0);
+  tree.build(model, allFaces(model));
   tree.refit(bounds.boxes, bounds.balls);
   std::vector<FaceIds> pairs;
   tree.collectOwn({bounds.boxes, pairs, 20});
