@@ -55,7 +55,7 @@ void ImpactZones::moveVertices(std::size_t from, std::size_t into) {
   gone.isJoined = false;
 }
 
-/// Changes what the vertices of a zone move alike. A vertex alone moves as before.
+/// Changes the common motion of a zone. A vertex alone moves as before.
 void ImpactZones::setMotion(const Vec3& motion, const Truncation& now, Zone& zone) {
   const Vec3 way = motion - zone.motion;
   zone.motion = motion;

@@ -1,5 +1,5 @@
 #pragma once
-/// \file Groups of vertices that move alike where faces cannot be kept apart otherwise.
+/// \file Groups of vertices that move together where faces cannot be kept apart otherwise.
 
 #include <vector>
 
@@ -11,18 +11,18 @@ namespace cloth_sim {
 /// lines, on which faces that turn together would not keep their distance.
 ///
 /// Motion that is shortened towards its start nails the cloth to that place. So the corners of two
-/// faces that do not stay apart belong to a zone, and their motion is shortened towards what the
-/// zone moves alike, which keeps its momentum. A zone with a vertex that an obstacle or a holder
-/// has stopped moves nowhere.
+/// faces that do not stay apart belong to a zone, and their motion is shortened towards the common
+/// motion of the zone: the mean by mass, so that it keeps its momentum. A zone with a vertex that
+/// an obstacle or a holder has stopped has none.
 class ImpactZones {
  public:
   /// Forgets all zones. \param vertices  of the mesh.
   void begin(std::size_t vertices);
   /// Puts the corners of a pair, and the zones that they belong to, into one zone. Zones that were
-  /// there before move on with it; corners that belonged to none move as before.
-  /// \return what the zone moves alike [m].
+  /// there before take over its common motion; corners that belonged to none move as before.
+  /// \return the common motion of the zone [m].
   Vec3 join(const FacePair& pair, const Truncation& now);
-  /// Gives zones that were joined since the last call the momentum back that they have lost.
+  /// Gives back the momentum that they have lost to zones that were joined since the last call.
   void restoreMomentum(const Truncation& now);
 
  private:
@@ -30,7 +30,7 @@ class ImpactZones {
     std::vector<VertexId> vertices;
     double mass = 0.0;           ///< [kg]
     Vec3 moment = Vec3::Zero();  ///< masses times motions [kg m]
-    Vec3 motion = Vec3::Zero();  ///< that its vertices have alike [m]
+    Vec3 motion = Vec3::Zero();  ///< common to its vertices [m]
     bool isStopped = false;
     bool isJoined = false;  ///< since its momentum was restored
   };
