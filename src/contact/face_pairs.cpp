@@ -127,14 +127,14 @@ PairOutcome FacePairs::keepApart(Truncation now) {
     for (const std::uint32_t k : failing_) {
       if (!giveWay(pairAt(k), pass, now)) ++outcome.unproven;
     }
-    if (pass >= kPassesOfSliding && pass < kPassesOfZones) zones_.restoreMomentum(now);
+    zones_.restoreMomentum(now);
   }
   stop(now);
   return outcome;
 }
 
-/// Pairs that were kept apart within zones are looked at again, as motion is not kept by zones from
-/// now on.
+/// Lets pairs that zones have kept apart be looked at again: the passes that follow do without
+/// them.
 void FacePairs::freePairs() {
   for (FacePair& pair : pairs_) pair.isFixed = false;
 }

@@ -91,21 +91,18 @@ double middleOf(const FacePair& pair, const Vec3& n, double keep, const SubstepM
   return low;
 }
 
-/// The same where corners are held: a side with one stays where it is, unless both have.
-double middleOfHeld(const FacePair& pair, const Vec3& n, double keep, const SubstepMotion& motion) {
+/// Slides two faces without a common corner apart along `n`, to the distance `keep` [m]. A side
+/// with a held corner stays where it is, unless both have one.
+void slideApart(const FacePair& pair, const Vec3& n, double keep, const Truncation& now) {
+  const SubstepMotion& motion = now.motion;
   const bool isHeldA = massOf(pair.a, 0, motion.mass) == 0.0;
   const bool isHeldB = massOf(pair.b, 0, motion.mass) == 0.0;
   const double high = leastOf(pair.a, n, motion.end) - 0.5 * keep;
   const double low = mostOf(pair.b, n, motion.end) + 0.5 * keep;
-  return isHeldA && isHeldB ? 0.5 * (low + high) : isHeldA ? high : low;
-}
-
-/// Slides two faces without a common corner apart along `n`, to the distance `keep` [m].
-void slideApart(const FacePair& pair, const Vec3& n, double keep, const Truncation& now) {
-  const std::vector<double>& mass = now.motion.mass;
-  const bool isHeld = massOf(pair.a, 0, mass) == 0.0 || massOf(pair.b, 0, mass) == 0.0;
-  const double middle =
-      isHeld ? middleOfHeld(pair, n, keep, now.motion) : middleOf(pair, n, keep, now.motion);
+  const double middle = isHeldA && isHeldB ? 0.5 * (low + high)
+                        : isHeldA          ? high
+                        : isHeldB          ? low
+                                           : middleOf(pair, n, keep, motion);
   for (const VertexId v : pair.a) slideBeyond(v, n, middle + 0.5 * keep, now);
   for (const VertexId v : pair.b) slideBeyond(v, -n, 0.5 * keep - middle, now);
 }
