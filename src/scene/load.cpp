@@ -154,22 +154,32 @@ void checkBendFriction(const SceneNode& root, const Scene& scene) {
   }
 }
 
-/// Refuses contact between layers with a method that cannot hold them apart.
-void checkLayers(const SceneNode& root, const Scene& scene) {
-  if (!scene.selfContact) {
-    const auto contact = root.find("contact");
-    if (contact && contact->has("start")) contact->refuse("expected self_contact: true beside it");
-    return;
-  }
-  try {
-    checkLayers(findSolver(scene.solver.method));
-  } catch (const std::invalid_argument& error) {
-    root.need("self_contact", "true or false").refuse(error.what());
-  }
+/// Throws std::invalid_argument if layers of the scene's cloths cannot be held apart.
+void checkLayers(const Scene& scene) {
+  checkLayers(findSolver(scene.solver.method));
   for (const ClothSpec& cloth : scene.cloths) {
     if (cloth.fabric.thickness > 0.0) continue;
-    root.need("self_contact", "true or false")
-        .refuse("the fabric of cloth '" + cloth.name + "' has no thickness; layers need one");
+    throw std::invalid_argument("the fabric of cloth '" + cloth.name +
+                                "' has no thickness; layers need one");
+  }
+}
+
+/// Decides whether layers touch each other: if the scene says so; by default those of several
+/// cloths, where they can be held apart.
+void chooseLayers(const SceneNode& root, Scene& scene) {
+  if (!root.has("self_contact")) scene.selfContact = scene.cloths.size() > 1;
+  if (scene.selfContact) {
+    try {
+      checkLayers(scene);
+    } catch (const std::invalid_argument& error) {
+      if (root.has("self_contact")) root.need("self_contact", "true or false").refuse(error.what());
+      scene.selfContact = false;
+      scene.noLayers = error.what();
+    }
+  }
+  const auto contact = root.find("contact");
+  if (!scene.selfContact && contact && contact->has("start")) {
+    contact->refuse("expected self_contact: true beside it");
   }
 }
 
@@ -267,7 +277,7 @@ Scene readTree(YamlValue& tree, const std::string& name) {
   resolve(root, scene);
   checkFeatures(root, scene);
   checkBendFriction(root, scene);
-  checkLayers(root, scene);
+  chooseLayers(root, scene);
   chooseTearing(root, scene);
   scene.text = textOf(scene, tree);
   return scene;

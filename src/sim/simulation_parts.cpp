@@ -16,6 +16,8 @@ constexpr std::size_t kThickLayer = 100;
 constexpr std::size_t kNearlyClosed = 101;
 /// Number of the warning about cloth that was opened up.
 constexpr std::size_t kOpenedUp = 102;
+/// Number of the warning about cloths that pass through each other.
+constexpr std::size_t kPassThrough = 103;
 /// Most motion of a vertex in a pass that opens cloth up, over the shortest edge [-].
 constexpr double kUntangleStep = 0.1;
 
@@ -71,6 +73,8 @@ State startState(const Scene& scene, const Model& model, LayerContact* layers,
       return state;
     }
     text << "; `untangle` leaves " << pairsText(static_cast<std::size_t>(result.left));
+  } else {
+    text << "; contact: {start: untangle} may open it up, self_contact: false leaves it so";
   }
   throw std::invalid_argument(text.str());
 }
@@ -108,6 +112,9 @@ SimulationParts::SimulationParts(Scene loaded)
   controls.wind = scene.wind;
   if (!scene.tearing.energy.empty()) checkTearEnergy(findSolver(scene.solver.method));
   if (layers) checkThickness(*this);
+  if (!scene.noLayers.empty()) {
+    sceneWarnings.push_back({kPassThrough, "cloths pass through each other: " + scene.noLayers});
+  }
   checkSurfaces(*this);
 }
 

@@ -95,6 +95,35 @@ TEST(Cloths, HaveOneSurgery) {
       << "there is room for all of them";
 }
 
+TEST(Cloths, TouchEachOtherUnlessTheSceneSaysOtherwise) {
+  EXPECT_TRUE(pair().selfContact);
+  EXPECT_TRUE(pair("contact: {start: untangle}").selfContact);
+  EXPECT_FALSE(pair("self_contact: false").selfContact);
+  EXPECT_FALSE(alone(kSheet).selfContact) << "a single cloth has to be asked for";
+  EXPECT_EQ(Simulation(pair()).warnings().size(), 0U);
+  EXPECT_EQ(Simulation(pair("self_contact: false")).warnings().size(), 0U);
+}
+
+/// The warnings of a scene in which cloths do not touch each other though nobody said so.
+std::vector<std::string> warningsOf(const Scene& scene) {
+  EXPECT_FALSE(scene.selfContact);
+  std::vector<std::string> texts;
+  for (const ResultWarning& warning : Simulation(scene).warnings()) texts.push_back(warning.text);
+  return texts;
+}
+
+TEST(Cloths, ThatCannotTouchEachOtherAreWarnedOf) {
+  const std::string through = "cloths pass through each other: ";
+  EXPECT_THAT(warningsOf(pair("solver: {method: projective}")),
+              testing::Contains(through +
+                                "projective cannot hold layers of cloth apart: its global solve "
+                                "does not know of them; take another method, such as line_xpbd, or "
+                                "self_contact: false"));
+  EXPECT_THAT(
+      warningsOf(pair("", {"cloth.strip.fabric={preset: denim, thickness: 0}"})),
+      testing::Contains(through + "the fabric of cloth 'strip' has no thickness; layers need one"));
+}
+
 TEST(Cloths, ThatDoNotGoTogetherAreRefused) {
   const std::string a = "cloth: [{name: a, size: [1, 2]";
   EXPECT_THAT(errorOf(a + "}, {size: [1, 1]}]"),

@@ -167,7 +167,10 @@ struct Scene {
   double drag = 0.0;         ///< rate of linear air drag, dv/dt = -drag v [1/s], >= 0
   bool quasiStatic = false;  ///< accelerations are negligible: methods may add inertia
   std::optional<Wind> wind;
-  bool selfContact = false;                           ///< layers of cloth touch each other
+  bool selfContact = false;  ///< layers of cloth touch each other
+  /// The reason why several cloths pass through each other although the scene does not say that
+  /// they do; "" for none.
+  std::string noLayers;
   StartContact startContact = StartContact::kRefuse;  ///< with `selfContact`
   std::optional<double> layerFriction;  ///< between layers [-], >= 0; absent: the fabrics'
   std::vector<Obstacle> obstacles;
