@@ -47,19 +47,6 @@ void BendFriction::findHeld(const ScalarArray& inverseMass) {
   }
 }
 
-double BendFriction::stiffest(const ScalarArray& inverseMass) const {
-  double largest = 0.0;
-  for (const Element& element : elements_) {
-    Vec3 mobility = Vec3::Zero();
-    for (std::size_t i = 0; i < element.slip.count; ++i) {
-      const auto slot = static_cast<std::size_t>(element.slip.vertex[i]);
-      mobility += inverseMass[slot] * element.slip.weight[i].cwiseAbs2();
-    }
-    largest = std::max(largest, 2.0 * element.slip.stiffness * mobility.maxCoeff());
-  }
-  return largest;
-}
-
 SignedCurvature BendFriction::curvatureOf(const Element& element, const Particles& particles) {
   return signedCurvature(element.slip, [&](std::int32_t slot) {
     return particles.x.at(static_cast<std::size_t>(slot));

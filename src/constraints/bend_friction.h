@@ -43,8 +43,6 @@ class BendFriction {
       }
     }
   }
-  /// The largest stiffness over inertia of the elements of two faces [1/s^2].
-  double stiffest(const ScalarArray& inverseMass) const;
   /// Tells which elements have held particles. \param inverseMass  by particle slot; 0: held.
   void findHeld(const ScalarArray& inverseMass);
 

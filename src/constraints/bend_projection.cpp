@@ -217,17 +217,6 @@ double BendProjection::mobility(const Run& run, std::int32_t k, const ScalarArra
   return sum;
 }
 
-double BendProjection::stiffest(const ScalarArray& inverseMass) const {
-  double largest = 0.0;
-  for (const Run& run : runs_) {
-    for (std::int32_t k = 0; k < run.length; ++k) {
-      const double stiffness = stiffness_[static_cast<std::size_t>(run.first + k)];
-      largest = std::max(largest, stiffness * mobility(run, k, inverseMass));
-    }
-  }
-  return largest;
-}
-
 /// \param k  index of an element in the run.
 double BendProjection::factorOf(const Run& run, std::int32_t k,
                                 const ScalarArray& inverseMass) const {

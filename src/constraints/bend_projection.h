@@ -12,10 +12,9 @@ namespace cloth_sim {
 struct BendStep {
   double h = 0.0;            ///< length of a substep [s]
   double retardation = 0.0;  ///< dashpot over stiffness [s]
-  int interval = 1;          ///< substeps whose impulse an element gives at once
 
-  /// n h^2 of n substeps of h: displacement over acceleration that an impulse gives [s^2].
-  double square() const { return interval * h * h; }
+  /// Displacement over acceleration that an impulse gives [s^2].
+  double square() const { return h * h; }
 };
 
 /// The elements of a plate bending energy as constraints with compliance, coloured so that no two
@@ -35,10 +34,7 @@ class BendProjection {
 
   bool empty() const { return stiffness_.empty(); }
 
-  /// The largest stiffness over inertia of a single element [1/s^2].
-  double stiffest(const ScalarArray& inverseMass) const;
   /// Finds the factors of the XPBD update (Macklin et al. 2016, eq. 26).
-  /// \param step  the substeps, and how often elements act in them.
   void setStep(const BendStep& step, const ScalarArray& inverseMass);
 
   /// Projects every element once.

@@ -19,9 +19,6 @@ constexpr float kLeastSquare = 1e-24F;
 /// Steps of blocks that are worth a thread of their own.
 constexpr std::int32_t kGrainSteps = 256;
 
-/// Time for which impulses of bend springs are collected, at most [s].
-constexpr double kBendPeriod = 1.0 / 600.0;
-
 /// Calls `solve(begin, end)` for ranges of the blocks of a colour that have about as many steps
 /// each, on several threads.
 template <typename Solve>
@@ -74,7 +71,6 @@ LineProjection::Source LineProjection::sourceOf(const SpringLines::Slots& slots,
     source.restLength[lane] = spring.restLength;
     source.stiffness[lane] = spring.stiffness;
     source.damping[lane] = spring.damping;
-    source.isBend[lane] = spring.kind == SpringKind::kBend ? 1.0 : 0.0;
   }
   return source;
 }
@@ -90,19 +86,14 @@ void LineProjection::findOffsets(const SpringLines& lines) {
 }
 
 void LineProjection::setStep(double h) {
-  constexpr double kRounding = 1e-9;
-  bendInterval_ =
-      std::clamp(static_cast<int>(kBendPeriod / h + kRounding), 1, kLongestBendInterval);
   for (std::size_t k = 0; k < sources_.size(); ++k) {
     const Source& source = sources_[k];
     for (std::size_t lane = 0; lane < kWidth; ++lane) {
       const bool pulls = source.stiffness[lane] > 0.0;
       const double gamma = pulls ? source.damping[lane] / (source.stiffness[lane] * h) : 0.0;
-      const double interval = source.isBend[lane] > 0.0 ? bendInterval_ : 1.0;
       parameters_[k].restLength[lane] = static_cast<float>(source.restLength[lane]);
       parameters_[k].compliance[lane] =
-          pulls ? static_cast<float>(1.0 /
-                                     (source.stiffness[lane] * interval * h * h * (1.0 + gamma)))
+          pulls ? static_cast<float>(1.0 / (source.stiffness[lane] * h * h * (1.0 + gamma)))
                 : kNoSpring;
       if (!gamma_.empty()) gamma_[kWidth * k + lane] = static_cast<float>(gamma);
     }
@@ -395,7 +386,7 @@ struct LineProjection::Kernel {
 };
 
 template <bool kMeasured>
-void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
+void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMass,
                          const Particles& p, VectorArray& pull) {
   bodies_.load(p.x, inverseMass);
   if (!gamma_.empty()) bodies_.loadStarts(p.start);
@@ -405,7 +396,6 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
       pull.x.data(),           pull.y.data(),        pull.z.data()};
   const auto longest = static_cast<std::size_t>(lines.longest());
   for (const SpringLines::Colour& colour : lines.colours()) {
-    if (colour.kind == SpringKind::kBend && !bends) continue;
     forParts(lines, colour, [&](std::int32_t begin, std::int32_t end) {
       thread_local std::vector<Kernel::Row> rows;
       if (rows.size() < longest) rows.resize(longest);
@@ -414,16 +404,16 @@ void LineProjection::run(const SpringLines& lines, const ScalarArray& inverseMas
   }
 }
 
-void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
+void LineProjection::project(const SpringLines& lines, const ScalarArray& inverseMass,
                              Particles& particles, VectorArray& pull) {
-  run<false>(lines, inverseMass, bends, particles, pull);
+  run<false>(lines, inverseMass, particles, pull);
   bodies_.store(particles.x);
 }
 
 void LineProjection::projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass,
-                                       bool bends, Particles& particles, VectorArray& pull,
+                                       Particles& particles, VectorArray& pull,
                                        ScalarArray& cancelled) {
-  run<true>(lines, inverseMass, bends, particles, pull);
+  run<true>(lines, inverseMass, particles, pull);
   bodies_.store(particles.x, cancelled);
 }
 

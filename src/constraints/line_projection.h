@@ -29,30 +29,21 @@ namespace cloth_sim {
 /// of the largest.
 class LineProjection {
  public:
-  /// Substeps from one projection of bend springs to the next, at most.
-  static constexpr int kLongestBendInterval = 2;
-
   /// Prepares for springs.
   void prepare(const SpringLines& lines, const SpringNetwork& springs);
   /// Prepares for substeps of length h [s]. Allocates no memory.
   void setStep(double h);
 
-  /// Number of substeps after which bend springs act, with the impulse of so many substeps
-  /// (multiple time stepping, Tuckerman, Berne & Martyna 1992), which is that of 1/600 s at most:
-  /// the motion that they resist is slower.
-  int bendInterval() const { return bendInterval_; }
-
-  /// Projects every line once, colour by colour; bend springs only if `bends`. Moves
-  /// `particles.x`.
+  /// Projects every line once, colour by colour. Moves `particles.x`.
   /// \param inverseMass  by particle slot [1/kg]; 0: held.
   /// \param pull         by particle slot [kg m]: added up for particles that are held; over h it
   ///                     is the impulse of the springs on the holder.
-  void project(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
-               Particles& particles, VectorArray& pull);
+  void project(const SpringLines& lines, const ScalarArray& inverseMass, Particles& particles,
+               VectorArray& pull);
   /// The same; finds how far the lines displaced each particle in vain.
   /// \param cancelled  by particle slot: half of the difference between the sum of the lengths of
   ///                   the displacements by every line and the length of their sum [m].
-  void projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
+  void projectAndMeasure(const SpringLines& lines, const ScalarArray& inverseMass,
                          Particles& particles, VectorArray& pull, ScalarArray& cancelled);
 
  private:
@@ -63,7 +54,6 @@ class LineProjection {
     double restLength[kWidth];  ///< [m]
     double stiffness[kWidth];   ///< [N/m]
     double damping[kWidth];     ///< [N s/m]
-    double isBend[kWidth];      ///< 1 for bend springs, else 0
   };
   /// Parameters of these springs for a length of the substep.
   struct alignas(32) Parameters {
@@ -75,10 +65,9 @@ class LineProjection {
   static Source sourceOf(const SpringLines::Slots& slots, const SpringNetwork& springs);
   void findOffsets(const SpringLines& lines);
   template <bool kMeasured>
-  void run(const SpringLines& lines, const ScalarArray& inverseMass, bool bends,
-           const Particles& particles, VectorArray& pull);
+  void run(const SpringLines& lines, const ScalarArray& inverseMass, const Particles& particles,
+           VectorArray& pull);
 
-  int bendInterval_ = 1;
   std::vector<Source> sources_;  ///< of the blocks that differ: many rows of a grid share theirs
   std::vector<Parameters> parameters_;  ///< by source
   std::vector<float> gamma_;  ///< shape (as `parameters_`, kWidth); empty without dashpots

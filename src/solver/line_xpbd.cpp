@@ -23,7 +23,7 @@ namespace {
 /// `AddedInertia` bounds it.
 class LineXpbd final : public SubstepMethod {
  public:
-  explicit LineXpbd(const ErrorGoal& goal) : control_(goal), before_{{}, control_, 0} {}
+  explicit LineXpbd(const ErrorGoal& goal) : control_(goal), before_{{}, control_} {}
 
   void begin(Substep& now) override;
   void advance(Substep& now) override;
@@ -41,20 +41,18 @@ class LineXpbd final : public SubstepMethod {
   /// Substeps from one measurement of the displacements in vain to the next, from the first one of
   /// a step; while motion is quasi-static they are measured in every substep.
   static constexpr int kMeasureEvery = 4;
+  /// Substeps by which the bending of a plate lags, as if by a dashpot: contact excites corners
+  /// that are free, and a backward difference alone damps too little for heaps to come to rest.
+  static constexpr double kBendLag = 1.0;
 
   /// The memory that outlives a substep.
   struct Memory {
     AddedInertia inertia;
     ErrorControl control;
-    std::int32_t sinceBending = 0;
   };
 
   void layOut(Substep& now);
   void keepFall(Substep& now) const;
-  int bendInterval() const {
-    return bending_.empty() ? projection_.bendInterval() : bending_.interval();
-  }
-  void bend(Substep& now);
   void projectLines(Substep& now);
   bool measures(const Substep& now) const;
   void projectContacts(Substep& now);
@@ -66,39 +64,33 @@ class LineXpbd final : public SubstepMethod {
   AddedInertia inertia_;
   ErrorControl control_;
   PlateProjection bending_;
-  double preparedFor_ = 0.0;       ///< length of the substep that lines are prepared for [s]
-  double decay_ = 1.0;             ///< factor by which drag reduces a velocity in a substep
-  int substep_ = 0;                ///< of the step
-  int sinceMeasured_ = 0;          ///< substeps
-  std::int32_t sinceBending_ = 0;  ///< substeps since bending has acted
-  bool bends_ = false;             ///< whether it acts in this one
-  Memory before_;                  ///< at the start of a part of a step that may be thrown away
+  double preparedFor_ = 0.0;  ///< length of the substep that lines are prepared for [s]
+  double decay_ = 1.0;        ///< factor by which drag reduces a velocity in a substep
+  int substep_ = 0;           ///< of the step
+  int sinceMeasured_ = 0;     ///< substeps
+  Memory before_;             ///< at the start of a part of a step that may be thrown away
   VectorArray pull_;
   ScalarArray cancelled_;
 };
 
 void LineXpbd::save(StateWriter& archive) const {
   inertia_.save(archive);
-  archive(control_, sinceBending_);
+  archive(control_);
 }
 
 void LineXpbd::load(StateReader& archive, const Particles& particles) {
   inertia_.load(archive);
-  archive(control_, sinceBending_);
+  archive(control_);
   const auto slots = static_cast<std::size_t>(particles.slots);
   if (!inertia_.fits(slots)) throw std::invalid_argument("inertia is added to no particle");
   if (!control_.isPlausible()) throw std::invalid_argument("the control of errors is in no state");
-  constexpr std::int32_t kMost = 1 << 30;  // it counts on
-  if (sinceBending_ < 0 || sinceBending_ > kMost) {
-    throw std::invalid_argument("bending has not acted for no time");
-  }
 }
 
 void LineXpbd::begin(Substep& now) {
   if (now.isNewModel) layOut(now);
   if (now.isNewLayout || preparedFor_ != now.h) {
     projection_.setStep(now.h);
-    bending_.setStep(now, projection_.bendInterval());
+    bending_.setStep(now, kBendLag * now.h);
     inertia_.setStep(now.h);
     preparedFor_ = now.h;
   }
@@ -119,13 +111,11 @@ void LineXpbd::finish(Substep& now) {
 void LineXpbd::remember() {
   before_.inertia = inertia_;
   before_.control = control_;
-  before_.sinceBending = sinceBending_;
 }
 
 void LineXpbd::takeBack() {
   inertia_ = before_.inertia;
   control_ = before_.control;
-  sinceBending_ = before_.sinceBending;
 }
 
 void LineXpbd::layOut(Substep& now) {
@@ -144,7 +134,7 @@ void LineXpbd::advance(Substep& now) {
   predictPositions(now, decay_, inertia_.inverse());
   keepFall(now);
   now.placeKinematic();
-  bend(now);
+  if (!bending_.empty()) bending_.project(inertia_.inverse(), now);
   projectLines(now);
   ++substep_;
   passOnPull(now);
@@ -162,30 +152,21 @@ void LineXpbd::keepFall(Substep& now) const {
   }
 }
 
-/// Decides whether bending acts in this substep, and projects the elements of a plate if it does.
-void LineXpbd::bend(Substep& now) {
-  bends_ = ++sinceBending_ >= bendInterval();
-  if (bends_) sinceBending_ = 0;
-  if (bends_ && !bending_.empty()) bending_.project(inertia_.inverse(), now);
-}
-
 void LineXpbd::projectLines(Substep& now) {
   Particles& p = now.particles;
   ++sinceMeasured_;
   if (!measures(now)) {
-    return projection_.project(lines_, inertia_.inverse(), bends_, p, pull_);
+    return projection_.project(lines_, inertia_.inverse(), p, pull_);
   }
   sinceMeasured_ = 0;
-  projection_.projectAndMeasure(lines_, inertia_.inverse(), bends_, p, pull_, cancelled_);
+  projection_.projectAndMeasure(lines_, inertia_.inverse(), p, pull_, cancelled_);
   control_.addCancelled(inertia_.largestFraction(cancelled_));
   updateInertia(now);
 }
 
-/// Tells whether displacements in vain are measured in this substep. If bending acts in every other
-/// one, with twice its impulse, lines displace more in vain then; that says nothing about the mean.
+/// Tells whether displacements in vain are measured in this substep.
 bool LineXpbd::measures(const Substep& now) const {
-  if (now.controls.quasiStatic) return true;
-  return sinceMeasured_ >= kMeasureEvery && !(bends_ && bendInterval() > 1);
+  return now.controls.quasiStatic || sinceMeasured_ >= kMeasureEvery;
 }
 
 /// Contacts move particles by their inertia, as lines and bending do: the two sides of a contact

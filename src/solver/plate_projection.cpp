@@ -10,12 +10,6 @@
 namespace cloth_sim {
 namespace {
 
-/// The part of the limit of stability up to which all impulses are given at once. An impulse
-/// a = n h^2 k / m of a mode with the stiffness k and the mass m, in every n-th substep and at the
-/// predicted position, changes (x, n h v) by a matrix with the determinant 1 - a and the trace
-/// 2 - a (n + 1), whose eigenvalues are below one for a < 4 / (n + 2).
-constexpr double kStablePart = 0.8;
-
 /// Highest degree of the polynomial, whose cost is in proportion to it: on grids, and where single
 /// elements are stiffer, as beside cuts.
 constexpr int kMostDegree = 48;
@@ -53,18 +47,15 @@ std::vector<double> largestCircles(const Model& model) {
   return largest;
 }
 
-/// The polynomial of the lowest degree that is stable for an impulse, see `impulseOf`.
+/// The polynomial of the lowest degree that is stable for an impulse, see `impulseOf`. A part a of
+/// the momentum of a mode that is given at the predicted position changes (x, h v) by a matrix with
+/// the determinant 1 - a and the trace 2 - 2 a, whose eigenvalues are below one for a < 4/3;
+/// polynomials stay below 1.1.
 ImpulsePolynomial polynomialFor(double impulse) {
   int degree = 1;
   while (degree < kMostDegree && impulse > ImpulsePolynomial(degree).limit()) ++degree;
   return ImpulsePolynomial(degree);
 }
-
-/// Largest stiffness over inertia of an element, times the square of the time between its impulses,
-/// at which that may be more than a substep. The fastest mode of a grid has eleven times the
-/// stiffness of an element, so its phase moves by 1.6 radians in that time; impulses are stable
-/// below 2.
-constexpr double kSoft = 0.25;
 
 }  // namespace
 
@@ -75,17 +66,14 @@ void PlateProjection::build(const Substep& now) {
   splitStep_ = 0.0;
 }
 
-void PlateProjection::setStep(Substep& now, int longest) {
+void PlateProjection::setStep(Substep& now, double lag) {
   if (empty()) return;
-  step_ = {now.h, now.model.bendRetardation(), 1};
+  step_ = {now.h, now.model.bendRetardation() + lag};
   const double divided = powerOfTwoFrom(now.h);
-  const bool isNewSplit = !isSplitFor(divided);
-  if (isNewSplit) split(now, divided);
+  if (!isSplitFor(divided)) split(now, divided);
   splitStep_ = divided;
   const ScalarArray& w = now.particles.inverseMass;
-  if (isNewSplit || now.isNewLayout) stiffest_ = stiff_.stiffest(w) + friction_.stiffest(w);
-  if (areStable(longest)) step_.interval = longest;
-  polynomial_ = polynomialFor(step_.interval == 1 ? impulseOf(softest_, now.h) : 0.0);
+  polynomial_ = polynomialFor(impulseOf(softest_, now.h));
   if (polynomial_.degree() > 1) {
     smooth_.resize(w.size());
     before_.resize(w.size());
@@ -130,13 +118,6 @@ double PlateProjection::impulseOf(double circle, double h) const {
   return h * (h + step_.retardation) * circle;
 }
 
-/// Tells whether impulses of `interval` substeps at once may be given explicitly.
-bool PlateProjection::areStable(int interval) const {
-  const double period = interval * step_.h;
-  const double impulse = interval * impulseOf(softest_, step_.h);
-  return impulse <= kStablePart * 4.0 / (interval + 2.0) && period * period * stiffest_ <= kSoft;
-}
-
 void PlateProjection::project(const ScalarArray& inverseInertia, Substep& now) {
   if (!soft_.empty()) displace(inverseInertia, now);
   const auto onHeld = [&](std::size_t slot, const Vec3& impulse) {
@@ -158,7 +139,7 @@ void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) 
   if (polynomial_.degree() > 1) at = &smooth(inverseInertia, *at);
   for (const std::int32_t held : now.kinematic.slots()) {
     const auto slot = static_cast<std::size_t>(held);
-    now.kinematic.addImpulseAt(slot, -step_.interval * step_.h * soft_.rowProduct(slot, *at));
+    now.kinematic.addImpulseAt(slot, -step_.h * soft_.rowProduct(slot, *at));
   }
   soft_.displace(step_.square(), inverseInertia, *at, p.x, now.force);
   std::swap(p.x, now.force);

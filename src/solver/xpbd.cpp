@@ -61,7 +61,7 @@ void Xpbd::prepareSprings(Substep& now) {
   for (const std::int32_t held : now.kinematic.slots()) w[held] = 0.0;
   preparedFor_ = now.h;
   listAttachments(now);
-  bending_.setStep(now, 1);
+  bending_.setStep(now, 0.0);
 }
 
 void Xpbd::listAttachments(const Substep& now) {

@@ -87,6 +87,7 @@ cloth:
 drag: 1.0
 obstacles:
   ball: {type: sphere, radius: 0.15, position: [0, 0, 0.1], friction: 0.3}
+self_contact: false
 phases: [{name: all, timeout: 100.0}]
 )";
 
@@ -171,6 +172,24 @@ phases: [{name: swing, timeout: 100.0}]
   }
   EXPECT_EQ(allocations - before, 0);
   EXPECT_LT(least, most) << "substeps have not changed";
+}
+
+TEST(AllocationLayers, AStepOfClothsOnEachOtherAllocatesNothingOnceTheyLieStill) {
+  const ThreadLimit oneThread(1);
+  Simulation simulation(parseScene(R"(
+cloth:
+  - {name: lower, particles: [13, 13], size: [0.1, 0.1], pose: {position: [0, 0, 0.001]},
+     fabric: cotton}
+  - {name: upper, particles: [13, 13], size: [0.1, 0.1], pose: {position: [0.01, 0, 0.003]},
+     fabric: cotton}
+solver: {method: line_xpbd, substeps: 20, dt: 0.016666666666666666, sleep: false}
+drag: 1
+obstacles: {table: {type: plane}}
+phases: [{name: all, timeout: 100.0}]
+)",
+                                   "layers.yaml"));
+  EXPECT_EQ(allocationsOf(simulation, 60, 20), 0);
+  EXPECT_GT(simulation.layerReport()->contacts, 20);
 }
 
 TEST(AllocationAsleep, AStepAsleepAllocatesNothing) {

@@ -102,9 +102,8 @@ TEST(SpringLines, HoldEverySpringOnceAfterCutsAndRefinement) {
 }
 
 /// Solves the system of line_projection.h for one line, and moves its particles.
-/// \param bendInterval  substeps whose impulse a bend spring gives at once.
 void projectDensely(const Scheduled& cloth, const LineOfBlock& line, const ScalarArray& w,
-                    int bendInterval, Particles& p) {
+                    Particles& p) {
   const auto n = static_cast<Eigen::Index>(line.springs.size());
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd rightSide(n);
@@ -117,10 +116,8 @@ void projectDensely(const Scheduled& cloth, const LineOfBlock& line, const Scala
     const Vec3 d = p.x.at(b) - p.x.at(a);
     const Vec3 start = p.start.at(b) - p.start.at(a);
     const double gamma = spring.damping / (spring.stiffness * kStep);
-    const int interval = spring.kind == SpringKind::kBend ? bendInterval : 1;
     direction.push_back(d.normalized());
-    matrix(i, i) =
-        w[a] + w[b] + 1.0 / (spring.stiffness * interval * kStep * kStep * (1.0 + gamma));
+    matrix(i, i) = w[a] + w[b] + 1.0 / (spring.stiffness * kStep * kStep * (1.0 + gamma));
     if (i > 0) {
       matrix(i, i - 1) = matrix(i - 1, i) = -w[a] * direction[k].dot(direction[k - 1]);
     }
@@ -161,18 +158,15 @@ void expectIsTheDenseSolve(Generator& random, Scheduled& cloth) {
   LineProjection projection;
   projection.prepare(lines, cloth.model.springs);
   projection.setStep(kStep);
-  EXPECT_EQ(projection.bendInterval(), 2);
   forColours(lines, [&](const SpringLines::Colour&, const std::vector<LineOfBlock>& all) {
-    for (const LineOfBlock& line : all) {
-      projectDensely(cloth, line, w, projection.bendInterval(), expected);
-    }
+    for (const LineOfBlock& line : all) projectDensely(cloth, line, w, expected);
   });
   const std::size_t n = cloth.particles.mass.size();
   VectorArray pull;
   pull.resize(n);
   ScalarArray cancelled(n, -1.0);
   const Particles before = cloth.particles;
-  projection.projectAndMeasure(lines, w, true, cloth.particles, pull, cancelled);
+  projection.projectAndMeasure(lines, w, cloth.particles, pull, cancelled);
   Vec3 momentum = Vec3::Zero(), onHolders = Vec3::Zero();
   double largest = 0.0, error = 0.0, impulses = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
@@ -205,7 +199,7 @@ TEST(LineProjection, LeavesHeldParticlesWhereTheyAre) {
   pull.resize(cloth.particles.mass.size());
   const ScalarArray held(cloth.particles.mass.size(), 0.0);
   const Particles before = cloth.particles;
-  projection.project(lines, held, true, cloth.particles, pull);
+  projection.project(lines, held, cloth.particles, pull);
   for (std::size_t k = 0; k < held.size(); ++k) {
     const Vec3 x = before.x.at(k);
     EXPECT_LT((cloth.particles.x.at(k) - x).norm(), 1e-14 * x.norm());

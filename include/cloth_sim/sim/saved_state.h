@@ -21,7 +21,7 @@ class StateError : public std::runtime_error {
 };
 
 /// Version of the contents. Raised whenever their list changes; other versions are refused.
-constexpr std::uint32_t kStateVersion = 14;
+constexpr std::uint32_t kStateVersion = 15;
 /// Larger files are taken for something else [bytes]: 512 x 512 particles take some 300 MB.
 constexpr std::uint64_t kMaxStateSize = 1ULL << 30;
 
