@@ -112,7 +112,7 @@ void expectToStay(const Disturbance& edge) {
 TEST(RefinementAtRest, MovesAClothThatHangsFromItsEdgeByLessThanAMillimetre) {
   const Disturbance few = disturb({}, true, 2.0);
   expectToStay(few);
-  EXPECT_LT(few.strainAfter, 0.06);
+  EXPECT_LT(few.strainAfter, 0.08);
   const Disturbance more = disturb({"line_xpbd", {{"substeps", 40.0}}}, true, 2.0);
   expectToStay(more);
   EXPECT_LT(more.strainAfter, 0.03);
