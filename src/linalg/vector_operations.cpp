@@ -18,6 +18,11 @@ void differenceAxis(std::size_t n, const double* b, const double* c, double s, d
   for (std::size_t k = 0; k < n; ++k) a[k] = s * (b[k] - c[k]);
 }
 
+CLOTH_SIM_VECTOR_CLONES
+void extrapolateAxis(std::size_t n, const double* b, const double* c, double s, double* a) {
+  for (std::size_t k = 0; k < n; ++k) a[k] = s * (b[k] - c[k]) + b[k];
+}
+
 /// Eight partial sums, so that it can be vectorised without changing the order.
 CLOTH_SIM_VECTOR_CLONES
 double dotAxis(std::size_t n, const double* a, const double* b) {
@@ -68,6 +73,17 @@ void setDifference(const VectorArray& b, const VectorArray& c, double s, VectorA
     forAxes(
         [&](auto& p, const auto& q, const auto& r) {
           differenceAxis(count, q.data() + first, r.data() + first, s, p.data() + first);
+        },
+        a, b, c);
+  });
+}
+
+void setExtrapolation(const VectorArray& b, const VectorArray& c, double s, VectorArray& a) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes(
+        [&](auto& p, const auto& q, const auto& r) {
+          extrapolateAxis(count, q.data() + first, r.data() + first, s, p.data() + first);
         },
         a, b, c);
   });

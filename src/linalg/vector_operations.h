@@ -31,6 +31,8 @@ void copy(const VectorArray& b, VectorArray& a);
 void setSum(const VectorArray& b, double s, const VectorArray& c, VectorArray& a);
 /// a = s (b - c).
 void setDifference(const VectorArray& b, const VectorArray& c, double s, VectorArray& a);
+/// a = b + s (b - c).
+void setExtrapolation(const VectorArray& b, const VectorArray& c, double s, VectorArray& a);
 /// a += s b.
 void addScaled(double s, const VectorArray& b, VectorArray& a);
 /// The inner product of all coordinates, summed in an order that depends on the size alone.

@@ -68,12 +68,13 @@ void PlateProjection::build(const Substep& now) {
 
 void PlateProjection::setStep(Substep& now, double lag) {
   if (empty()) return;
-  step_ = {now.h, now.model.bendRetardation() + lag};
+  step_ = {now.h, now.model.bendRetardation()};
   const double divided = powerOfTwoFrom(now.h);
   if (!isSplitFor(divided)) split(now, divided);
   splitStep_ = divided;
   const ScalarArray& w = now.particles.inverseMass;
   polynomial_ = polynomialFor(impulseOf(softest_, now.h));
+  step_.retardation += lagWithin(polynomial_.limit(), now.h, lag);
   if (polynomial_.degree() > 1) {
     smooth_.resize(w.size());
     before_.resize(w.size());
@@ -112,6 +113,12 @@ double PlateProjection::softLimit(std::vector<double> circles, double h) const {
   return std::clamp(kFew * *middle, circleOf(kMostDegreeForFew), circleOf(kMostDegree));
 }
 
+/// Returns the part of a lag with which the largest impulse stays below `limit` [s].
+double PlateProjection::lagWithin(double limit, double h, double lag) const {
+  const double left = limit - impulseOf(softest_, h);
+  return softest_ * h * lag <= left ? lag : std::max(0.0, left) / (softest_ * h);
+}
+
 /// Returns the largest impulse of one substep of h [s], explicitly, of modes with this stiffness
 /// over mass [1/s^2], over their momentum.
 double PlateProjection::impulseOf(double circle, double h) const {
@@ -132,8 +139,7 @@ void PlateProjection::displace(const ScalarArray& inverseInertia, Substep& now) 
   Particles& p = now.particles;
   const VectorArray* at = &p.x;
   if (step_.retardation > 0.0) {
-    setDifference(p.x, p.start, step_.retardation / step_.h, now.scratch);
-    addScaled(1.0, p.x, now.scratch);
+    setExtrapolation(p.x, p.start, step_.retardation / step_.h, now.scratch);
     at = &now.scratch;
   }
   if (polynomial_.degree() > 1) at = &smooth(inverseInertia, *at);

@@ -23,7 +23,8 @@ class PlateProjection {
   /// Follows what depends on the model. A model without bending energy takes no time.
   void build(const Substep& now);
   /// Prepares for substeps, and for the particles that are held.
-  /// \param lag  dashpot over stiffness that is added to those of the fabric [s].
+  /// \param lag  dashpot over stiffness that is added to that of the fabric [s]; less of it where
+  ///             the polynomial would have to be of a higher degree.
   void setStep(Substep& now, double lag);
   /// Gives the impulse, with friction if there is any, and adds what held particles bear.
   /// \param inverseInertia  of each particle [1/kg]; 0: held.
@@ -33,6 +34,7 @@ class PlateProjection {
   bool isSplitFor(double h) const;
   void split(const Substep& now, double h);
   double softLimit(std::vector<double> circles, double h) const;
+  double lagWithin(double limit, double h, double lag) const;
   double impulseOf(double circle, double h) const;
   void displace(const ScalarArray& inverseInertia, Substep& now);
   const VectorArray& smooth(const ScalarArray& inverseInertia, const VectorArray& at);
