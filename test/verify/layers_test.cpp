@@ -358,8 +358,8 @@ TEST(Layers, AKnotThatIsPulledTightComesToRest) {
   verify_support::record("largest_strain", largest);
 }
 
-/// Edges that lie over lower ones go up and down from substep to substep with the rhythm of
-/// bending, here at 5 mm/s; from step to step nothing moves.
+/// Edges that lie over lower ones go up and down from substep to substep, here at 27 mm/s; from step
+/// to step nothing moves.
 TEST(Layers, CrossedClothsFallAsleep) {
   std::vector<std::string> small;
   for (int k = 0; k < 4; ++k) {
