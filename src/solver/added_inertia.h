@@ -28,11 +28,10 @@ class AddedInertia {
   /// quasi-static motion.
   ///
   /// Threads pull in the directions that they have at the start of a projection. So transverse
-  /// vibration of angular frequency w is integrated explicitly: it is unstable at h w > 2, and
-  /// bending that acts in every other substep excites it at h w = pi / 2. The Gershgorin bound of
-  /// the geometric stiffness gives w^2 <= 2 sum(T / l) / m, over the tensions T and lengths l of
-  /// the springs at a particle of inertia m; neighbours that move against each other reach it. With
-  /// this inertia h w is at most 1.
+  /// vibration of angular frequency w is integrated explicitly: it is unstable at h w > 2, and the
+  /// seam of a pull tears early at h w = 1.4. The Gershgorin bound of the geometric stiffness gives
+  /// w^2 <= 2 sum(T / l) / m, over the tensions T and lengths l of the springs at a particle of
+  /// inertia m; neighbours that move against each other reach it. With this inertia h w is at most 1.
   void followTension(const Model& model, const Particles& p, double h);
   /// Finds the inertia of each particle; 0 if it is held.
   void find(const Particles& p);
