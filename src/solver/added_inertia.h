@@ -31,7 +31,8 @@ class AddedInertia {
   /// vibration of angular frequency w is integrated explicitly: it is unstable at h w > 2, and the
   /// seam of a pull tears early at h w = 1.4. The Gershgorin bound of the geometric stiffness gives
   /// w^2 <= 2 sum(T / l) / m, over the tensions T and lengths l of the springs at a particle of
-  /// inertia m; neighbours that move against each other reach it. With this inertia h w is at most 1.
+  /// inertia m; neighbours that move against each other reach it. With this inertia h w is at
+  /// most 1.
   void followTension(const Model& model, const Particles& p, double h);
   /// Finds the inertia of each particle; 0 if it is held.
   void find(const Particles& p);
