@@ -38,6 +38,17 @@ double dotAxis(std::size_t n, const double* a, const double* b) {
   return sum;
 }
 
+/// Sets `a`, part by part, by `set(count, coordinates of b, those of c, those of a)` for each axis.
+template <typename Set>
+void setAxes(const VectorArray& b, const VectorArray& c, VectorArray& a, const Set& set) {
+  a.resize(b.x.size());
+  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
+    forAxes([&](const auto& q, const auto& r,
+                auto& p) { set(count, q.data() + first, r.data() + first, p.data() + first); },
+            b, c, a);
+  });
+}
+
 }  // namespace
 
 void setZero(std::size_t n, VectorArray& a) {
@@ -57,36 +68,15 @@ void copy(const VectorArray& b, VectorArray& a) {
 }
 
 void setSum(const VectorArray& b, double s, const VectorArray& c, VectorArray& a) {
-  a.resize(b.x.size());
-  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
-    forAxes(
-        [&](auto& p, const auto& q, const auto& r) {
-          sumAxis(count, q.data() + first, s, r.data() + first, p.data() + first);
-        },
-        a, b, c);
-  });
+  setAxes(b, c, a, [s](auto n, auto* q, auto* r, auto* p) { sumAxis(n, q, s, r, p); });
 }
 
 void setDifference(const VectorArray& b, const VectorArray& c, double s, VectorArray& a) {
-  a.resize(b.x.size());
-  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
-    forAxes(
-        [&](auto& p, const auto& q, const auto& r) {
-          differenceAxis(count, q.data() + first, r.data() + first, s, p.data() + first);
-        },
-        a, b, c);
-  });
+  setAxes(b, c, a, [s](auto n, auto* q, auto* r, auto* p) { differenceAxis(n, q, r, s, p); });
 }
 
 void setExtrapolation(const VectorArray& b, const VectorArray& c, double s, VectorArray& a) {
-  a.resize(b.x.size());
-  forParts(b.x.size(), [&](std::size_t first, std::size_t count) {
-    forAxes(
-        [&](auto& p, const auto& q, const auto& r) {
-          extrapolateAxis(count, q.data() + first, r.data() + first, s, p.data() + first);
-        },
-        a, b, c);
-  });
+  setAxes(b, c, a, [s](auto n, auto* q, auto* r, auto* p) { extrapolateAxis(n, q, r, s, p); });
 }
 
 void addScaled(double s, const VectorArray& b, VectorArray& a) { setSum(a, s, b, a); }
