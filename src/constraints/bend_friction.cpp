@@ -1,7 +1,5 @@
 #include "bend_friction.h"
 
-#include <algorithm>
-
 #include "taken_colours.h"
 #include "threads/parallel_for.h"
 

@@ -1,6 +1,5 @@
 #include "line_projection.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>

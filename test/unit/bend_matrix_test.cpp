@@ -8,6 +8,7 @@
 #include "cloth/bending_row_sums.h"
 #include "cloth_sim/threads/thread_limit.h"
 #include "cloth_sim/threads/thread_pool.h"
+#include "linalg/impulse_polynomial.h"
 #include "linalg/vector_operations.h"
 #include "unit/scheduled.h"
 

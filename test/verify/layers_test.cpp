@@ -17,6 +17,8 @@
 namespace cloth_sim {
 namespace {
 
+using verify_support::fastestSpeed;
+
 /// A towel that falls on its edge and crumples.
 constexpr const char* kCrumple = R"(
 cloth:
@@ -122,12 +124,6 @@ double meanHeight(const Simulation& simulation, std::size_t cloth) {
   return sum / part.vertices;
 }
 
-double fastestOf(const Simulation& simulation) {
-  double fastest = 0.0;
-  for (const Vec3& v : simulation.state().v.values()) fastest = std::max(fastest, v.norm());
-  return fastest;
-}
-
 /// A stack after some time on a table.
 Simulation restingStack(int layers, double less, int steps) {
   Simulation simulation(
@@ -149,7 +145,7 @@ void expectAThicknessApart(const Simulation& simulation) {
 TEST(Layers, AStackRestsAThicknessApart) {
   const Simulation simulation = restingStack(4, 0.04, 90);
   expectAThicknessApart(simulation);
-  EXPECT_LT(fastestOf(simulation), 0.001);
+  EXPECT_LT(fastestSpeed(simulation.state()), 0.001);
   EXPECT_LT(static_cast<double>(simulation.layerReport()->truncated),
             1e-3 * static_cast<double>(simulation.layerReport()->moves));
 }
@@ -157,7 +153,7 @@ TEST(Layers, AStackRestsAThicknessApart) {
 TEST(Layers, AStackOfTenRestsAThicknessApart) {
   const Simulation simulation = restingStack(10, 0.015, 60);
   expectAThicknessApart(simulation);
-  EXPECT_LT(fastestOf(simulation), 0.001);
+  EXPECT_LT(fastestSpeed(simulation.state()), 0.001);
   EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
 }
 
@@ -354,12 +350,12 @@ TEST(Layers, AKnotThatIsPulledTightComesToRest) {
   }
   EXPECT_EQ(simulation.script().status(), ScriptStatus::kDone);
   EXPECT_LT(largest, 0.1);
-  EXPECT_LT(fastestOf(simulation), 0.1);
+  EXPECT_LT(fastestSpeed(simulation.state()), 0.1);
   verify_support::record("largest_strain", largest);
 }
 
-/// Edges that lie over lower ones go up and down from substep to substep, here at 27 mm/s; from step
-/// to step nothing moves.
+/// Edges that lie over lower ones go up and down from substep to substep, here at 27 mm/s; from
+/// step to step nothing moves.
 TEST(Layers, CrossedClothsFallAsleep) {
   std::vector<std::string> small;
   for (int k = 0; k < 4; ++k) {
@@ -370,7 +366,7 @@ TEST(Layers, CrossedClothsFallAsleep) {
   Simulation simulation(loadScene(testing_support::shipped("stack"), small));
   double fastest = 0.0;
   while (simulation.time() < 3.0 && !simulation.isAsleep()) {
-    fastest = fastestOf(simulation);
+    fastest = fastestSpeed(simulation.state());
     simulation.step();
     ASSERT_FALSE(simulation.failed()) << simulation.failure();
   }
@@ -392,7 +388,7 @@ TEST(Layers, AFoldComesToRest) {
     simulation.step();
     ASSERT_FALSE(simulation.failed()) << simulation.failure();
   }
-  EXPECT_TRUE(simulation.isAsleep()) << fastestOf(simulation);
+  EXPECT_TRUE(simulation.isAsleep()) << fastestSpeed(simulation.state());
   EXPECT_EQ(countIntersections(simulation.model(), simulation.state()), 0);
   verify_support::record("at_rest_after", simulation.time());
 }

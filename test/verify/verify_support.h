@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -95,6 +96,13 @@ void forGrid(const Model& model, const Visit& visit) {
 inline double totalEnergy(const Rig& rig) {
   const Energies e = energies(rig.model, rig.state, rig.controls.gravity);
   return e.kinetic + e.elastic + e.gravity;
+}
+
+/// The speed of the fastest particle [m/s].
+inline double fastestSpeed(const State& state) {
+  double fastest = 0.0;
+  for (const Vec3& v : state.v.values()) fastest = std::max(fastest, v.norm());
+  return fastest;
 }
 
 /// Records a measured value in the XML report.
